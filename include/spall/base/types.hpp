@@ -1,0 +1,22 @@
+// The few types that every other file speaks in.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <limits>
+
+namespace spall {
+
+using Vec3 = Eigen::Vector3d;
+
+/// A body's place in this rank's arrays: dies at the next migration.
+using Index = std::int32_t;
+
+/// A body's name for ever: 0 … N-1 in the order of the case file, the same on any number of ranks.
+using BodyId = std::int64_t;
+
+inline constexpr double pi = 3.14159265358979323846;
+inline constexpr double infinity = std::numeric_limits<double>::infinity();
+
+}  // namespace spall

@@ -1,0 +1,44 @@
+// Self-gravity: the field of all bodies on all bodies, exact or by a tree.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "spall/base/comm.hpp"
+#include "spall/base/types.hpp"
+
+namespace spall {
+
+enum class GravityMethod { none, direct, tree, automatic };
+
+struct GravitySettings {
+  GravityMethod method = GravityMethod::none;
+  double constant = 6.67430e-11;  ///< m^3/(kg s^2), CODATA 2018
+  double accuracy = 1e-4;         ///< rms relative force error asked of the tree
+  double refresh = 1e-2;  ///< the field is held until a force may have changed by this, relative to
+                          ///< the rms force
+};
+
+/// The field at the owned bodies, at one instant.
+struct GravityField {
+  std::vector<Vec3>
+      acceleration;  ///< m/s^2; sum of mass * acceleration over all ranks is zero to round-off
+  std::vector<double> potential;  ///< J/kg, self excluded; energy = 1/2 sum m potential
+  std::vector<double>
+      rate;  ///< m/s^3, upper bound of |d acceleration / dt| at the present velocities
+};
+
+/// Owned bodies' rows in, owned bodies' field out. Coincident bodies exert no force on each other.
+/// Collective.
+GravityField evaluate_gravity(const Comm& comm, const GravitySettings& settings,
+                              std::span<const double> mass, std::span<const Vec3> position,
+                              std::span<const Vec3> velocity);
+
+/// How long `field` may be held: until some force m_b |da_b| may have changed by `refresh` times
+/// the rms force m |a| over all bodies. Seconds; infinite without forces. Collective.
+double holding_time(const Comm& comm, const GravitySettings& settings, std::span<const double> mass,
+                    const GravityField& field);
+
+}  // namespace spall

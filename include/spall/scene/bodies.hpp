@@ -1,0 +1,43 @@
+// The bodies of one rank: one vector a field, owned bodies first, ghosts after.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "spall/base/types.hpp"
+
+namespace spall {
+
+/// Spheres. Row b of every field is body b of this rank; rows [0, owned) are this rank's own, the
+/// rest are copies of other ranks' bodies, current only after a ghost exchange.
+struct Bodies {
+  Index owned = 0;
+
+  std::vector<BodyId> id;
+  std::vector<std::int32_t> group;     ///< index of the scene's recipe that made the body
+  std::vector<std::int32_t> material;  ///< index into the scene's materials
+  std::vector<double> radius;          ///< m
+  std::vector<double> mass;            ///< kg; infinite for a body that never moves
+  std::vector<Vec3> position;          ///< m
+  std::vector<Vec3> velocity;          ///< m/s
+  std::vector<Vec3> angular_velocity;  ///< rad/s, world frame
+
+  Index size() const { return static_cast<Index>(id.size()); }
+  Index ghosts() const { return size() - owned; }
+};
+
+/// Calls `f(name, field)` for every field: resizing, migration, ghosts and restart go through this
+/// list alone, so a new field is one line.
+template <class BodiesLike, class F>
+void for_each_field(BodiesLike& bodies, F&& f) {
+  f("id", bodies.id);
+  f("group", bodies.group);
+  f("material", bodies.material);
+  f("radius", bodies.radius);
+  f("mass", bodies.mass);
+  f("position", bodies.position);
+  f("velocity", bodies.velocity);
+  f("angular_velocity", bodies.angular_velocity);
+}
+
+}  // namespace spall

@@ -1,0 +1,131 @@
+// A case: everything a user asked for, as read from a TOML file, in SI units.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "spall/base/types.hpp"
+#include "spall/force/gravity.hpp"
+#include "spall/solver/problem.hpp"
+
+namespace spall {
+
+struct Material {
+  std::string name;
+  double density = 0;  ///< kg/m^3 of a sphere of it
+};
+
+/// What happens where two bodies meet.
+struct ContactLaw {
+  double friction = 0;
+  double restitution = 0;
+  double cohesion = 0;               ///< N, attractive, on every pair with gap <= cohesion_range
+  double cohesion_range = 0;         ///< m
+  bool cohesion_is_impulse = false;  ///< cohesion read as N s a step, as the reference engine does
+};
+
+enum class Shape { sphere, box, ellipsoid, hollow_sphere, cylinder };
+
+struct Volume {
+  Shape shape = Shape::sphere;
+  Vec3 center = Vec3::Zero();
+  Vec3 extents = Vec3::Zero();  ///< full widths (box, ellipsoid); cylinder: diameter, diameter,
+                                ///< height (along z)
+  double radius = 0;            ///< outer radius of sphere, hollow_sphere
+  double inner_radius = 0;      ///< of hollow_sphere
+};
+
+enum class PackingKind { single, random, simple_cubic, fcc, hcp };
+
+struct Packing {
+  PackingKind kind = PackingKind::single;
+  double radius = 0;                  ///< of the spheres
+  std::optional<double> spacing;      ///< of lattices, nearest neighbours; 2 radius where left out
+  std::optional<std::int64_t> count;  ///< of random packings
+  Vec3 rotation = Vec3::Zero();       ///< of lattices: rotation vector, rad
+};
+
+/// One recipe: a volume filled with spheres of one material.
+struct Group {
+  std::string name;
+  int material = 0;
+  Volume volume;
+  Packing packing;
+  std::optional<double> total_mass;  ///< spheres' density is scaled to give it (thesis eq. 2.13)
+  Vec3 velocity = Vec3::Zero();
+  Vec3 spin = Vec3::Zero();  ///< rad/s, rigid rotation about the volume's center
+  bool fixed = false;        ///< infinite mass
+};
+
+/// A half-space that never moves: its surface passes through `point`, `normal` points to the free
+/// side.
+struct Plane {
+  Vec3 point = Vec3::Zero();
+  Vec3 normal = Vec3::UnitZ();
+};
+
+/// A sphere added at the start of a phase, aimed at the target along a direction.
+struct Impactor {
+  double mass = 0;
+  double radius = 0;
+  double speed = 0;                ///< m/s
+  Vec3 direction = Vec3::UnitX();  ///< of flight, unit vector
+  double distance = 0;         ///< m, gap between the surfaces at the start; along the direction
+  Vec3 offset = Vec3::Zero();  ///< m, of the aiming line from the target's centre of mass
+  /// The line is shifted to pass through the centre of the first sphere that it meets: a head-on
+  /// hit.
+  bool head_on = true;
+};
+
+struct Phase {
+  std::string name;
+  double step = 0;      ///< s
+  double duration = 0;  ///< s; with `until_settled` the longest
+  bool until_settled = false;
+  double settled_speed = 0;              ///< m/s, rms; settled below it
+  std::optional<double> cohesion;        ///< N, set at the start of the phase
+  std::optional<Impactor> impactor;      ///< added at the start of the phase
+  bool remove_drift = false;             ///< at the start: centre of mass to rest at the origin
+  std::optional<SolverSettings> solver;  ///< where it differs from the case's
+};
+
+struct OutputSettings {
+  double snapshot_every = 0;   ///< s of simulated time; 0: at the ends of phases only
+  double series_every = 0;     ///< s of simulated time; 0: every step
+  double restart_every = 600;  ///< s of wall time
+};
+
+/// The orbit whose change is asked for (thesis eqs. 3.3, 3.4).
+struct Binary {
+  double separation = 0;  ///< m, R
+  double speed = 0;       ///< m/s, v_old
+  double parameter = 0;   ///< m^3/s^2, mu
+  double period = 0;      ///< s, T_old
+};
+
+struct Case {
+  std::string file;  ///< where it was read
+  std::string text;  ///< the file as read, for the record in outputs
+  std::string title;
+  std::uint64_t seed = 1;
+  std::vector<Material> materials;
+  ContactLaw contact;
+  std::vector<Group> groups;
+  std::vector<Plane> planes;
+  GravitySettings gravity;
+  Vec3 uniform_gravity = Vec3::Zero();  ///< m/s^2
+  SolverSettings solver;
+  std::vector<Phase> phases;
+  OutputSettings output;
+  std::optional<Binary> binary;
+  std::vector<double> read_out;  ///< s after the impactor was added: where dv is tabulated
+};
+
+/// Reads and checks a case. `overrides` are "key.path=value" as given to --set. Throws Error with
+/// file, line, key and what would be right.
+Case read_case(const std::string& file, const std::vector<std::string>& overrides = {});
+
+}  // namespace spall

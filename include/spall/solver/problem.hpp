@@ -1,0 +1,78 @@
+// One step's contact problem: what the solvers read, and what they give back.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "spall/base/types.hpp"
+#include "spall/contact/contacts.hpp"
+#include "spall/domain/ghosts.hpp"
+
+namespace spall {
+
+/// Find impulses p (world frame, on j, opposite on i) and velocity changes dv, ds (s = r omega):
+///
+///   dv_j += w_j p,  dv_i -= w_i p,  ds += -2.5 w kappa (n x p) on both bodies
+///   u = free_velocity + dv_j - dv_i - kappa (ds_i + ds_j) x n
+///   p_n >= -cohesive_impulse, |p_t| <= mu (p_n + cohesive_impulse), and complementarity with u
+///
+/// Rows [0, owned) of the bodies are this rank's, then ghosts as in `ghosts`; a contact's j may be
+/// `ground`. Contacts [0, boundary) have a ghost row and are evaluated on both ranks; a contact
+/// counts in sums on the rank that owns row i.
+struct ContactProblem {
+  int dimension = 3;  ///< 1: no friction anywhere, normals only, no spins
+  Index boundary = 0;
+  std::span<const double> inverse_mass;  ///< 1/kg, owned and ghost rows; 0: never moves
+  std::span<const Index> i, j;
+  std::span<const Vec3> normal;  ///< from i to j
+  std::span<const double> kappa;
+  std::span<const Vec3> free_velocity;       ///< m/s: D^T v_free, with the bias b added along n
+  std::span<const double> friction;          ///< mu
+  std::span<const double> cohesive_impulse;  ///< N s, >= 0
+
+  Index contacts() const { return static_cast<Index>(i.size()); }
+};
+
+enum class SolverMethod { accelerated, apgd, barzilai_borwein, sor };
+enum class FrictionModel { convex, coulomb };
+
+struct SolverSettings {
+  SolverMethod method = SolverMethod::accelerated;
+  FrictionModel friction = FrictionModel::coulomb;
+  double tolerance = 1e-2;  ///< on E (on E_eps where `prox` > 0): relative to impulses all zero
+  int max_iterations = 1000;
+  double prox = 4e-3;       ///< eps of the proximal Coulomb problem; 0: none (solver.md)
+  double relaxation = 1.0;  ///< of `sor`
+};
+
+/// The residual is the natural map in velocity units, R_c = S_c (p_c - P_c(p_c - S_c^-1 u_c)).
+struct SolverReport {
+  int iterations = 0;
+  int products = 0;     ///< with the Delassus operator
+  double residual = 0;  ///< E = sqrt(sum R^T S^-1 R) / E(p = 0), of the problem as asked, no prox
+  double residual_prox = 0;  ///< E_eps, of the proximal problem; equals `residual` without one
+  double residual_max = 0;   ///< m/s, largest |R_c|
+  double residual_rms = 0;   ///< m/s
+  bool converged = true;
+  double seconds = 0;  ///< longest rank
+};
+
+/// Velocity changes of one body by the impulses: one cache line.
+struct alignas(64) VelocityChange {
+  double linear[4] = {0, 0, 0, 0};   ///< dv, m/s; the fourth is always 0
+  double angular[4] = {0, 0, 0, 0};  ///< ds = r d(omega), m/s
+};
+
+struct SolverResult {
+  std::vector<VelocityChange> change;  ///< owned and ghost rows, ghosts current
+  SolverReport report;
+};
+
+/// Solves for `impulse` (one a contact: the warm start and proximal centre in, the solution out;
+/// the same bits on both ranks of a boundary contact). Collective.
+SolverResult solve(const ContactProblem& problem, const Ghosts& ghosts,
+                   const SolverSettings& settings, std::vector<Vec3>& impulse);
+
+}  // namespace spall

@@ -1,0 +1,153 @@
+// Collective calls with their return codes checked.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "spall/base/comm.hpp"
+
+#include <petscsys.h>
+
+#include <cstdlib>
+#include <numeric>
+
+#include "spall/base/require.hpp"
+
+namespace spall {
+namespace {
+
+template <class T>
+MPI_Datatype mpi_type();
+template <>
+MPI_Datatype mpi_type<double>() {
+  return MPI_DOUBLE;
+}
+template <>
+MPI_Datatype mpi_type<std::int64_t>() {
+  return MPI_INT64_T;
+}
+
+template <class T>
+T reduce(MPI_Comm comm, T value, MPI_Op op) {
+  T result = value;
+  check_mpi(MPI_Allreduce(&value, &result, 1, mpi_type<T>(), op, comm), "MPI_Allreduce");
+  return result;
+}
+
+template <class T>
+std::vector<T> all_gather_values(const Comm& comm, std::span<const T> values) {
+  const int count = static_cast<int>(values.size());
+  std::vector<int> counts(comm.size), starts(comm.size + 1, 0);
+  check_mpi(MPI_Allgather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, comm.raw),
+            "MPI_Allgather");
+  std::partial_sum(counts.begin(), counts.end(), starts.begin() + 1);
+  std::vector<T> all(starts.back());
+  check_mpi(MPI_Allgatherv(values.data(), count, mpi_type<T>(), all.data(), counts.data(),
+                           starts.data(), mpi_type<T>(), comm.raw),
+            "MPI_Allgatherv");
+  return all;
+}
+
+template <class T>
+std::vector<std::vector<T>> exchange_rows(const Comm& comm,
+                                          const std::vector<std::vector<T>>& outgoing) {
+  std::vector<int> send(comm.size), receive(comm.size);
+  std::vector<int> send_at(comm.size + 1, 0), receive_at(comm.size + 1, 0);
+  for (int r = 0; r < comm.size; ++r) send[r] = static_cast<int>(outgoing[r].size());
+  check_mpi(MPI_Alltoall(send.data(), 1, MPI_INT, receive.data(), 1, MPI_INT, comm.raw),
+            "MPI_Alltoall");
+  std::partial_sum(send.begin(), send.end(), send_at.begin() + 1);
+  std::partial_sum(receive.begin(), receive.end(), receive_at.begin() + 1);
+  std::vector<T> packed, unpacked(receive_at.back());
+  packed.reserve(send_at.back());
+  for (const auto& row : outgoing) packed.insert(packed.end(), row.begin(), row.end());
+  check_mpi(
+      MPI_Alltoallv(packed.data(), send.data(), send_at.data(), mpi_type<T>(), unpacked.data(),
+                    receive.data(), receive_at.data(), mpi_type<T>(), comm.raw),
+      "MPI_Alltoallv");
+  std::vector<std::vector<T>> incoming(comm.size);
+  for (int r = 0; r < comm.size; ++r)
+    incoming[r].assign(unpacked.begin() + receive_at[r], unpacked.begin() + receive_at[r + 1]);
+  return incoming;
+}
+
+}  // namespace
+
+Comm::Comm(MPI_Comm communicator) : raw(communicator) {
+  check_mpi(MPI_Comm_rank(raw, &rank), "MPI_Comm_rank");
+  check_mpi(MPI_Comm_size(raw, &size), "MPI_Comm_size");
+}
+
+double Comm::sum(double value) const {
+  return reduce(raw, value, MPI_SUM);
+}
+std::int64_t Comm::sum(std::int64_t value) const {
+  return reduce(raw, value, MPI_SUM);
+}
+double Comm::max(double value) const {
+  return reduce(raw, value, MPI_MAX);
+}
+double Comm::min(double value) const {
+  return reduce(raw, value, MPI_MIN);
+}
+bool Comm::any(bool value) const {
+  return reduce<std::int64_t>(raw, value, MPI_MAX) != 0;
+}
+
+Vec3 Comm::sum(const Vec3& value) const {
+  Vec3 result = value;
+  sum(std::span<double>(result.data(), 3));
+  return result;
+}
+
+void Comm::sum(std::span<double> values) const {
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_DOUBLE,
+                          MPI_SUM, raw),
+            "MPI_Allreduce");
+}
+
+std::int64_t Comm::sum_before(std::int64_t value) const {
+  std::int64_t before = 0;
+  check_mpi(MPI_Exscan(&value, &before, 1, MPI_INT64_T, MPI_SUM, raw), "MPI_Exscan");
+  return rank == 0 ? 0 : before;  // MPI leaves rank 0's result undefined
+}
+
+void Comm::broadcast(std::span<double> values, int root) const {
+  check_mpi(MPI_Bcast(values.data(), static_cast<int>(values.size()), MPI_DOUBLE, root, raw),
+            "MPI_Bcast");
+}
+
+std::vector<double> Comm::all_gather(std::span<const double> values) const {
+  return all_gather_values(*this, values);
+}
+std::vector<std::int64_t> Comm::all_gather(std::span<const std::int64_t> values) const {
+  return all_gather_values(*this, values);
+}
+
+std::vector<std::vector<double>> Comm::exchange(
+    const std::vector<std::vector<double>>& outgoing) const {
+  return exchange_rows(*this, outgoing);
+}
+std::vector<std::vector<std::int64_t>> Comm::exchange(
+    const std::vector<std::vector<std::int64_t>>& outgoing) const {
+  return exchange_rows(*this, outgoing);
+}
+
+Session::Session(int& argc, char**& argv) {
+  // PETSc reads its options from PETSC_OPTIONS alone: the command line is ours.
+  (void)argc;
+  (void)argv;
+  if (PetscInitialize(nullptr, nullptr, nullptr, nullptr) != 0) std::abort();
+  PetscPopSignalHandler();
+}
+
+Session::~Session() {
+  PetscFinalize();
+}
+
+Comm Session::world() const {
+  return Comm(PETSC_COMM_WORLD);
+}
+
+void Session::abort_all(int exit_code) {
+  MPI_Abort(MPI_COMM_WORLD, exit_code);
+  std::abort();
+}
+
+}  // namespace spall
