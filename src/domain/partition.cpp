@@ -9,6 +9,7 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <set>
 
 #include "spall/base/require.hpp"
 
@@ -16,6 +17,7 @@ namespace spall {
 namespace {
 
 constexpr double cells_a_rank = 64;
+constexpr double most_cells_a_rank = 512;
 
 using CellIndex = std::array<std::int64_t, 3>;
 
@@ -24,14 +26,28 @@ struct Cell {
   std::map<int, double> work_on;  // by the rank that owns it now
 };
 
-/// Edge of a cell that holds `1 / (cells_a_rank * ranks)` of all bodies at the density of a pile. A
-/// cloud of ejecta far away gets cells of its own; they weigh little.
-double cell_edge(const Comm& comm, const Bodies& bodies) {
+std::vector<CellIndex> cells_of(const Bodies& bodies, double edge) {
+  std::vector<CellIndex> cell(bodies.owned);
+  for (Index b = 0; b < bodies.owned; ++b)
+    for (int k = 0; k < 3; ++k)
+      cell[b][k] = static_cast<std::int64_t>(std::floor(bodies.position[b][k] / edge));
+  return cell;
+}
+
+/// The cell of each owned body. Cells are as wide as `cells_a_rank` cells a rank are at the density
+/// of a pile; in a dilute cloud, where they would hold a body each and have no neighbours, wider by
+/// powers of two until they are few.
+std::vector<CellIndex> choose_cells(const Comm& comm, const Bodies& bodies) {
   std::array<double, 2> sums{static_cast<double>(bodies.owned), 0};
   for (Index b = 0; b < bodies.owned; ++b) sums[1] += bodies.radius[b];
   comm.sum(sums);
   const double bodies_a_cell = std::max(1.0, sums[0] / (cells_a_rank * comm.size));
-  return 2 * sums[1] / sums[0] * std::cbrt(bodies_a_cell);
+  for (double edge = 2 * sums[1] / sums[0] * std::cbrt(bodies_a_cell);; edge *= 2) {
+    auto cell = cells_of(bodies, edge);
+    const std::set<CellIndex> occupied(cell.begin(), cell.end());
+    if (comm.sum(static_cast<double>(occupied.size())) <= most_cells_a_rank * comm.size)
+      return cell;
+  }
 }
 
 /// All occupied cells with their work, the same on every rank.
@@ -133,11 +149,7 @@ std::vector<int> deal(const Comm& comm, const Bodies& bodies) {
 
 std::vector<int> partition(const Comm& comm, const Bodies& bodies, std::span<const double> work) {
   if (comm.size == 1) return std::vector<int>(bodies.owned, 0);
-  const double edge = cell_edge(comm, bodies);
-  std::vector<CellIndex> cell_of(bodies.owned);
-  for (Index b = 0; b < bodies.owned; ++b)
-    for (int k = 0; k < 3; ++k)
-      cell_of[b][k] = static_cast<std::int64_t>(std::floor(bodies.position[b][k] / edge));
+  const auto cell_of = choose_cells(comm, bodies);
   const auto cells = gather_cells(comm, cell_of, work);
   if (cells.size() < 4 * static_cast<std::size_t>(comm.size)) return deal(comm, bodies);
   const auto part = cut(cells, comm.size);
