@@ -10,7 +10,7 @@ namespace spall {
 
 /// The field of all bodies at the owned bodies, each pair evaluated once and applied to both with
 /// the same bits. Ranks share the pairs equally, however the bodies are distributed. Each holds
-/// every body meanwhile (96 bytes a body). Collective.
+/// every body meanwhile (192 bytes a body). Collective.
 GravityField evaluate_gravity_direct(const Comm& comm, double constant,
                                      std::span<const double> mass, std::span<const Vec3> position,
                                      std::span<const Vec3> velocity);

@@ -50,15 +50,14 @@ inline Lanes inverse_sqrt(const Lanes& v) {
 #endif
 }
 
-/// sqrt(v), never below it and at most 2^-12 above: for bounds.
-inline Lanes sqrt_bound(const Lanes& v) {
+/// sqrt(v) to a relative error below `estimate_error`.
+inline constexpr double estimate_error = 0x1p-13;
+inline Lanes estimate_sqrt(const Lanes& v) {
 #ifdef __AVX512F__
-  constexpr double above = 1 + 0x1p-13;  // the estimate errs by less than 2^-14
-  const Lanes y = estimate_inverse_sqrt(v);
-  return (v * above) * y;
+  return v * estimate_inverse_sqrt(v);
 #else
   Lanes result;
-  for (std::size_t k = 0; k < lane_count; ++k) result[k] = std::sqrt(v[k]) * (1 + 0x1p-52);
+  for (std::size_t k = 0; k < lane_count; ++k) result[k] = std::sqrt(v[k]);
   return result;
 #endif
 }
