@@ -17,7 +17,7 @@ namespace spall {
 namespace {
 
 constexpr double cells_a_rank = 64;
-constexpr double most_cells_a_rank = 512;
+constexpr std::int64_t most_cells_a_rank = 512;
 
 using CellIndex = std::array<std::int64_t, 3>;
 
@@ -34,6 +34,22 @@ std::vector<CellIndex> cells_of(const Bodies& bodies, double edge) {
   return cell;
 }
 
+/// How many different cells the bodies of all ranks are in, whoever owns them.
+std::int64_t count_cells(const Comm& comm, const std::vector<CellIndex>& cell) {
+  const std::set<CellIndex> mine(cell.begin(), cell.end());
+  std::vector<std::vector<std::int64_t>> outgoing(comm.size);
+  for (const auto& index : mine) {
+    // Any rule will do by which all ranks send a cell to the same one.
+    const auto mixed = static_cast<std::uint64_t>(index[0] + 31 * index[1] + 1009 * index[2]);
+    auto& row = outgoing[mixed % comm.size];
+    row.insert(row.end(), index.begin(), index.end());
+  }
+  std::set<CellIndex> here;
+  for (const auto& row : comm.exchange(outgoing))
+    for (std::size_t k = 0; k < row.size(); k += 3) here.insert({row[k], row[k + 1], row[k + 2]});
+  return comm.sum(static_cast<std::int64_t>(here.size()));
+}
+
 /// The cell of each owned body. Cells are as wide as `cells_a_rank` cells a rank are at the density
 /// of a pile; in a dilute cloud, where they would hold a body each and have no neighbours, wider by
 /// powers of two until they are few.
@@ -44,9 +60,7 @@ std::vector<CellIndex> choose_cells(const Comm& comm, const Bodies& bodies) {
   const double bodies_a_cell = std::max(1.0, sums[0] / (cells_a_rank * comm.size));
   for (double edge = 2 * sums[1] / sums[0] * std::cbrt(bodies_a_cell);; edge *= 2) {
     auto cell = cells_of(bodies, edge);
-    const std::set<CellIndex> occupied(cell.begin(), cell.end());
-    if (comm.sum(static_cast<double>(occupied.size())) <= most_cells_a_rank * comm.size)
-      return cell;
+    if (count_cells(comm, cell) <= most_cells_a_rank * comm.size) return cell;
   }
 }
 
