@@ -11,7 +11,7 @@
 namespace spall {
 namespace {
 
-constexpr Index bodies_a_box = 64;  // along the space-filling curve: boxes are compact
+constexpr Index bodies_a_box = 16;  // along the space-filling curve: boxes are compact
 constexpr double large = 4;         // a body this many times the mean radius gets a box of its own
 
 struct Box {
@@ -19,6 +19,10 @@ struct Box {
   void add(const Vec3& center, double radius) {
     low = low.cwiseMin(center - Vec3::Constant(radius));
     high = high.cwiseMax(center + Vec3::Constant(radius));
+  }
+  void add(const Box& other) {
+    low = low.cwiseMin(other.low);
+    high = high.cwiseMax(other.high);
   }
   bool meets(const Box& other) const {
     return (low.array() <= other.high.array()).all() && (other.low.array() <= high.array()).all();
@@ -28,6 +32,11 @@ struct Box {
 struct Cluster {
   Box box;
   Index first, last;  // rows
+};
+
+struct RemoteBox {
+  Box box;
+  int rank;
 };
 
 std::vector<Cluster> cluster_bodies(const Bodies& bodies, std::span<const double> reach) {
@@ -62,25 +71,28 @@ Ghosts make_halo(const Comm& comm, Bodies& bodies, std::vector<double>& reach) {
   }
   const auto all = comm.all_gather(std::span<const double>(packed));
 
+  // Boxes of other ranks that meet anything of ours; then those that meet a cluster; then a body.
+  Box whole;
+  for (const auto& cluster : clusters) whole.add(cluster.box);
+  std::vector<RemoteBox> around, near;
+  for (std::size_t k = 0; k < all.size(); k += 7) {
+    const RemoteBox box{
+        {Vec3(all[k + 1], all[k + 2], all[k + 3]), Vec3(all[k + 4], all[k + 5], all[k + 6])},
+        static_cast<int>(all[k])};
+    if (box.rank != comm.rank && whole.meets(box.box)) around.push_back(box);
+  }
   // needed_by[b]: ranks that hold a copy of b, each once, in ascending order.
   std::vector<std::vector<int>> needed_by(bodies.owned);
-  std::vector<std::size_t> near;
   for (const auto& cluster : clusters) {
     near.clear();
-    auto box_at = [&](std::size_t k) {
-      return Box{Vec3(all[k + 1], all[k + 2], all[k + 3]),
-                 Vec3(all[k + 4], all[k + 5], all[k + 6])};
-    };
-    for (std::size_t k = 0; k < all.size(); k += 7)
-      if (all[k] != comm.rank && cluster.box.meets(box_at(k))) near.push_back(k);
+    std::copy_if(around.begin(), around.end(), std::back_inserter(near),
+                 [&](const RemoteBox& remote) { return remote.box.meets(cluster.box); });
     for (Index b = cluster.first; b < cluster.last && !near.empty(); ++b) {
       Box own;
       own.add(bodies.position[b], bodies.radius[b] + reach[b]);
-      for (std::size_t k : near) {
-        const int rank = static_cast<int>(all[k]);
-        if ((needed_by[b].empty() || needed_by[b].back() != rank) && own.meets(box_at(k)))
-          needed_by[b].push_back(rank);
-      }
+      for (const auto& remote : near)
+        if ((needed_by[b].empty() || needed_by[b].back() != remote.rank) && own.meets(remote.box))
+          needed_by[b].push_back(remote.rank);
     }
   }
 
