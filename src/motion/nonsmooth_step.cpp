@@ -120,13 +120,12 @@ void kick_by_impulses(World& world, const Contacts& contacts, const ProblemData&
   world.ledger.dissipated -= gained - by_cohesion;
 }
 
-double bond_energy(const World& world, const Contacts& contacts) {
-  double energy = 0;
-  const double range = world.law.cohesion_range;
+double sum_of_bonds(const World& world, const Contacts& contacts) {
+  double sum = 0;
   for (Index c = 0; c < contacts.size(); ++c)
-    if (contacts.i[c] < world.bodies.owned && contacts.gap[c] < range)
-      energy -= world.law.cohesion * (range - contacts.gap[c]);
-  return energy;
+    if (contacts.i[c] < world.bodies.owned)
+      sum += std::max(world.law.cohesion_range - contacts.gap[c], 0.0);
+  return sum;
 }
 
 /// Displacement velocities that take apart what would overlap at the end of the step, and nothing
@@ -228,7 +227,7 @@ StepReport nonsmooth_step(World& world, double h, const SolverSettings& solver, 
     StageTimer timer(world.times, "contacts");
     contacts = find_contacts(bodies, world.planes, pairs, h, world.law.cohesion_range);
   }
-  report.bond_energy = bond_energy(world, contacts);
+  report.bonds = sum_of_bonds(world, contacts);
   report.contacts = std::count_if(contacts.i.begin(), contacts.i.end(),
                                   [&](Index i) { return i < bodies.owned; });
   {

@@ -11,7 +11,8 @@ namespace spall {
 struct StepReport {
   SolverReport solver;
   std::int64_t contacts = 0;  ///< counted on the rank of row i
-  double bond_energy = 0;     ///< J, of cohesion at the start of the step
+  double bonds = 0;           ///< m, sum of (range - gap) over cohesive pairs at the start: times the
+                              ///< cohesion, the energy to break them all
   double overlap = 0;         ///< largest overlap over the smaller radius, on this rank
   int correction_products = 0;
 };
