@@ -28,4 +28,11 @@ struct Contacts {
   Index size() const { return static_cast<Index>(i.size()); }
 };
 
+/// What contacts leave to the next step and to restarts: impulses by name, since rows die.
+struct ContactMemory {
+  std::vector<BodyId> i;      ///< the lower id
+  std::vector<BodyId> j;      ///< the other id, or -1 - plane
+  std::vector<Vec3> impulse;  ///< N s, acts on j
+};
+
 }  // namespace spall
