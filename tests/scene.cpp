@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 #include "spall/base/require.hpp"
 #include "spall/scene/impactor.hpp"
@@ -151,6 +152,36 @@ packing = {kind = "hcp", radius = 1}
 )";
   EXPECT_EQ(complaint(parse(empty), Comm(MPI_COMM_SELF)),
             "x.toml:3:1: groups.a: its volume holds no sphere of radius 1 m");
+}
+
+TEST(Scene, the_cases_that_come_with_the_program_have_the_thesis_masses) {
+  const std::filesystem::path cases = CASES;
+  std::int64_t files = 0;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(cases)) {
+    if (entry.path().extension() != ".toml") continue;
+    ++files;
+    const Case scene = read_case(entry.path().string());
+    double mass = 0;
+    const auto counts = count_bodies(scene);
+    for (std::size_t g = 0; g < counts.size(); ++g) {
+      const Group& group = scene.groups[g];
+      const double r = group.packing.radius;
+      mass += group.total_mass.value_or(static_cast<double>(counts[g]) * 4 * pi / 3 * r * r * r *
+                                        scene.materials[group.material].density);
+    }
+    const std::string folder = entry.path().parent_path().filename();
+    if (folder == "didymoon") {
+      EXPECT_NEAR(mass, 1.8651e9, 0.0001e9);
+    }
+    if (folder == "nucleus") {
+      EXPECT_NEAR(mass, 2.708e9, 0.001e9);
+    }
+    if (folder == "pull") {
+      EXPECT_DOUBLE_EQ(mass, 1.0723e9);
+    }
+    EXPECT_FALSE(describe(scene).empty());
+  }
+  EXPECT_GE(files, 7);
 }
 
 TEST(Scene, more_ranks_than_bodies_is_an_error) {
