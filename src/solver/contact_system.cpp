@@ -17,7 +17,7 @@ template <int dimension>
 Rows<dimension> ContactSystem<dimension>::velocity_rows(const Rows<dimension>& sums) const {
   Rows<dimension> velocity = zero_rows();
   for (Index b = 0; b < contacts.owned; ++b)
-    row_velocity(contacts.inverse_mass[b], sums[b], velocity[b]);
+    velocity[b] = row_velocity(contacts.inverse_mass[b], sums[b]);
   gather_begin(velocity);
   gather_end(velocity);
   return velocity;

@@ -97,10 +97,10 @@ SolverResult solve_packed(const ContactProblem& problem, const Ghosts& ghosts,
   unpack_impulses(problem, start.impulse, impulse);
   result.change.resize(problem.inverse_mass.size());
   for (std::size_t b = 0; b < result.change.size(); ++b)
-    std::copy_n(start.velocity[b].at, 3, result.change[b].linear);
-  if constexpr (dimension == 3)
-    for (std::size_t b = 0; b < result.change.size(); ++b)
-      std::copy_n(start.velocity[b].at + 4, 3, result.change[b].angular);
+    for (int d = 0; d < 3; ++d) {
+      result.change[b].linear[d] = start.velocity[b].at[d];
+      if constexpr (dimension == 3) result.change[b].angular[d] = start.velocity[b].at[4 + d];
+    }
   return result;
 }
 

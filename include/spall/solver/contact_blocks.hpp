@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <type_traits>
 #include <vector>
 
 #include "spall/solver/pack.hpp"
@@ -13,9 +14,10 @@ namespace spall {
 /// [sum of +-p, 0 | sum of kappa n x p, 0], so that velocity = [w, w, w, 0 | -2.5 w x 3, 0] times
 /// it. Without friction (dimension 1) bodies have no second half.
 template <int dimension>
-struct alignas(dimension == 1 ? 32 : 64) Row {
+struct Row {
+  using Vector = std::conditional_t<dimension == 1, HalfPack, Pack>;
   static constexpr int width = dimension == 1 ? 4 : 8;
-  double at[width];
+  Vector at;
 };
 template <int dimension>
 using Rows = std::vector<Row<dimension>>;

@@ -38,10 +38,10 @@ struct ContactSystem {
   BlockRange interior() const { return {contacts.boundary, contacts.blocks.size()}; }
 
   void gather_begin(Rows<dimension>& rows) const {
-    ghosts.gather_begin(rows.data()->at, Row<dimension>::width);
+    ghosts.gather_begin(reinterpret_cast<double*>(rows.data()), Row<dimension>::width);
   }
   void gather_end(Rows<dimension>& rows) const {
-    ghosts.gather_end(rows.data()->at, Row<dimension>::width);
+    ghosts.gather_end(reinterpret_cast<double*>(rows.data()), Row<dimension>::width);
   }
 
   /// Sums of the impulses on owned rows, in impulse form; rows of other kinds hold anything.

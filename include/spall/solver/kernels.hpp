@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
+
 #include "spall/solver/contact_blocks.hpp"
 #include "spall/solver/projection.hpp"
 #include "spall/solver/transfer.hpp"
@@ -112,6 +114,11 @@ struct StepSums {
   double progress = 0;  ///< (p+ - y) . S (p+ - p): negative where momentum leads uphill
 };
 
+/// Blocks treated in three short loops (velocities, projections, sums) rather than one long one: a
+/// block's chain of dependent operations is longer than what a core can look ahead, so that one
+/// block would wait for the other.
+inline constexpr std::size_t batch = 8;
+
 /// One projected-gradient step of the contacts in `range`: reads p, the iterate before it and the
 /// velocities of y; writes the new iterate over the one before, and adds it to `impulse_rows`.
 template <FrictionModel model, bool boundary, int dimension>
@@ -119,27 +126,33 @@ void step_contacts(const ContactBlocks<dimension>& contacts, BlockRange range,
                    const GradientStep& with, const Row<dimension>* velocity,
                    const ImpulseBlock<dimension>* iterate, ImpulseBlock<dimension>* before,
                    Row<dimension>* impulse_rows, StepSums& sums) {
+  const ContactBlock<dimension>* blocks = contacts.blocks.data();
   Pack length2{}, progress{};
-  for (std::size_t at = range.first; at < range.last; ++at) {
-    const ContactBlock<dimension>& block = contacts.blocks[at];
-    const Pack* p = iterate[at].at;
-    Pack y[dimension], g[dimension], z[dimension], next[dimension];
-    scaled_velocity(block, velocity, g);
-    for (int d = 0; d < dimension; ++d) {
-      y[d] = p[d] + with.momentum * (p[d] - before[at].at[d]);
-      z[d] = with.keep * y[d] - with.step * (g[d] + block.velocity[d]);
+  for (std::size_t first = range.first; first < range.last; first += batch) {
+    const std::size_t last = std::min(first + batch, range.last);
+    Pack g[batch][dimension];
+    for (std::size_t at = first; at < last; ++at)
+      scaled_velocity(blocks[at], velocity, g[at - first]);
+    for (std::size_t at = first; at < last; ++at) {
+      const ContactBlock<dimension>& block = blocks[at];
+      Pack* next = before[at].at;
+      Pack y[dimension], z[dimension], from_y[dimension], from_p[dimension];
+      for (int d = 0; d < dimension; ++d) {
+        const Pack p = iterate[at].at[d];
+        y[d] = p + with.momentum * (p - before[at].at[d]);
+        z[d] = with.keep * y[d] - with.step * (g[at - first][d] + block.velocity[d]);
+      }
+      project<model>(block, z, next);
+      for (int d = 0; d < dimension; ++d) {
+        from_y[d] = next[d] - y[d];
+        from_p[d] = next[d] - iterate[at].at[d];
+      }
+      const Pack weight = boundary ? counted(block, contacts.owned) : Pack{} + 1.0;
+      length2 += weight * metric_product(block, from_y, from_y);
+      progress += weight * metric_product(block, from_y, from_p);
     }
-    project<model>(block, z, next);
-    add_impulses(block, next, impulse_rows);
-    Pack from_y[dimension], from_p[dimension];
-    for (int d = 0; d < dimension; ++d) {
-      before[at].at[d] = next[d];
-      from_y[d] = next[d] - y[d];
-      from_p[d] = next[d] - p[d];
-    }
-    const Pack weight = boundary ? counted(block, contacts.owned) : Pack{} + 1.0;
-    length2 += weight * metric_product(block, from_y, from_y);
-    progress += weight * metric_product(block, from_y, from_p);
+    for (std::size_t at = first; at < last; ++at)
+      add_impulses(blocks[at], before[at].at, impulse_rows);
   }
   sums.length2 += sum(length2);
   sums.progress += sum(progress);
@@ -152,37 +165,40 @@ void add_contacts(const ContactBlocks<dimension>& contacts, const Impulses<dimen
   for (std::size_t at = 0; at < p.size(); ++at) add_impulses(contacts.blocks[at], p[at].at, rows);
 }
 
-/// Velocity of an owned row from its impulse form.
+/// [1 1 1 1 | c c c c], cut to the row's width.
 template <int dimension>
-void row_velocity(double inverse_mass, const Row<dimension>& impulse, Row<dimension>& velocity) {
-  for (int k = 0; k < Row<dimension>::width; ++k)
-    velocity.at[k] = (k < 4 ? inverse_mass : -2.5 * inverse_mass) * impulse.at[k];
+constexpr typename Row<dimension>::Vector halves(double c) {
+  if constexpr (dimension == 1)
+    return HalfPack{1, 1, 1, 1};
+  else
+    return Pack{1, 1, 1, 1, c, c, c, c};
 }
 
-/// Velocities of y = p + momentum (p - p_before) for all owned rows, from the impulse forms of p
-/// and of the iterate before, which is cleared for the next sum. Returns |V(p) - V(y_before)|_M^2,
-/// with V(y_before) what `velocity` held: twice the kinetic energy of the difference.
+/// Velocity of an owned row from its impulse form.
+template <int dimension>
+Row<dimension> row_velocity(double inverse_mass, const Row<dimension>& impulse) {
+  return {inverse_mass * halves<dimension>(-2.5) * impulse.at};
+}
+
+/// Velocities of y = p + momentum (p - p_before) for all owned rows, from the impulse forms of p and
+/// of the iterate before, which is cleared for the next sum. Returns |V(p) - V(y_before)|_M^2, with
+/// V(y_before) what `velocity` held: twice the kinetic energy of the difference.
 template <int dimension>
 double extrapolate_rows(const ContactBlocks<dimension>& contacts, double momentum,
                         const Row<dimension>* iterate, Row<dimension>* before,
                         Row<dimension>* velocity) {
-  constexpr int width = Row<dimension>::width;
-  double curvature[width] = {};
+  typename Row<dimension>::Vector curvature{};
   for (Index b = 0; b < contacts.owned; ++b) {
     const double w = contacts.inverse_mass[b];
     const double mass = w > 0 ? 1 / w : 0;
-    Row<dimension> now, next;
-    row_velocity(w, iterate[b], now);
-    row_velocity(w, before[b], next);
-    for (int k = 0; k < width; ++k) {
-      const double change = now.at[k] - velocity[b].at[k];
-      curvature[k] += (k < 4 ? mass : 0.4 * mass) * change * change;
-      velocity[b].at[k] = now.at[k] + momentum * (now.at[k] - next.at[k]);
-      before[b].at[k] = 0;
-    }
+    const auto now = row_velocity(w, iterate[b]).at;
+    const auto change = now - velocity[b].at;
+    curvature += mass * halves<dimension>(0.4) * change * change;
+    velocity[b].at = now + momentum * (now - row_velocity(w, before[b]).at);
+    before[b] = Row<dimension>();
   }
   double total = 0;
-  for (double c : curvature) total += c;
+  for (int k = 0; k < Row<dimension>::width; ++k) total += curvature[k];
   return total;
 }
 

@@ -29,19 +29,6 @@ inline Pack high_halves(Pack a, Pack b) {
   return __builtin_shufflevector(a, b, 4, 5, 6, 7, 12, 13, 14, 15);
 }
 
-inline Pack& as_pack(Row<3>& row) {
-  return *reinterpret_cast<Pack*>(row.at);
-}
-inline const Pack& as_pack(const Row<3>& row) {
-  return *reinterpret_cast<const Pack*>(row.at);
-}
-inline HalfPack& as_pack(Row<1>& row) {
-  return *reinterpret_cast<HalfPack*>(row.at);
-}
-inline const HalfPack& as_pack(const Row<1>& row) {
-  return *reinterpret_cast<const HalfPack*>(row.at);
-}
-
 inline constexpr Pack opposite = {-1, -1, -1, -1, 1, 1, 1, 1};
 
 }  // namespace transfer
@@ -53,8 +40,8 @@ inline constexpr Pack opposite = {-1, -1, -1, -1, 1, 1, 1, 1};
   Pack low[4], high[4];  // [x | z | sx | sz] and [y | 0 | sy | 0] of two contacts
   for (int k = 0; k < 4; ++k) {
     const int l = 2 * k, m = 2 * k + 1;
-    const Pack a = as_pack(rows[j[l]]) + opposite * as_pack(rows[i[l]]);
-    const Pack b = as_pack(rows[j[m]]) + opposite * as_pack(rows[i[m]]);
+    const Pack a = rows[j[l]].at + opposite * rows[i[l]].at;
+    const Pack b = rows[j[m]].at + opposite * rows[i[m]].at;
     low[k] = evens(a, b);
     high[k] = odds(a, b);
   }
@@ -86,8 +73,8 @@ inline constexpr Pack opposite = {-1, -1, -1, -1, 1, 1, 1, 1};
     }
   }
   for (int l = 0; l < lanes; ++l) {
-    as_pack(rows[i[l]]) += opposite * contact[l];
-    as_pack(rows[j[l]]) += contact[l];
+    rows[i[l]].at += opposite * contact[l];
+    rows[j[l]].at += contact[l];
   }
 }
 
@@ -96,8 +83,8 @@ inline constexpr Pack opposite = {-1, -1, -1, -1, 1, 1, 1, 1};
                                                  Pack* out) {
   using namespace transfer;
   const auto two = [&](int l, int m) {
-    const HalfPack a = as_pack(rows[j[l]]) - as_pack(rows[i[l]]);
-    const HalfPack b = as_pack(rows[j[m]]) - as_pack(rows[i[m]]);
+    const HalfPack a = rows[j[l]].at - rows[i[l]].at;
+    const HalfPack b = rows[j[m]].at - rows[i[m]].at;
     return __builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7);
   };
   Pack low[2], high[2];  // [x | z | x | z] and [y | 0 | y | 0]
@@ -126,8 +113,8 @@ inline constexpr Pack opposite = {-1, -1, -1, -1, 1, 1, 1, 1};
     contact[6 + odd] = __builtin_shufflevector(xy, z0, 6, 7, 14, 15);
   }
   for (int l = 0; l < lanes; ++l) {
-    as_pack(rows[i[l]]) -= contact[l];
-    as_pack(rows[j[l]]) += contact[l];
+    rows[i[l]].at -= contact[l];
+    rows[j[l]].at += contact[l];
   }
 }
 
