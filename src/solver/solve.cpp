@@ -58,48 +58,48 @@ SolverResult solve_packed(const ContactProblem& problem, const Ghosts& ghosts,
                           std::vector<Vec3>& impulse) {
   SolverResult result;
   SolverReport& report = result.report;
+  const PackedUnits units = choose_units(problem, ghosts.comm());
   ContactSystem<dimension> system{.ghosts = ghosts,
                                   .friction = settings.friction,
-                                  .contacts = pack<dimension>(problem, ghosts.owned()),
+                                  .units = units,
+                                  .contacts = pack<dimension>(problem, units, ghosts.owned()),
                                   .centre = {},
                                   .count = count};
   system.centre.resize(system.contacts.blocks.size());
 
-  Candidate<dimension> start{
-      Impulses<dimension>(system.contacts.blocks.size()), system.zero_rows(), {}};
-  start.residual = system.residual(start.impulse, start.velocity);
-  if (start.residual.relative > 0) {
-    system.scale = start.residual.relative;
-    start.residual = system.residual(start.impulse, start.velocity);
+  Candidate<dimension> best{system.centre, Rows<dimension, double>(system.contacts.rows), {}};
+  best.residual = system.residual(best.impulse, best.velocity);
+  if (best.residual.relative > 0) {
+    system.scale = best.residual.relative;
+    best.residual.relative = best.residual.relative_prox = 1;
 
     // A warm start that is worse than none belongs to another state of motion: neither where to
     // start nor what to stay near.
-    Candidate<dimension> warm{pack_impulses<dimension>(problem, impulse), {}, {}};
-    warm.velocity = system.velocity_rows(system.impulse_rows(warm.impulse));
-    warm.residual = system.residual(warm.impulse, warm.velocity);
+    Candidate<dimension> warm = system.evaluate(pack_impulses<dimension>(problem, units, impulse));
     ++report.products;
-    if (warm.residual.relative <= 1) start = std::move(warm);
+    if (warm.residual.relative <= 1) best = std::move(warm);
 
     if (settings.method == SolverMethod::accelerated) {
       system.prox = settings.prox;
-      system.centre = start.impulse;
+      system.centre = best.impulse;
       add_centre(system.contacts, system.centre, system.prox);
     }
-    start = run_method(system, settings, std::move(start), report);
+    best = run_method(system, settings, std::move(best), report);
   }
 
-  report.residual = start.residual.relative;
-  report.residual_prox = start.residual.relative_prox;
-  report.residual_max = start.residual.max;
-  report.residual_rms = start.residual.rms;
-  report.converged = start.residual.relative_prox <= settings.tolerance;
+  report.residual = best.residual.relative;
+  report.residual_prox = best.residual.relative_prox;
+  report.residual_max = best.residual.max;
+  report.residual_rms = best.residual.rms;
+  report.converged = best.residual.relative_prox <= settings.tolerance;
 
-  unpack_impulses(problem, start.impulse, impulse);
+  unpack_impulses(problem, units, best.impulse, impulse);
   result.change.resize(problem.inverse_mass.size());
   for (std::size_t b = 0; b < result.change.size(); ++b)
     for (int d = 0; d < 3; ++d) {
-      result.change[b].linear[d] = start.velocity[b].at[d];
-      if constexpr (dimension == 3) result.change[b].angular[d] = start.velocity[b].at[4 + d];
+      result.change[b].linear[d] = units.velocity * best.velocity[b].at[d];
+      if constexpr (dimension == 3)
+        result.change[b].angular[d] = units.velocity * best.velocity[b].at[4 + d];
     }
   return result;
 }
