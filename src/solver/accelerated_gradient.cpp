@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "spall/base/require.hpp"
-#include "spall/solver/contact_system.hpp"
+#include "spall/solver/methods.hpp"
 
 namespace spall {
 namespace {

@@ -8,21 +8,42 @@
 namespace spall {
 
 template <int dimension>
-Rows<dimension, double> ContactSystem<dimension>::impulse_rows(
-    const DoubleImpulses& impulse) const {
+Rows<dimension, double> ContactSystem<dimension>::product(const DoubleImpulses& impulse) const {
   DoubleRows rows(contacts.rows);
   add_contacts(contacts, impulse, rows.data());
+  for (Index b = 0; b < contacts.owned; ++b)
+    rows[b] = row_velocity(contacts.inverse_mass[b], rows[b]);
+  rows.back() = Row<dimension, double>();
+  gather_begin(ghosts, rows);
+  gather_end(ghosts, rows);
   return rows;
 }
 
 template <int dimension>
-Rows<dimension, double> ContactSystem<dimension>::velocity_rows(const DoubleRows& sums) const {
-  DoubleRows velocity(contacts.rows);
-  for (Index b = 0; b < contacts.owned; ++b)
-    velocity[b] = row_velocity(contacts.inverse_mass[b], sums[b]);
-  gather_begin(ghosts, velocity);
-  gather_end(ghosts, velocity);
-  return velocity;
+Impulses<dimension, double> ContactSystem<dimension>::gradient_change(
+    const DoubleRows& velocity) const {
+  DoubleImpulses result(contacts.blocks.size());
+  for (std::size_t at = 0; at < result.size(); ++at)
+    scaled_velocity(contacts.blocks[at], velocity.data(), result[at].at);
+  return result;
+}
+
+template <int dimension>
+Impulses<dimension, double> ContactSystem<dimension>::gradient(const DoubleRows& velocity) const {
+  DoubleImpulses result = gradient_change(velocity);
+  for (std::size_t at = 0; at < result.size(); ++at)
+    for (int d = 0; d < dimension; ++d) result[at].at[d] += contacts.blocks[at].free_impulse[d];
+  return result;
+}
+
+template <int dimension>
+double ContactSystem<dimension>::metric_product(const DoubleImpulses& a,
+                                                const DoubleImpulses& b) const {
+  DoublePack total{};
+  for (std::size_t at = 0; at < a.size(); ++at)
+    total += convert<double>(counted(contacts.blocks[at], contacts.owned)) *
+             spall::metric_product(contacts.blocks[at], a[at].at, b[at].at);
+  return ghosts.comm().sum(sum(total));
 }
 
 template <int dimension>
@@ -42,7 +63,7 @@ Residual ContactSystem<dimension>::residual(const DoubleImpulses& impulse,
 
 template <int dimension>
 Candidate<dimension> ContactSystem<dimension>::evaluate(DoubleImpulses impulse) const {
-  DoubleRows velocity = velocity_rows(impulse_rows(impulse));
+  DoubleRows velocity = product(impulse);
   const Residual left = residual(impulse, velocity);
   return {std::move(impulse), std::move(velocity), left};
 }

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "spall/base/require.hpp"
-#include "spall/solver/contact_system.hpp"
+#include "spall/solver/methods.hpp"
 
 namespace spall {
 namespace {
@@ -23,6 +23,12 @@ void check_shapes(const ContactProblem& problem, const Ghosts& ghosts,
   require(settings.tolerance > 0, "solver tolerance is {}, must be positive", settings.tolerance);
   require(settings.max_iterations >= 0, "solver's max_iterations is {}, must not be negative",
           settings.max_iterations);
+  const bool descends =
+      settings.method == SolverMethod::apgd || settings.method == SolverMethod::barzilai_borwein;
+  require(!descends || problem.dimension == 1 || settings.friction == FrictionModel::convex,
+          "solver methods apgd and barzilai_borwein minimise: they need friction \"convex\"");
+  require(settings.relaxation > 0 && settings.relaxation < 2,
+          "solver's relaxation is {}, must lie between 0 and 2", settings.relaxation);
   require(settings.prox >= 0 && settings.prox < infinity, "solver's prox is {}, must be 0 or more",
           settings.prox);
 }
@@ -47,9 +53,14 @@ Candidate<dimension> run_method(const ContactSystem<dimension>& system,
   switch (settings.method) {
     case SolverMethod::accelerated:
       return accelerated_gradient(system, settings, std::move(start), report);
-    default:
-      throw Error("solver method not available");
+    case SolverMethod::apgd:
+      return apgd(system, settings, std::move(start), report);
+    case SolverMethod::barzilai_borwein:
+      return spectral_gradient(system, settings, std::move(start), report);
+    case SolverMethod::sor:
+      return gauss_seidel(system, settings, std::move(start), report);
   }
+  throw Error("unknown solver method");
 }
 
 template <int dimension>

@@ -44,13 +44,18 @@ struct ContactSystem {
   /// Impulses with their velocities and residual. Collective.
   Candidate<dimension> evaluate(DoubleImpulses impulse) const;
 
-  /// Sums of the impulses on owned rows, in impulse form; other rows hold anything.
-  DoubleRows impulse_rows(const DoubleImpulses& impulse) const;
+  /// Velocities of all rows by impulses: the product with the Delassus operator, but for its last
+  /// step. Collective.
+  DoubleRows product(const DoubleImpulses& impulse) const;
 
-  /// Velocities from sums of impulses; all rows current. Collective.
-  DoubleRows velocity_rows(const DoubleRows& impulse_rows) const;
+  /// The last step: S^-1 D^T velocity, with S^-1 b (the gradient) or without.
+  DoubleImpulses gradient(const DoubleRows& velocity) const;
+  DoubleImpulses gradient_change(const DoubleRows& velocity) const;
 
-  /// Residual of impulses whose velocities are given. Collective.
+  /// a . S b over all contacts and ranks. Collective.
+  double metric_product(const DoubleImpulses& a, const DoubleImpulses& b) const;
+
+  /// Residual of impulses whose velocities are given: no product. Collective.
   Residual residual(const DoubleImpulses& impulse, const DoubleRows& velocity) const;
 };
 
@@ -65,13 +70,6 @@ void gather_end(const Ghosts& ghosts, Rows<dimension, Real>& rows) {
   constexpr int width = sizeof(rows[0]) / sizeof(double);
   ghosts.gather_end(reinterpret_cast<double*>(rows.data()), width);
 }
-
-/// Nesterov's gradient method with one product an iteration, from `start` until the (proximal)
-/// residual falls to the tolerance; gives back the best iterate seen. Collective.
-template <int dimension>
-Candidate<dimension> accelerated_gradient(const ContactSystem<dimension>& system,
-                                          const SolverSettings& settings,
-                                          Candidate<dimension> start, SolverReport& report);
 
 /// Calls f with the friction model as a compile-time constant.
 template <class F>
