@@ -53,13 +53,16 @@ double depth(const Volume& volume, const Vec3& point) {
   return -infinity;
 }
 
+double ball_volume(double radius) {
+  return 4 * pi / 3 * radius * radius * radius;
+}
+
 double volume_of(const Volume& volume) {
-  const auto ball = [](double radius) { return 4 * pi / 3 * radius * radius * radius; };
   switch (volume.shape) {
     case Shape::sphere:
-      return ball(volume.radius);
+      return ball_volume(volume.radius);
     case Shape::hollow_sphere:
-      return ball(volume.radius) - ball(volume.inner_radius);
+      return ball_volume(volume.radius) - ball_volume(volume.inner_radius);
     case Shape::box:
       return volume.extents.prod();
     case Shape::ellipsoid:
