@@ -83,6 +83,7 @@ TEST(Shape, depth_is_the_distance_to_the_surface) {
       Vec3 offset;
       for (double& x : offset) x = uniform(engine);
       if (t % 4 == 0) offset.z() = 0;  // the ellipsoid's degenerate plane, across its shortest axis
+      if (t % 4 == 1) offset.z() = 1e-15;
       const Vec3 p = volume.center + offset.cwiseProduct(half_widths(volume));
       const double d = depth(volume, p);
       if (d <= 0) continue;
