@@ -51,8 +51,11 @@ void open_kick(World& world, double h, int most_steps) {
   StageTimer timer(world.times, "gravity");
   const auto owned = static_cast<std::size_t>(world.bodies.owned);
   if (world.uniform_gravity.isZero(0)) {
-    const double hold = holding_time(world.comm, world.gravity,
-                                     std::span(world.bodies.mass).first(owned), kick.field);
+    // The rates are those of the instant's velocities: from rest these grow with the interval, which
+    // may therefore only double from one kick to the next.
+    const double hold = std::min(
+        2 * kick.interval, holding_time(world.comm, world.gravity,
+                                        std::span(world.bodies.mass).first(owned), kick.field));
     kick.steps_left = static_cast<int>(std::clamp(hold / h, 1.0, static_cast<double>(most_steps)));
   }
   const double closed = kick.interval;
