@@ -105,9 +105,9 @@ Rows rows_in_rank_order(const Comm& comm, std::size_t count) {
   return {static_cast<hsize_t>(comm.sum_before(mine)), count, static_cast<hsize_t>(comm.sum(mine))};
 }
 
-Rows equal_rows(const Comm& comm, hsize_t total) {
-  const hsize_t begin = total * comm.rank / comm.size;
-  return {begin, total * (comm.rank + 1) / comm.size - begin, total};
+Rows equal_rows(int rank, int ranks, hsize_t total) {
+  const hsize_t begin = total * rank / ranks;
+  return {begin, total * (rank + 1) / ranks - begin, total};
 }
 
 File::File(Handle file, const Comm* comm, std::string path)

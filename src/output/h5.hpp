@@ -77,11 +77,12 @@ struct Layout<Vec3> {
 /// This rank's rows [begin, begin + count) of a dataset with `total` rows.
 struct Rows {
   hsize_t begin = 0, count = 0, total = 0;
+  hsize_t end() const { return begin + count; }
 };
 /// Ranks write one after another, `count` rows each. Collective.
 Rows rows_in_rank_order(const Comm& comm, std::size_t count);
-/// Rank r gets the r-th of `comm.size` nearly equal parts.
-Rows equal_rows(const Comm& comm, hsize_t total);
+/// The `rank`-th of `ranks` nearly equal parts.
+Rows equal_rows(int rank, int ranks, hsize_t total);
 
 /// The first `rows` rows of the dataset of the same name in `file`, beside the viewing file.
 struct Source {

@@ -29,11 +29,11 @@ struct Contacts {
   Index size() const { return static_cast<Index>(i.size()); }
 };
 
-/// What contacts remember from step to step, across migrations and restarts: impulses by body id.
-/// For a contact with plane k, `j` is -1 - k.
+/// What contacts leave to the next step and to restarts: impulses by name, since rows die.
 struct ContactMemory {
-  std::vector<BodyId> i, j;
-  std::vector<Vec3> impulse;  ///< N s, world frame, on j
+  std::vector<BodyId> i;      ///< the lower id
+  std::vector<BodyId> j;      ///< the other id, or -1 - plane
+  std::vector<Vec3> impulse;  ///< N s, acts on j
 };
 
 }  // namespace spall
