@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 
@@ -56,7 +57,7 @@ void read_contact(Section& in, ContactLaw& law) {
 
 void read_volume(Section& in, Volume& volume) {
   in.take("shape", "", volume.shape, shapes);
-  in.take("center", "", volume.center, any(length));
+  in.take("center", "of volume", volume.center, any(length));
   const Shape shape = volume.shape;
   const bool box = shape == Shape::box || shape == Shape::ellipsoid;
   if (in.reads(!box)) in.radius("of sphere, hollow_sphere, cylinder", volume.radius);
@@ -104,7 +105,7 @@ void read_group(Section& in, Group& group, const std::vector<Material>& material
     in.fail("volume", "is missing, such as {shape = \"sphere\", radius = \"95 m\"}");
   in.table("packing", "how it is filled; left out: single",
            [&](Section& s) { read_packing(s, group.packing); });
-  in.take("velocity", "", group.velocity, any(speed));
+  in.take("velocity", "of the volume's center", group.velocity, any(speed));
   in.take("spin", "rigid rotation about the volume's center", group.spin, any(spin));
   in.take("fixed", "never moves", group.fixed);
   in.take("total_mass", "the density is scaled to give it", group.total_mass, positive(mass));
@@ -136,7 +137,7 @@ void read_solver(Section& in, SolverSettings& settings) {
 
 void read_impactor(Section& in, Impactor& impactor) {
   std::string aim;
-  in.need("mass", "", impactor.mass, positive(mass));
+  in.need("mass", "its material is named impactor", impactor.mass, positive(mass));
   in.radius("", impactor.radius);
   in.need("speed", "relative to the target's centre of mass", impactor.speed, positive(speed));
   in.take("direction", "of flight", impactor.direction, any(number));
@@ -173,7 +174,7 @@ void read_phase(Section& in, Phase& phase, const SolverSettings& solver) {
 
 void read_case_keys(Section& in, Case& scene) {
   std::int64_t seed = 1;
-  in.take("title", "", scene.title);
+  in.take("title", "what is simulated", scene.title);
   in.take("seed", "of random packings", seed, 0);
   scene.seed = static_cast<std::uint64_t>(seed);
   in.take("allowed_overlap", "of two bodies at the start, in units of the smaller radius",
@@ -193,7 +194,7 @@ void read_case_keys(Section& in, Case& scene) {
     if (!s.writes_reference() && plane.normal.isZero(0)) s.fail("normal", "is zero");
     plane.normal.normalize();
   });
-  in.table("gravity", "", [&](Section& s) {
+  in.table("gravity", "of bodies on each other, and uniform", [&](Section& s) {
     s.take("method", "of self-gravity", scene.gravity.method, gravity_methods);
     s.take("accuracy", "rms relative force error of tree", scene.gravity.accuracy,
            positive(number));
@@ -205,7 +206,7 @@ void read_case_keys(Section& in, Case& scene) {
   in.table("solver", "of contact impulses", [&](Section& s) { read_solver(s, scene.solver); });
   in.tables("phases", "[[phases]]: in the order in which they run",
             [&](Section& s) { read_phase(s, scene.phases.emplace_back(), scene.solver); });
-  in.table("output", "", [&](Section& s) {
+  in.table("output", "snapshots, time series and restarts", [&](Section& s) {
     s.take("snapshot_every", "simulated; 0: at the ends of phases only",
            scene.output.snapshot_every, not_negative(time));
     s.take("series_every", "simulated; 0: every step", scene.output.series_every,
@@ -326,8 +327,8 @@ Case parse_case(const std::string& text, const std::string& file,
 Case read_case(const std::string& file, const std::vector<std::string>& overrides) {
   std::ifstream in(file);
   require(in.good(), "{}: cannot be opened: {}", file, std::strerror(errno));
+  require(!std::filesystem::is_directory(file), "{}: is a folder; a case file is wanted", file);
   const std::string text{std::istreambuf_iterator<char>(in), {}};
-  require(!in.bad(), "{}: cannot be read", file);
   return parse_case(text, file, overrides);
 }
 

@@ -43,10 +43,8 @@ Meeting first_meeting(const Comm& comm, const Bodies& bodies, const Vec3& throug
   return first;
 }
 
-/// Mass, momentum and mass-weighted position of the bodies that can move.
 struct Target {
-  double mass;
-  Vec3 center, velocity;
+  Vec3 center, velocity;  ///< of mass, of the bodies that can move; the origin, at rest, without
 };
 
 Target measure_target(const Comm& comm, const Bodies& bodies) {
@@ -59,8 +57,8 @@ Target measure_target(const Comm& comm, const Bodies& bodies) {
     momentum += bodies.mass[b] * bodies.velocity[b];
   }
   comm.sum(std::span<double>(sums));
-  if (sums[0] == 0) return {0, Vec3::Zero(), Vec3::Zero()};  // all fixed: offset is from the origin
-  return {sums[0], position / sums[0], momentum / sums[0]};
+  if (sums[0] == 0) return {Vec3::Zero(), Vec3::Zero()};
+  return {position / sums[0], momentum / sums[0]};
 }
 
 }  // namespace

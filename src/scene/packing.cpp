@@ -56,26 +56,34 @@ Eigen::Array3i SphereGrid::cell_of(const Vec3& point) const {
   return cell.max(0).min(cells_.cast<double>() - 1).cast<int>();
 }
 
+std::size_t SphereGrid::index_of(const Eigen::Array3i& cell) const {
+  return (static_cast<std::size_t>(cell.z()) * cells_.y() + cell.y()) * cells_.x() + cell.x();
+}
+
 void SphereGrid::add(const Vec3& center) {
   const Eigen::Array3i cell = cell_of(center);
-  auto& first =
-      first_[(static_cast<std::size_t>(cell.z()) * cells_.y() + cell.y()) * cells_.x() + cell.x()];
+  auto& first = first_[index_of(cell)];
   next_.push_back(first);
   first = static_cast<std::int32_t>(centers_.size());
   centers_.push_back(center);
 }
 
 std::int64_t SphereGrid::find_nearer(const Vec3& point, double distance) const {
+  const auto find_in = [&](const Eigen::Array3i& cell) {
+    std::int32_t sphere = first_[index_of(cell)];
+    while (sphere >= 0 && (centers_[sphere] - point).squaredNorm() >= distance * distance)
+      sphere = next_[sphere];
+    return sphere;
+  };
+  // In dense packings most places are taken, most often by a sphere of the point's own cell.
+  if (const std::int32_t sphere = find_in(cell_of(point)); sphere >= 0) return sphere;
   // Clamped cells keep what lies beyond the box in its outermost layer, so nothing is missed.
   const Eigen::Array3i low = cell_of(point - Vec3::Constant(distance));
   const Eigen::Array3i high = cell_of(point + Vec3::Constant(distance));
   for (int z = low.z(); z <= high.z(); ++z)
     for (int y = low.y(); y <= high.y(); ++y)
       for (int x = low.x(); x <= high.x(); ++x)
-        for (std::int32_t s =
-                 first_[(static_cast<std::size_t>(z) * cells_.y() + y) * cells_.x() + x];
-             s >= 0; s = next_[s])
-          if ((centers_[s] - point).squaredNorm() < distance * distance) return s;
+        if (const std::int32_t sphere = find_in({x, y, z}); sphere >= 0) return sphere;
   return -1;
 }
 

@@ -56,12 +56,6 @@ std::optional<std::string> nearest(std::string_view given, const std::vector<std
   return *best;
 }
 
-std::string default_text(double value, const Quantity& quantity) {
-  if (value == 0) return "0";
-  const std::string unit = si_unit(quantity.dimension);
-  return unit.empty() ? fmt::format("{}", value) : fmt::format("{} {}", value, unit);
-}
-
 std::string kind_of(const Quantity& quantity) {
   const std::string unit = si_unit(quantity.dimension);
   return unit.empty() ? "number" : unit;
@@ -86,11 +80,11 @@ std::string Section::reference(const Reader& read) {
 void Section::radius(std::string_view meaning, double& radius) {
   const bool by_diameter = has("diameter");
   if (by_diameter && has("radius")) fail("diameter", "is given beside radius: give one of them");
-  double diameter = 2 * radius;
   if (reads(!by_diameter)) read({"radius", meaning, true}, radius, positive(dimension::length));
   if (reads(by_diameter)) {
+    std::optional<double> diameter;
     read({"diameter", "in place of radius", false}, diameter, positive(dimension::length));
-    radius = diameter / 2;
+    if (diameter) radius = *diameter / 2;
   }
 }
 
@@ -128,7 +122,8 @@ void Section::tables(std::string_view key, std::string_view meaning, const Reade
   for (const toml::node& element : *node->as_array()) {
     const toml::table& one = *element.as_table();
     const auto name = one["name"].value<std::string>();
-    Section section(&one, file_, fmt::format("{}.{}", path_of(key), name.value_or(std::to_string(index))),
+    Section section(&one, file_,
+                    fmt::format("{}.{}", path_of(key), name.value_or(std::to_string(index))),
                     nullptr);
     read(section);
     section.finish();
@@ -165,8 +160,8 @@ const toml::node* Section::find(const Key& key, const std::string& kind,
   if (reference_) {
     const std::size_t depth = path_.empty() ? 0 : 1 + std::ranges::count(path_, '.');
     *reference_ +=
-        fmt::format("{:<26}{:<22}{:<12}{}\n", fmt::format("{:{}}{}", "", 2 * depth, key.name),
-                    kind, key.required ? "required" : by_default, key.meaning);
+        fmt::format("{:<22}{:<15}{:<12}{}\n", fmt::format("{:{}}{}", "", 2 * depth, key.name), kind,
+                    key.required ? "required" : by_default, key.meaning);
     return nullptr;
   }
   known_.emplace_back(key.name);
@@ -216,7 +211,7 @@ double Section::number(std::string_view key, const toml::node& node,
 }
 
 void Section::read(const Key& key, double& value, const Quantity& quantity) {
-  if (const toml::node* node = find(key, kind_of(quantity), default_text(value, quantity)))
+  if (const toml::node* node = find(key, kind_of(quantity), fmt::format("{}", value)))
     value = number(key.name, *node, quantity);
 }
 
@@ -226,7 +221,7 @@ void Section::read(const Key& key, std::optional<double>& value, const Quantity&
 }
 
 void Section::read(const Key& key, Vec3& value, const Quantity& quantity) {
-  const toml::node* node = find(key, fmt::format("[3] {}", si_unit(quantity.dimension)),
+  const toml::node* node = find(key, fmt::format("[3 {}]", kind_of(quantity)),
                                 fmt::format("[{}, {}, {}]", value[0], value[1], value[2]));
   if (!node) return;
   const toml::array* array = node->as_array();
@@ -239,7 +234,7 @@ void Section::read(const Key& key, Vec3& value, const Quantity& quantity) {
 }
 
 void Section::read(const Key& key, std::vector<double>& values, const Quantity& quantity) {
-  const toml::node* node = find(key, fmt::format("[] {}", si_unit(quantity.dimension)), "[]");
+  const toml::node* node = find(key, fmt::format("[{} ...]", kind_of(quantity)), "[]");
   if (!node) return;
   if (!node->is_array()) fail(key.name, fmt::format("is {}; an array is wanted", type_name(*node)));
   values.clear();
@@ -266,7 +261,7 @@ void Section::read(const Key& key, std::string& value) {
 }
 
 void Section::read(const Key& key, bool& value) {
-  const toml::node* node = find(key, "true or false", value ? "true" : "false");
+  const toml::node* node = find(key, "true, false", value ? "true" : "false");
   if (!node) return;
   if (!node->is_boolean())
     fail(key.name, fmt::format("is {}; true or false is wanted", type_name(*node)));
@@ -275,8 +270,10 @@ void Section::read(const Key& key, bool& value) {
 
 std::size_t Section::choose(const Key& key, const std::vector<std::string_view>& names,
                             std::size_t by_default) {
+  const std::string meaning =
+      fmt::format("{}{}{}", fmt::join(names, " | "), key.meaning.empty() ? "" : "; ", key.meaning);
   const toml::node* node =
-      find(key, fmt::format("{}", fmt::join(names, " ")), std::string(names[by_default]));
+      find({key.name, meaning, key.required}, "name", std::string(names[by_default]));
   if (!node) return by_default;
   const auto text = node->value<std::string>();
   const auto found = text ? std::ranges::find(names, *text) : names.end();

@@ -21,7 +21,7 @@ struct Unit {
   double factor = 1;
 };
 
-constexpr Dimension pressure{-1, 1, -2}, energy{2, 1, -2}, wattage{2, 1, -3};
+constexpr Dimension pressure{-1, 1, -2}, energy{2, 1, -2}, power{2, 1, -3};
 
 constexpr Unit units_with_prefix[] = {
     {"m", dimension::length},
@@ -31,7 +31,7 @@ constexpr Unit units_with_prefix[] = {
     {"Pa", pressure},
     {"bar", pressure, 5},
     {"J", energy},
-    {"W", wattage},
+    {"W", power},
     {"Hz", dimension::spin},
 };
 
@@ -60,27 +60,29 @@ constexpr Prefix prefixes[] = {{"p", -12}, {"n", -9}, {"u", -6}, {"µ", -6}, {"m
 
 constexpr struct {
   Dimension dimension;
-  std::string_view name, example;
+  std::string_view name, unit, example;
 } named[] = {
-    {dimension::number, "a number", "0.5"},
-    {dimension::length, "a length", "\"0.237 mm\""},
-    {dimension::mass, "a mass", "\"500 kg\""},
-    {dimension::time, "a time", "\"10 s\" or \"12 h\""},
-    {dimension::speed, "a speed", "\"6.7 km/s\""},
-    {dimension::acceleration, "an acceleration", "\"9.81 m/s^2\""},
-    {dimension::spin, "a rate", "\"0.1 rad/s\" or \"2 rev/h\""},
-    {dimension::density, "a density", "\"1600 kg/m^3\""},
-    {dimension::force, "a force", "\"500 N\""},
-    {pressure, "a pressure", "\"1.2 GPa\""},
-    {energy, "an energy", "\"1 kJ\""},
-    {dimension::gravitational_parameter, "a gravitational parameter", "\"34.1 m^3/s^2\""},
-    {dimension::gravitational_constant, "a gravitational constant", "\"6.6743e-11 m^3/(kg s^2)\""},
+    {dimension::number, "a number", "", "0.5"},
+    {dimension::length, "a length", "m", "\"0.237 mm\""},
+    {dimension::mass, "a mass", "kg", "\"500 kg\""},
+    {dimension::time, "a time", "s", "\"10 s\" or \"12 h\""},
+    {dimension::speed, "a speed", "m/s", "\"6.7 km/s\""},
+    {dimension::acceleration, "an acceleration", "m/s^2", "\"9.81 m/s^2\""},
+    {dimension::spin, "a rate", "rad/s", "\"0.1 rad/s\" or \"2 rev/h\""},
+    {dimension::density, "a density", "kg/m^3", "\"1600 kg/m^3\""},
+    {dimension::force, "a force", "N", "\"500 N\""},
+    {pressure, "a pressure", "Pa", "\"1.2 GPa\""},
+    {energy, "an energy", "J", "\"1 kJ\""},
+    {dimension::gravitational_parameter, "a gravitational parameter", "m^3/s^2",
+     "\"34.1 m^3/s^2\""},
+    {dimension::gravitational_constant, "a gravitational constant", "m^3/(kg s^2)",
+     "\"6.6743e-11 m^3/(kg s^2)\""},
 };
 
 std::string name_of(Dimension dimension) {
   for (const auto& entry : named)
     if (entry.dimension == dimension) return std::string(entry.name);
-  return fmt::format("a quantity in {}", si_unit(dimension));
+  return fmt::format("in m^{} kg^{} s^{}", dimension.length, dimension.mass, dimension.time);
 }
 
 std::optional<Unit> find_unit(std::string_view name) {
@@ -127,18 +129,21 @@ Unit parse_units(std::string_view text, std::string_view whole) {
     }
     const std::string_view name = take(
         text, [](char c) { return !is_joint(c) && c != '/' && c != '^' && (c < '0' || c > '9'); });
-    int power = 1;
-    if (!text.empty() && text.front() == '^') text.remove_prefix(1);
-    const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), power);
+    const bool raised = !text.empty() && text.front() == '^';
+    if (raised) text.remove_prefix(1);
+    int exponent = 1;
+    const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), exponent);
+    require((!raised || code == std::errc()) && std::abs(exponent) < 100,
+            "\"{}\": \"{}^\" has no power", whole, name);
     text.remove_prefix(static_cast<std::size_t>(end - text.data()));
     const std::optional<Unit> unit = find_unit(name);
     require(unit.has_value(), "\"{}\": \"{}\" is not a unit known here", whole, name);
-    power *= sign;
-    product.dimension.length += power * unit->dimension.length;
-    product.dimension.mass += power * unit->dimension.mass;
-    product.dimension.time += power * unit->dimension.time;
-    product.exponent += power * unit->exponent;
-    product.factor *= std::pow(unit->factor, power);
+    const int n = sign * exponent;
+    product.dimension.length += n * unit->dimension.length;
+    product.dimension.mass += n * unit->dimension.mass;
+    product.dimension.time += n * unit->dimension.time;
+    product.exponent += n * unit->exponent;
+    product.factor *= std::pow(unit->factor, n);
   }
 }
 
@@ -164,20 +169,9 @@ double parse_quantity(std::string_view text, Dimension wanted) {
 }
 
 std::string si_unit(Dimension dimension) {
-  std::string above, below;
-  for (const auto& [name, power] :
-       {std::pair{"kg", dimension.mass}, std::pair{"m", dimension.length},
-        std::pair{"s", dimension.time}}) {
-    if (power == 0) continue;
-    std::string& side = power > 0 ? above : below;
-    if (!side.empty()) side += ' ';
-    side += name;
-    if (std::abs(power) > 1) side += fmt::format("^{}", std::abs(power));
-  }
-  if (below.empty()) return above;
-  if (above.empty()) above = "1";
-  return below.find(' ') == below.npos ? fmt::format("{}/{}", above, below)
-                                       : fmt::format("{}/({})", above, below);
+  for (const auto& entry : named)
+    if (entry.dimension == dimension) return std::string(entry.unit);
+  return name_of(dimension);
 }
 
 std::string describe(Dimension dimension) {

@@ -42,10 +42,11 @@ enum class PackingKind { single, random, simple_cubic, fcc, hcp };
 
 struct Packing {
   PackingKind kind = PackingKind::single;
-  double radius = 0;                  ///< of the spheres
-  std::optional<double> spacing;      ///< of lattices, nearest neighbours; 2 radius where left out
-  std::optional<std::int64_t> count;  ///< of random packings
-  Vec3 rotation = Vec3::Zero();       ///< of lattices: rotation vector, rad
+  double radius = 0;  ///< of the spheres
+  std::optional<double> spacing =
+      std::nullopt;  ///< of lattices, nearest neighbours; 2 radius where left out
+  std::optional<std::int64_t> count = std::nullopt;  ///< of random packings
+  Vec3 rotation = Vec3::Zero();                      ///< of lattices: rotation vector, rad
 };
 
 /// One recipe: a volume filled with spheres of one material.

@@ -15,13 +15,14 @@ class SphereGrid {
   /// For about `expected` spheres of `radius` in the box `center` +- `half`.
   SphereGrid(const Vec3& center, const Vec3& half, double radius, std::int64_t expected);
   void add(const Vec3& center);
-  /// The first sphere nearer than `distance` to `point`; -1 without one.
+  /// A sphere nearer than `distance` to `point`; -1 without one.
   std::int64_t find_nearer(const Vec3& point, double distance) const;
   double radius() const { return radius_; }
   const Vec3& center(std::int64_t sphere) const { return centers_[sphere]; }
 
  private:
   Eigen::Array3i cell_of(const Vec3& point) const;
+  std::size_t index_of(const Eigen::Array3i& cell) const;
 
   Vec3 low_;
   double radius_, cell_;
