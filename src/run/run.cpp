@@ -441,7 +441,6 @@ class Run {
 }  // namespace
 
 bool run_case(const Comm& comm, const Case& scene, const std::string& folder) {
-  make_folder(comm, folder);
   return Run(comm, scene, folder, nullptr).go();
 }
 
