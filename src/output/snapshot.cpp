@@ -146,10 +146,17 @@ void SnapshotWriter::write(const Bodies& bodies, std::int64_t step, double time)
   put_in_place(comm_, path);
 
   written_.push_back({step, time, static_cast<std::int64_t>(rows.total)});
-  if (comm_.rank == 0) {
-    write_trajectory();
-    write_xdmf();
-  }
+  // The index names all snapshots: written for each of them it would cost the square of their
+  // number, written for each twentieth part more it costs as much as they do.
+  if (written_.size() - indexed_ > written_.size() / 20) write_index();
+}
+
+void SnapshotWriter::write_index() {
+  if (indexed_ == written_.size()) return;
+  indexed_ = written_.size();
+  if (comm_.rank != 0) return;
+  write_trajectory();
+  write_xdmf();
 }
 
 void SnapshotWriter::write_trajectory() const {
