@@ -123,12 +123,10 @@ Ghosts make_halo(const Comm& comm, Bodies& bodies, std::vector<double>& reach) {
 }
 
 void refresh_ghosts(const Ghosts& ghosts, Bodies& bodies) {
-  ghosts.gather_begin(flat(bodies.position), 3);
-  ghosts.gather_begin(flat(bodies.velocity), 3);
-  ghosts.gather_begin(flat(bodies.angular_velocity), 3);
-  ghosts.gather_end(flat(bodies.position), 3);
-  ghosts.gather_end(flat(bodies.velocity), 3);
-  ghosts.gather_end(flat(bodies.angular_velocity), 3);
+  for (auto* field : {&bodies.position, &bodies.velocity, &bodies.angular_velocity, &bodies.kick})
+    ghosts.gather_begin(flat(*field), 3);
+  for (auto* field : {&bodies.position, &bodies.velocity, &bodies.angular_velocity, &bodies.kick})
+    ghosts.gather_end(flat(*field), 3);
 }
 
 }  // namespace spall

@@ -4,14 +4,13 @@
 
 #include <fmt/format.h>
 #include <mpi.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <cstdio>
 
 namespace spall {
 namespace {
-constexpr double seconds_between_lines = 2;
+constexpr double seconds_between_lines = 5;
 }
 
 std::string readable_time(double seconds) {
@@ -20,18 +19,17 @@ std::string readable_time(double seconds) {
   if (seconds < 1) return fmt::format("{:.3g} ms", seconds * 1e3);
   if (seconds < 120) return fmt::format("{:.3g} s", seconds);
   const auto minutes = static_cast<std::int64_t>(seconds / 60);
-  if (minutes < 120) return fmt::format("{} min {:.0f} s", minutes, std::floor(seconds - 60.0 * minutes));
+  if (minutes < 120)
+    return fmt::format("{} min {:.0f} s", minutes, std::floor(seconds - 60.0 * minutes));
   return fmt::format("{} h {} min", minutes / 60, minutes % 60);
 }
 
 Progress::Progress(const Comm& comm, const Case& scene)
-    : scene_(scene),
-      speaks_(comm.rank == 0),
-      terminal_(isatty(STDOUT_FILENO) != 0),
-      started_(MPI_Wtime()),
-      last_(started_) {}
+    : scene_(scene), speaks_(comm.rank == 0), started_(MPI_Wtime()), last_(started_) {}
 
-bool Progress::due() const { return speaks_ && MPI_Wtime() - last_ > seconds_between_lines; }
+bool Progress::due() const {
+  return speaks_ && MPI_Wtime() - last_ > seconds_between_lines;
+}
 
 void Progress::show(const Clock& clock, const State& state) {
   const double now = MPI_Wtime();
@@ -46,24 +44,18 @@ void Progress::show(const Clock& clock, const State& state) {
   const double rate = done / (now - started_);
   const double steps_left = phase.duration / phase.step - static_cast<double>(clock.step_in_phase);
   const std::string line = fmt::format(
-      "{:<16} step {:>7}  t {:<12} {:>7.1f} steps/s  left {}{:<12} contacts {:<7} E {:.1e}  rms speed "
+      "{:<16} step {:>7}  t {:<12} {:>7.1f} steps/s  left {}{:<12} contacts {:<7} E {:.1e}  rms "
+      "speed "
       "{:.2e} m/s",
       phase.name, clock.step_in_phase, readable_time(clock.time), rate,
       phase.until_settled ? "<" : "", readable_time(rate > 0 ? steps_left / rate : infinity),
       state.contacts, state.residual, state.rms_speed);
-  if (terminal_) {
-    fmt::print("\r\033[K{}", line);
-    pending_ = true;
-  } else {
-    fmt::print("{}\n", line);
-  }
+  fmt::print("{}\n", line);
   std::fflush(stdout);
 }
 
 void Progress::say(const std::string& line) {
   if (!speaks_) return;
-  if (pending_) fmt::print("\r\033[K");
-  pending_ = false;
   fmt::print("{}\n", line);
   std::fflush(stdout);
 }

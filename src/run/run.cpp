@@ -26,7 +26,9 @@ namespace spall {
 namespace {
 
 volatile std::sig_atomic_t signal_caught = 0;
-void catch_signal(int number) { signal_caught = number; }
+void catch_signal(int number) {
+  signal_caught = number;
+}
 
 /// Ctrl-C and SIGTERM end a run between two steps, after a restart file.
 class SignalGuard {
@@ -48,12 +50,30 @@ const std::vector<std::string> stages = {"gravity", "neighbours", "contacts", "s
                                          "motion",  "output",     "analysis"};
 
 std::vector<std::string> series_columns() {
-  std::vector<std::string> names = {
-      "phase",        "contacts",     "kinetic",        "gravitational", "bonds",
-      "dissipated",   "corrections",  "unexplained",    "momentum_x",    "momentum_y",
-      "momentum_z",   "angular_x",    "angular_y",      "angular_z",     "momentum_drift",
-      "angular_drift", "rms_speed",   "residual",       "residual_prox", "residual_max",
-      "residual_rms", "products",     "corrections_products", "overlap"};
+  std::vector<std::string> names = {"phase",
+                                    "contacts",
+                                    "kinetic",
+                                    "gravitational",
+                                    "bonds",
+                                    "dissipated",
+                                    "corrections",
+                                    "unexplained",
+                                    "momentum_x",
+                                    "momentum_y",
+                                    "momentum_z",
+                                    "angular_x",
+                                    "angular_y",
+                                    "angular_z",
+                                    "momentum_drift",
+                                    "angular_drift",
+                                    "rms_speed",
+                                    "residual",
+                                    "residual_prox",
+                                    "residual_max",
+                                    "residual_rms",
+                                    "products",
+                                    "corrections_products",
+                                    "overlap"};
   for (const auto& stage : stages) names.push_back("seconds_" + stage);
   return names;
 }
@@ -107,9 +127,7 @@ class Run {
 
  private:
   const Phase& phase() const { return scene_.phases[clock_.phase]; }
-  const SolverSettings& solver() const {
-    return phase().solver ? *phase().solver : scene_.solver;
-  }
+  const SolverSettings& solver() const { return phase().solver ? *phase().solver : scene_.solver; }
   std::int64_t steps_of_phase() const {
     return std::max<std::int64_t>(1, std::llround(phase().duration / phase().step));
   }
@@ -128,7 +146,7 @@ class Run {
 
   /// Events that change bodies, with the sums before and after booked.
   void change_bodies() {
-    synchronise(world_);
+    evaluate_field(world_);
     const Diagnostics before = diagnose(world_);
     const double potential_before = world_.kick.potential;
     resize(world_.bodies, world_.bodies.owned);
@@ -142,7 +160,8 @@ class Run {
     }
     if (phase().impactor) {
       verdict_.look_at_pile(world_);
-      const auto id = static_cast<BodyId>(comm_.sum(static_cast<std::int64_t>(world_.bodies.owned)));
+      const auto id =
+          static_cast<BodyId>(comm_.sum(static_cast<std::int64_t>(world_.bodies.owned)));
       const Aim aim = add_impactor(comm_, scene_, *phase().impactor, world_.bodies);
       verdict_.impactor_added(world_, id, world_.law.restitution);
       clock_.since_impact = 0;
@@ -152,8 +171,8 @@ class Run {
     world_.neighbours = Neighbours{};
     world_.neighbours.carried = std::move(memory);
     world_.kick.interval = 0;
-    world_.kick.synchronised = false;
-    synchronise(world_);
+    world_.kick.evaluated = false;
+    evaluate_field(world_);
     account_.book_event(before, potential_before, diagnose(world_), world_.kick.potential);
   }
 
@@ -164,7 +183,7 @@ class Run {
       const bool row = fresh && (scene_.output.series_every == 0 || row_due());
       Diagnostics sums;
       if (row) {
-        synchronise(world_);
+        evaluate_field(world_);
         sums = diagnose(world_);
         if (is_settled(sums)) {
           progress_.say(fmt::format("settled after {}: rms speed {:.3g} m/s",
@@ -174,8 +193,8 @@ class Run {
       }
       const auto limit = std::min<std::int64_t>(steps - clock_.step_in_phase, steps_to_event());
       const Clock start = clock_;
-      const StepReport report = nonsmooth_step(world_, phase().step, solver(),
-                                               static_cast<int>(std::min<std::int64_t>(limit, 1 << 30)));
+      const StepReport report = nonsmooth_step(
+          world_, phase().step, solver(), static_cast<int>(std::min<std::int64_t>(limit, 1 << 30)));
       tick();
       book(report);
       if (row) write_row(start, sums, report);
@@ -183,7 +202,8 @@ class Run {
       if (world_.kick.steps_left == 0) at_instant();
       if (comm_.any(signal_caught != 0)) {
         save();
-        progress_.say(fmt::format("stopped by a signal; go on with: spall resume {}", restart_file()));
+        progress_.say(
+            fmt::format("stopped by a signal; go on with: spall resume {}", restart_file()));
         return false;
       }
       if (comm_.any(MPI_Wtime() - last_restart_ > scene_.output.restart_every)) save();
@@ -226,7 +246,7 @@ class Run {
     if (clock_.since_impact < 0) return;
     for (double at : scene_.read_out) {
       if (std::abs(at - clock_.since_impact) > phase().step / 2) continue;
-      synchronise(world_);
+      evaluate_field(world_);
       StageTimer timer(world_.times, "analysis");
       progress_.say(verdict_.read_out(world_, clock_.since_impact));
     }
@@ -255,10 +275,13 @@ class Run {
   void write_row(const Clock& start, const Diagnostics& sums, const StepReport& report) {
     StageTimer timer(world_.times, "output");
     // One reduction for what the ranks know in parts, one for what is largest on one of them.
-    std::array<double, 2> parts{report.bonds, static_cast<double>(report.contacts)};
+    std::array<double, 3> parts{report.bonds, static_cast<double>(report.contacts),
+                                report.gravity_work};
     comm_.sum(parts);
-    const Balance b =
-        account_.balance(sums, world_.kick.potential, -world_.law.cohesion * parts[0]);
+    // Velocities lag by half an interval; the kick's work up to this instant makes up for it.
+    const GravityKick& kick = world_.kick;
+    const double lag = kick.closed > 0 ? parts[2] * kick.closed / (kick.closed + kick.interval) : 0;
+    const Balance b = account_.balance(sums, kick.potential + lag, -world_.law.cohesion * parts[0]);
     momentum_scale_ = std::max(momentum_scale_, sums.momentum_scale);
     angular_scale_ = std::max(angular_scale_, sums.angular_momentum_scale);
     unexplained_ = b.unexplained_energy;
@@ -294,13 +317,12 @@ class Run {
   }
 
   void snapshot() {
-    synchronise(world_);
+    evaluate_field(world_);
     StageTimer timer(world_.times, "output");
     snapshots_.write(world_.bodies, clock_.step, clock_.time);
   }
 
   void end_phase() {
-    world_.kick.steps_left = 0;
     if (!passed_multiple(scene_.output.snapshot_every)) snapshot();
     progress_.say(fmt::format("phase {} done at {}: {} steps", phase().name,
                               readable_time(clock_.time), clock_.step_in_phase));
@@ -308,7 +330,8 @@ class Run {
 
   std::string restart_file() const { return folder_ + "/restart.h5"; }
 
-  /// Both the run that goes on and the one that resumes start from the file's state: pairs searched anew.
+  /// Both the run that goes on and the one that resumes start from the file's state: pairs searched
+  /// anew.
   void save() {
     StageTimer timer(world_.times, "output");
     RestartState state{.case_file = scene_.file,
@@ -319,10 +342,7 @@ class Run {
                        .bodies = world_.bodies,
                        .contacts = remember(world_.bodies, world_.neighbours.pairs, false)};
     resize(state.bodies, state.bodies.owned);
-    if (world_.kick.synchronised) {  // the field itself is not kept: evaluated again, its kick is over
-      world_.kick.synchronised = false;
-      world_.kick.interval = 0;
-    }
+    world_.kick.evaluated = false;  // the file does not keep the field
     for_each_scalar([&](const std::string& name, double value) { state.scalars[name] = value; });
     account_.save(state.scalars);
     verdict_.save(state.scalars);
@@ -353,9 +373,10 @@ class Run {
     kick.steps_left = static_cast<int>(steps_left);
     kick.evaluations = static_cast<std::int64_t>(evaluations);
     f("kick.interval", kick.interval);
-    f("kick.load", kick.load);
+    f("kick.closed", kick.closed);
     f("kick.remembered_load", kick.remembered_load);
     f("kick.largest", kick.largest);
+    f("kick.longest", kick.longest);
     f("kick.potential", kick.potential);
     f("law.cohesion", world_.law.cohesion);
     f("run.cohesion_before", cohesion_before_);
@@ -374,7 +395,7 @@ class Run {
   }
 
   void finish() {
-    synchronise(world_);
+    evaluate_field(world_);
     const Diagnostics sums = diagnose(world_);
     if (!verdict_.has_impact()) verdict_.look_at_pile(world_);
     ResultTable table;
@@ -382,7 +403,8 @@ class Run {
     add_conservation(table, sums);
     const double steps = static_cast<double>(std::max<std::int64_t>(clock_.step, 1));
     table.add("solver", "residual_max", residual_max_, "m/s", "largest of all contacts and steps");
-    table.add("solver", "residual_rms", std::sqrt(squares_ / steps), "m/s", "over contacts and steps");
+    table.add("solver", "residual_rms", std::sqrt(squares_ / steps), "m/s",
+              "over contacts and steps");
     table.add("solver", "residual_relative", worst_relative_, "", "largest E of a step");
     table.add("solver", "products", static_cast<std::int64_t>(products_));
     table.add("solver", "products_a_step", products_ / steps);
@@ -414,8 +436,9 @@ class Run {
       table.add("conservation", "angular", account_.largest_angular_momentum_drift() / l, "",
                 "largest drift of angular momentum, of the impactor's on the pile's rim");
     }
-    table.add("conservation", "energy_unexplained", unexplained_ / std::max(sums.dissipated, 1e-300),
-              "", "energy that no entry explains, of what was dissipated");
+    table.add("conservation", "energy_unexplained",
+              unexplained_ / std::max(sums.dissipated, 1e-300), "",
+              "energy that no entry explains, of what was dissipated");
     table.add("conservation", "dissipated", sums.dissipated, "J");
     table.add("conservation", "kinetic", sums.kinetic, "J");
     table.add("conservation", "gravitational", world_.kick.potential, "J");

@@ -10,8 +10,7 @@
 namespace spall {
 
 void Verdict::look_at_pile(const World& world) {
-  pile_ = measure_interior(world.comm, world.bodies,
-                           std::vector<char>(world.bodies.owned, 1));
+  pile_ = measure_interior(world.comm, world.bodies, std::vector<char>(world.bodies.owned, 1));
 }
 
 void Verdict::impactor_added(const World& world, BodyId impactor, double restitution) {
@@ -55,7 +54,8 @@ std::string Verdict::read_out(const World& world, double since_impact) {
 void Verdict::add_to(ResultTable& table, const std::optional<Binary>& binary) const {
   if (pile_.mass > 0) {
     table.add("pile", "mass", pile_.mass, "kg");
-    table.add("pile", "packing_fraction", pile_.packing_fraction, "", "inside the half-mass radius");
+    table.add("pile", "packing_fraction", pile_.packing_fraction, "",
+              "inside the half-mass radius");
     table.add("pile", "half_mass_radius", pile_.half_mass_radius, "m");
     table.add("pile", "mean_diameter", pile_.mean_diameter, "m", "mean over all directions");
     table.add("pile", "extent", pile_.extent, "m", "largest distance between two points");
@@ -67,11 +67,13 @@ void Verdict::add_to(ResultTable& table, const std::optional<Binary>& binary) co
   const Row& last = rows_.back();
   const double without_ejecta = impactor_momentum() / before_.target_mass;
   table.add("deflection", "since_impact", last.since_impact, "s");
-  table.add("deflection", "dv", last.dv, "m/s", "of the largest clump, along the flight of the impactor");
+  table.add("deflection", "dv", last.dv, "m/s",
+            "of the largest clump, along the flight of the impactor");
   table.add("deflection", "dv_impactor", last.dv_impactor, "m/s", "what m U brought");
   table.add("deflection", "dv_rebound", last.dv_rebound, "m/s", "what the impactor took back");
   table.add("deflection", "dv_ejecta", last.dv_ejecta, "m/s", "what the ejecta took");
-  table.add("deflection", "dv_plastic", without_ejecta, "m/s", "m v / M: impactor stuck, no ejecta");
+  table.add("deflection", "dv_plastic", without_ejecta, "m/s",
+            "m v / M: impactor stuck, no ejecta");
   table.add("deflection", "dv_elastic", without_ejecta * (1 + restitution_), "m/s",
             "m v (1 + e) / M: impactor rebounds, no ejecta");
   table.add("deflection", "beta", last.beta, "", "vector formula of Cheng et al. 2023");
@@ -90,7 +92,8 @@ void Verdict::add_to(ResultTable& table, const std::optional<Binary>& binary) co
   table.add("ejecta", "v_ejecta", last.v_ejecta, "m/s", "sum of the speeds against the flight");
   table.add("ejecta", "back_momentum", last.back_momentum, "kg m/s", "the same, weighted by mass");
   table.add("ejecta", "fastest", last.fastest, "m/s");
-  table.add("ejecta", "cone_half_deg", last.cone_half, "deg", "half-aperture with half the momentum");
+  table.add("ejecta", "cone_half_deg", last.cone_half, "deg",
+            "half-aperture with half the momentum");
   table.add("ejecta", "cone_most_deg", last.cone_most, "deg", "half-aperture with 90 % of it");
   auto column = [&](auto member) {
     std::vector<double> values;
@@ -126,11 +129,10 @@ void Verdict::for_each(Self& self, F&& f) {
   for (std::size_t r = 0; r < self.rows_.size(); ++r) {
     auto& row = self.rows_[r];
     int k = 0;
-    for (auto* value :
-         {&row.since_impact, &row.dv, &row.beta, &row.beta_along, &row.clump_mass, &row.clump_count,
-          &row.ejecta_count, &row.ejecta_mass, &row.v_ejecta, &row.back_momentum, &row.fastest,
-          &row.cone_half, &row.cone_most, &row.dv_impactor, &row.dv_rebound, &row.dv_ejecta,
-          &row.closure})
+    for (auto* value : {&row.since_impact, &row.dv, &row.beta, &row.beta_along, &row.clump_mass,
+                        &row.clump_count, &row.ejecta_count, &row.ejecta_mass, &row.v_ejecta,
+                        &row.back_momentum, &row.fastest, &row.cone_half, &row.cone_most,
+                        &row.dv_impactor, &row.dv_rebound, &row.dv_ejecta, &row.closure})
       f(fmt::format("verdict.read_out.{}.{}", r, k++), *value);
   }
 }

@@ -1,4 +1,4 @@
-// Gravity's part of a step: evaluate the field, close the last kick, open the next.
+// Gravity's part of a step: evaluate the field where the bodies are, give the kick.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -6,14 +6,13 @@
 
 namespace spall {
 
-/// Evaluates the field where the bodies are and gives the second half of the pending kick:
-/// velocities and positions then belong to the same instant, and `kick.potential` too. Does nothing
-/// when already done. Collective.
-void synchronise(World& world);
+/// Evaluates the field, unless that is already done at this instant. Collective.
+void evaluate_field(World& world);
 
-/// Gives the first half of the next kick. It spans as many steps `h` as the field may be held, at
-/// most `most_steps`; just one in a uniform field, where resting bodies must be loaded steadily.
-/// Collective.
-void open_kick(World& world, double h, int most_steps);
+/// Gives the kick of the present field: half of the interval since the last kick, half of the
+/// interval until the next (leapfrog: velocities belong to the middle between kicks). The next
+/// interval spans as many steps `h` as the field may be held, at most `most_steps`; just one in a
+/// uniform field, where resting bodies must be loaded steadily. Collective.
+void give_kick(World& world, double h, int most_steps);
 
 }  // namespace spall

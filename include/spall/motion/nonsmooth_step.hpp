@@ -11,9 +11,10 @@ namespace spall {
 struct StepReport {
   SolverReport solver;
   std::int64_t contacts = 0;  ///< counted on the rank of row i
-  double bonds = 0;           ///< m, sum of (range - gap) over cohesive pairs at the start: times the
-                              ///< cohesion, the energy to break them all
-  double overlap = 0;         ///< largest overlap over the smaller radius, on this rank
+  double bonds = 0;         ///< m, sum of (range - gap) over cohesive pairs at the start: times the
+                            ///< cohesion, the energy to break them all
+  double gravity_work = 0;  ///< J, of the kick at the start of the step
+  double overlap = 0;       ///< largest overlap over the smaller radius, on this rank
   int correction_products = 0;
 };
 

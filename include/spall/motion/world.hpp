@@ -13,18 +13,19 @@
 
 namespace spall {
 
-/// Gravity acts in kicks at the instants when its field is evaluated, half before and half after
-/// (leapfrog; r-RESPA where contact steps are shorter than the interval between kicks).
+/// Gravity acts in kicks at the instants when its field is evaluated (leapfrog; r-RESPA where
+/// contact steps are shorter than the interval between kicks).
 struct GravityKick {
-  GravityField field;         ///< at the owned bodies, until bodies migrate
-  double interval = 0;        ///< s, that the last kick opened and the next will close
-  int steps_left = 0;         ///< until the field is evaluated again
-  bool synchronised = false;  ///< the last kick is closed and the next not yet opened
-  double load = 0;  ///< s, of the kick that the coming step's contacts must carry; 0: none
+  GravityField field;          ///< at the owned bodies, until bodies migrate
+  bool evaluated = false;      ///< the field is that of the present positions
+  int steps_left = 0;          ///< until the next kick
+  double interval = 0;         ///< s, from the last kick to the next
+  double closed = 0;           ///< s, the interval that ended with the last kick
+  double load = 0;             ///< s, of the kick that the coming step's contacts carry; 0: none
   double remembered_load = 0;  ///< s, of the kick that the pairs' impulses carried
   double largest = 0;          ///< m/s^2, largest acceleration of a body
-  double potential =
-      0;  ///< J over all ranks, at the last evaluation; self-gravity and uniform field
+  double longest = 0;          ///< s, that the field may be held whatever its rate
+  double potential = 0;        ///< J over all ranks, at the last evaluation; uniform field too
   std::int64_t evaluations = 0;
 };
 

@@ -12,10 +12,10 @@ namespace spall {
 /// One line of the books, at an instant when positions and velocities are synchronous.
 struct Balance {
   Diagnostics sums;
-  double gravitational = 0;      ///< J, self-gravity and uniform field
-  double bonds = 0;              ///< J, <= 0
-  double unexplained_energy = 0; ///< J: what no entry explains
-  double momentum_drift = 0;     ///< kg m/s, against what the events gave
+  double gravitational = 0;           ///< J, self-gravity and uniform field
+  double bonds = 0;                   ///< J, <= 0
+  double unexplained_energy = 0;      ///< J: what no entry explains
+  double momentum_drift = 0;          ///< kg m/s, against what the events gave
   double angular_momentum_drift = 0;  ///< kg m^2/s
 };
 
@@ -40,9 +40,9 @@ class Account {
   template <class Self, class F>
   static void for_each(Self& self, F&& f);
 
-  double opened_ = 0;    // 1 when the first balance has set what follows
-  double initial_ = 0;   // J, energy at the start
-  double given_ = 0;     // J, by events
+  double opened_ = 0;   // 1 when the first balance has set what follows
+  double initial_ = 0;  // J, energy at the start
+  double given_ = 0;    // J, by events
   Vec3 momentum_ = Vec3::Zero(), angular_momentum_ = Vec3::Zero();  // that the bodies must have
   double momentum_drift_ = 0, angular_momentum_drift_ = 0;          // largest so far
 };

@@ -9,16 +9,15 @@
 
 namespace spall {
 
-/// A line every few seconds on rank 0; on a terminal it replaces the one before.
+/// A line every few seconds, from rank 0.
 class Progress {
  public:
   Progress(const Comm& comm, const Case& scene);
 
   struct State {
-    double residual = 0;      ///< E of the last step
-    double unexplained = 0;   ///< J
+    double residual = 0;  ///< E of the last step
     std::int64_t contacts = 0;
-    double rms_speed = 0;     ///< m/s
+    double rms_speed = 0;  ///< m/s
   };
   /// True when a line is due; then `show` prints it. Both on every rank; only rank 0 acts.
   bool due() const;
@@ -28,7 +27,7 @@ class Progress {
 
  private:
   const Case& scene_;
-  bool speaks_, terminal_, pending_ = false;
+  bool speaks_;
   double started_, last_;
   std::int64_t first_step_ = -1, phase_ = -1;
 };

@@ -11,9 +11,9 @@
 
 namespace spall {
 
-/// Runs a case from its start and writes snapshots, series, restarts and results into `folder`, which
-/// is made where it is missing. Returns false where a signal ended the run early, after its restart
-/// file was written. Collective.
+/// Runs a case from its start and writes snapshots, series, restarts and results into `folder`,
+/// which is made where it is missing. Returns false where a signal ended the run early, after its
+/// restart file was written. Collective.
 bool run_case(const Comm& comm, const Case& scene, const std::string& folder);
 
 /// Goes on with the run whose restart file is `file`, in the folder of that file. Collective.

@@ -1,5 +1,5 @@
-// What a run says in the end: the pile, the deflection at each read-out, beside what momentum demands.
-// SPDX-License-Identifier: BSD-3-Clause
+// What a run says in the end: the pile, the deflection at each read-out, beside what momentum
+// demands. SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include <map>
@@ -16,13 +16,14 @@ namespace spall {
 
 class Verdict {
  public:
-  /// Looks at the pile as it is before the impactor is added, or at the end where there is none. Collective.
+  /// Looks at the pile as it is before the impactor is added, or at the end where there is none.
+  /// Collective.
   void look_at_pile(const World& world);
   /// Called when the impactor is in the world with this id. Collective.
   void impactor_added(const World& world, BodyId impactor, double restitution);
-  /// Measures the deflection at this instant, `since_impact` seconds after the impactor was added; velocities
-  /// and positions synchronous, pairs and ghosts of the step just done. Returns a line to show.
-  /// Collective.
+  /// Measures the deflection at this instant, `since_impact` seconds after the impactor was added;
+  /// velocities and positions synchronous, pairs and ghosts of the step just done. Returns a line
+  /// to show. Collective.
   std::string read_out(const World& world, double since_impact);
 
   /// Adds its sections: [pile], [deflection], [orbit], [ejecta], [read_out].
