@@ -136,6 +136,12 @@ TEST(Snapshot, a_resumed_run_goes_on_and_a_new_one_starts_over) {
     EXPECT_FALSE(std::filesystem::exists(folder + "/snapshots/000003.h5.unfinished"));
     EXPECT_FALSE(std::filesystem::exists(folder + "/snapshots/000003.h5"));
   }
+  for (int step = 26; step < 80; ++step) writer.write(dealt(comm, 5), step, step);
+  writer.write_index();
+  if (comm.rank == 0) {
+    EXPECT_EQ(times().size(), 57u);
+    EXPECT_EQ(times().back(), 79);
+  }
 }
 
 TEST(Snapshot, missing_ids_are_an_error) {

@@ -105,9 +105,9 @@ Rows rows_in_rank_order(const Comm& comm, std::size_t count) {
   return {static_cast<hsize_t>(comm.sum_before(mine)), count, static_cast<hsize_t>(comm.sum(mine))};
 }
 
-Rows equal_rows(const Comm& comm, hsize_t total) {
-  const hsize_t begin = total * comm.rank / comm.size;
-  return {begin, total * (comm.rank + 1) / comm.size - begin, total};
+Rows equal_rows(int rank, int ranks, hsize_t total) {
+  const hsize_t begin = total * rank / ranks;
+  return {begin, total * (rank + 1) / ranks - begin, total};
 }
 
 File::File(Handle file, const Comm* comm, std::string path)
@@ -184,8 +184,9 @@ void File::write_text(const std::string& name, const std::string& text) {
   Handle set = make(H5Dcreate2(file_, name.c_str(), type, space, with_parents(place(name)),
                                H5P_DEFAULT, H5P_DEFAULT),
                     H5Dclose, "H5Dcreate2", place(name));
-  if (!leader_) check(H5Sselect_none(space), "H5Sselect_none", place(name));
-  check(H5Dwrite(set, type, space, space, transfer_, text.c_str()), "H5Dwrite", place(name));
+  if (leader_)
+    check(H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text.c_str()), "H5Dwrite",
+          place(name));
 }
 
 std::string File::read_text(const std::string& name) const {
@@ -197,22 +198,35 @@ std::string File::read_text(const std::string& name) const {
   return text;
 }
 
-void File::write_raw(const std::string& name, hid_t type, hsize_t width, const void* values,
-                     const Rows& rows, bool as_frame) {
+Handle File::create_dataset(const std::string& name, hid_t type, hsize_t width, hsize_t rows,
+                            bool as_frame) {
   std::vector<hsize_t> dimensions;
   if (as_frame) dimensions.push_back(1);
-  dimensions.push_back(rows.total);
+  dimensions.push_back(rows);
   if (width > 1) dimensions.push_back(width);
   Handle space =
       make(H5Screate_simple(static_cast<int>(dimensions.size()), dimensions.data(), nullptr),
            H5Sclose, "H5Screate_simple", place(name));
-  Handle set = make(H5Dcreate2(file_, name.c_str(), type, space, with_parents(place(name)),
-                               H5P_DEFAULT, H5P_DEFAULT),
-                    H5Dclose, "H5Dcreate2", place(name));
+  return make(H5Dcreate2(file_, name.c_str(), type, space, with_parents(place(name)), H5P_DEFAULT,
+                         H5P_DEFAULT),
+              H5Dclose, "H5Dcreate2", place(name));
+}
+
+void File::write_rows(const std::string& name, hid_t type, hsize_t width, const void* values,
+                      const Rows& rows, bool as_frame) {
+  Handle set = create_dataset(name, type, width, rows.total, as_frame);
   if (rows.total == 0) return;
+  Handle space = make(H5Dget_space(set), H5Sclose, "H5Dget_space", place(name));
   Handle memory = memory_space(rows, width, place(name));
   select(memory, space, rows, as_frame, width, place(name));
   check(H5Dwrite(set, type, memory, space, transfer_, values), "H5Dwrite", place(name));
+}
+
+void File::write_same(const std::string& name, hid_t type, hsize_t width, const void* values,
+                      hsize_t count) {
+  Handle set = create_dataset(name, type, width, count, false);
+  if (leader_ && count > 0)
+    check(H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values), "H5Dwrite", place(name));
 }
 
 void File::write_view_raw(const std::string& name, hid_t type, hsize_t width,

@@ -77,11 +77,12 @@ struct Layout<Vec3> {
 /// This rank's rows [begin, begin + count) of a dataset with `total` rows.
 struct Rows {
   hsize_t begin = 0, count = 0, total = 0;
+  hsize_t end() const { return begin + count; }
 };
 /// Ranks write one after another, `count` rows each. Collective.
 Rows rows_in_rank_order(const Comm& comm, std::size_t count);
-/// Rank r gets the r-th of `comm.size` nearly equal parts.
-Rows equal_rows(const Comm& comm, hsize_t total);
+/// The `rank`-th of `ranks` nearly equal parts.
+Rows equal_rows(int rank, int ranks, hsize_t total);
 
 /// The first `rows` rows of the dataset of the same name in `file`, beside the viewing file.
 struct Source {
@@ -117,12 +118,12 @@ class File {
   template <class T>
   void write(const std::string& name, std::span<const T> values, const Rows& rows,
              bool as_frame = false) {
-    write_raw(name, Layout<T>::type(), Layout<T>::width, values.data(), rows, as_frame);
+    write_rows(name, Layout<T>::type(), Layout<T>::width, values.data(), rows, as_frame);
   }
   /// A small array that is the same on all ranks.
   template <class T>
   void write(const std::string& name, std::span<const T> values) {
-    write<T>(name, values, {0, leader_ ? values.size() : 0, values.size()});
+    write_same(name, Layout<T>::type(), Layout<T>::width, values.data(), values.size());
   }
   /// A dataset (`total` rows) whose rows lie in other files; with `as_frames` (one frame a source,
   /// `total`, …). Rows that a source lacks read as NaN. For files of this rank alone.
@@ -148,8 +149,12 @@ class File {
 
  private:
   File(Handle file, const Comm* comm, std::string path);
-  void write_raw(const std::string& name, hid_t type, hsize_t width, const void* values,
-                 const Rows& rows, bool as_frame);
+  void write_rows(const std::string& name, hid_t type, hsize_t width, const void* values,
+                  const Rows& rows, bool as_frame);
+  void write_same(const std::string& name, hid_t type, hsize_t width, const void* values,
+                  hsize_t count);
+  Handle create_dataset(const std::string& name, hid_t type, hsize_t width, hsize_t rows,
+                        bool as_frame);
   void write_view_raw(const std::string& name, hid_t type, hsize_t width,
                       std::span<const Source> sources, hsize_t total, bool as_frames);
   void read_raw(const std::string& name, hid_t type, hsize_t width, void* values,
@@ -159,7 +164,7 @@ class File {
 
   Handle file_;
   Handle transfer_;     // collective where the file is of all ranks
-  bool leader_ = true;  // this rank writes what is the same on all ranks
+  bool leader_ = true;  // this rank alone writes what is the same on all ranks
   std::string path_;
 };
 

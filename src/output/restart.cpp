@@ -90,7 +90,8 @@ std::string joined(const std::vector<std::string>& lines) {
 h5::Rows rows_to_read(const Comm& comm, const std::vector<std::int64_t>& written) {
   h5::Rows rows;
   for (std::int64_t count : written) rows.total += count;
-  if (static_cast<int>(written.size()) != comm.size) return h5::equal_rows(comm, rows.total);
+  if (static_cast<int>(written.size()) != comm.size)
+    return h5::equal_rows(comm.rank, comm.size, rows.total);
   for (int r = 0; r < comm.rank; ++r) rows.begin += written[r];
   rows.count = written[comm.rank];
   return rows;

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "spall/output/snapshot.hpp"
 
+#include <algorithm>
+#include <array>
 #include <bit>
 #include <filesystem>
 #include <set>
@@ -10,6 +12,7 @@
 #include "files.hpp"
 #include "h5.hpp"
 #include "spall/base/require.hpp"
+#include "spall/domain/pack.hpp"
 
 namespace spall {
 
@@ -34,55 +37,29 @@ std::string snapshot_name(std::size_t k) {
   return fmt::format("snapshots/{:06}.h5", k);
 }
 
-/// Appends a value as 64-bit words, bit by bit.
-void pack(std::vector<std::int64_t>& words, double value) {
-  words.push_back(std::bit_cast<std::int64_t>(value));
-}
-void pack(std::vector<std::int64_t>& words, std::int64_t value) {
-  words.push_back(value);
-}
-void pack(std::vector<std::int64_t>& words, std::int32_t value) {
-  words.push_back(value);
-}
-void pack(std::vector<std::int64_t>& words, const Vec3& value) {
-  for (double x : value) pack(words, x);
-}
-void unpack(const std::int64_t*& word, double& value) {
-  value = std::bit_cast<double>(*word++);
-}
-void unpack(const std::int64_t*& word, std::int64_t& value) {
-  value = *word++;
-}
-void unpack(const std::int64_t*& word, std::int32_t& value) {
-  value = static_cast<std::int32_t>(*word++);
-}
-void unpack(const std::int64_t*& word, Vec3& value) {
-  for (double& x : value) unpack(word, x);
-}
-
 /// The bodies of all ranks in order of id, this rank's equal part of them.
 Bodies in_order_of_id(const Comm& comm, const Bodies& bodies, const h5::Rows& rows) {
   std::vector<hsize_t> end(comm.size);
-  for (int r = 0; r < comm.size; ++r) end[r] = rows.total * (r + 1) / comm.size;
-  std::vector<std::vector<std::int64_t>> outgoing(comm.size);
+  for (int r = 0; r < comm.size; ++r) end[r] = h5::equal_rows(r, comm.size, rows.total).end();
+  std::vector<std::vector<double>> outgoing(comm.size);
   for (Index b = 0; b < bodies.owned; ++b) {
     const auto id = static_cast<hsize_t>(bodies.id[b]);
     require(id < rows.total, "body id {} in a set of {} bodies: ids must be 0 … N-1", bodies.id[b],
             rows.total);
-    auto& words = outgoing[std::upper_bound(end.begin(), end.end(), id) - end.begin()];
-    for_each_field(bodies, [&](const char*, const auto& field) { pack(words, field[b]); });
+    pack_row(bodies, b, outgoing[std::upper_bound(end.begin(), end.end(), id) - end.begin()]);
   }
+  const auto incoming = comm.exchange(outgoing);
+  const std::size_t width = packed_row_width();
+  std::vector<const double*> row_of(rows.count, nullptr);
+  for (const auto& packed : incoming)
+    for (std::size_t at = 0; at < packed.size(); at += width)  // the id is the first field
+      row_of[std::bit_cast<BodyId>(packed[at]) - static_cast<BodyId>(rows.begin)] = &packed[at];
   Bodies block;
-  block.owned = static_cast<Index>(rows.count);
-  for_each_field(block, [&](const char*, auto& field) { field.resize(rows.count); });
-  std::fill(block.id.begin(), block.id.end(), -1);
-  for (const auto& words : comm.exchange(outgoing))
-    for (const std::int64_t* word = words.data(); word != words.data() + words.size();) {
-      const auto row = *word - static_cast<std::int64_t>(rows.begin);  // `id` is the first field
-      for_each_field(block, [&](const char*, auto& field) { unpack(word, field[row]); });
-    }
-  for (std::size_t row = 0; row < block.id.size(); ++row)
-    require(block.id[row] >= 0, "no body has id {}: ids must be 0 … N-1", rows.begin + row);
+  for (std::size_t k = 0; k < row_of.size(); ++k) {
+    require(row_of[k] != nullptr, "no body has id {}: ids must be 0 … N-1", rows.begin + k);
+    unpack_rows(block, {row_of[k], width});
+  }
+  block.owned = block.size();
   return block;
 }
 
@@ -150,7 +127,8 @@ void SnapshotWriter::find_written(std::int64_t resume_step) {
 }
 
 void SnapshotWriter::write(const Bodies& bodies, std::int64_t step, double time) {
-  const auto rows = h5::equal_rows(comm_, comm_.sum(static_cast<std::int64_t>(bodies.owned)));
+  const auto rows =
+      h5::equal_rows(comm_.rank, comm_.size, comm_.sum(static_cast<std::int64_t>(bodies.owned)));
   const Bodies block = in_order_of_id(comm_, bodies, rows);
 
   const std::string path = folder_ + "/" + snapshot_name(written_.size());
@@ -168,10 +146,17 @@ void SnapshotWriter::write(const Bodies& bodies, std::int64_t step, double time)
   put_in_place(comm_, path);
 
   written_.push_back({step, time, static_cast<std::int64_t>(rows.total)});
-  if (comm_.rank == 0) {
-    write_trajectory();
-    write_xdmf();
-  }
+  // The index names all snapshots: written for each of them it would cost the square of their
+  // number, written for each twentieth part more it costs as much as they do.
+  if (written_.size() - indexed_ > written_.size() / 20) write_index();
+}
+
+void SnapshotWriter::write_index() {
+  if (indexed_ == written_.size()) return;
+  indexed_ = written_.size();
+  if (comm_.rank != 0) return;
+  write_trajectory();
+  write_xdmf();
 }
 
 void SnapshotWriter::write_trajectory() const {

@@ -419,6 +419,7 @@ class Run {
     table.add("time", "ranks", static_cast<std::int64_t>(comm_.size));
     progress_.say("\n" + table.text());
     write_results(comm_, folder_, table);
+    snapshots_.write_index();
     series_.write_hdf5();
   }
 

@@ -14,6 +14,16 @@ namespace spall {
 template <class T>
 inline constexpr std::size_t packed_width = (sizeof(T) + sizeof(double) - 1) / sizeof(double);
 
+/// Doubles of a packed row.
+inline std::size_t packed_row_width() {
+  std::size_t width = 0;
+  const Bodies none;
+  for_each_field(none, [&](const char*, const auto& field) {
+    width += packed_width<typename std::remove_cvref_t<decltype(field)>::value_type>;
+  });
+  return width;
+}
+
 /// Appends row `b` of every field to `out`.
 inline void pack_row(const Bodies& bodies, Index b, std::vector<double>& out) {
   for_each_field(bodies, [&](const char*, const auto& field) {

@@ -20,8 +20,9 @@ namespace spall {
 ///   trajectory.xdmf         the same for ParaView and VisIt
 ///
 /// HDF5 cannot promise a readable file to a process that dies while it writes, so each snapshot is
-/// a file of its own that takes its name only when it is complete; the other two are small, and
-/// replaced whole after each snapshot.
+/// a file of its own that takes its name only when it is complete. The other two are an index,
+/// replaced whole while the run goes on (the last few of many snapshots may be missing) and at its
+/// end.
 class SnapshotWriter {
  public:
   /// Removes snapshots of an earlier run in the same folder, on resuming only those that follow
@@ -30,6 +31,8 @@ class SnapshotWriter {
 
   /// Ids of the owned bodies of all ranks are 0 … N-1, in any distribution. Collective.
   void write(const Bodies& bodies, std::int64_t step, double time);
+  /// Brings the trajectory up to the last snapshot: for the end of a run.
+  void write_index();
 
  private:
   struct Written {
@@ -46,6 +49,7 @@ class SnapshotWriter {
   std::string case_text_;
   std::string title_;
   std::vector<Written> written_;  // the same on all ranks
+  std::size_t indexed_ = 0;       // how many of them the index has
 };
 
 }  // namespace spall

@@ -1,0 +1,286 @@
+# One page about a run: pictures, curves and the table of results, from the folder that it wrote.
+# SPDX-License-Identifier: BSD-3-Clause
+import base64
+import html
+import io
+import os
+import re
+import sys
+
+try:
+    import h5py
+    import matplotlib  # noqa: F401 (asked for here so that the message below names it)
+    import numpy as np
+    import tomllib
+except ImportError as missing:
+    # The system's Python has the packages of the distribution; another one may come first in PATH.
+    system = "/usr/bin/python3"
+    if os.path.exists(system) and os.environ.get("SPALL_REPORT_PYTHON") != system:
+        os.environ["SPALL_REPORT_PYTHON"] = system
+        os.execv(system, [system, *sys.argv])
+    sys.exit(f"spall report: {missing}; it needs Python 3.11 with h5py, numpy and matplotlib "
+             "(apt install python3-h5py python3-matplotlib)")
+
+GRAVITY = 6.67430e-11
+
+
+class Frame:
+    """The bodies that are there at one time."""
+
+    def __init__(self, time, position, velocity, radius, mass):
+        self.time, self.position, self.velocity = time, position, velocity
+        self.radius, self.mass = radius, mass
+
+    def without(self, body):
+        keep = np.arange(len(self.radius)) != body
+        return Frame(self.time, self.position[keep], self.velocity[keep], self.radius[keep],
+                     self.mass[keep])
+
+
+class Run:
+    """What a run left in its folder."""
+
+    def __init__(self, folder):
+        self.folder = folder
+        with h5py.File(self.need("trajectory.h5")) as file:
+            all_bodies = file["particles/all"]
+            self.case = tomllib.loads(file["parameters/case"][()].decode())
+            time = all_bodies["position/time"][:]
+            first = self.frame(all_bodies, 0, time)
+            self.after = self.frame(all_bodies, len(time) - 1, time)
+            count = len(first.radius)
+            self.impactor = count if len(self.after.radius) == count + 1 else -1
+            self.before = first
+            if self.impactor >= 0:
+                there = ~np.isnan(all_bodies["position/value"][:, count, 0])
+                self.before = self.frame(all_bodies, int(np.argmax(there)) - 1, time)
+        self.has_impact = self.impactor >= 0
+        self.flight = np.array([1.0, 0, 0])
+        self.impactor_text = ""
+        for phase in self.case.get("phases", []):
+            if "impactor" in phase:
+                flight = np.array(phase["impactor"].get("direction", [1, 0, 0]), float)
+                self.flight = flight / np.linalg.norm(flight)
+                parts = [phase["impactor"].get(key) for key in ("mass", "speed")]
+                self.impactor_text = ", ".join(str(part) for part in parts if part is not None)
+        self.series = self.read_series()
+        self.results, self.notes = self.read_results()
+        pile = self.results.get("pile", {})
+        self.size = pile.get("mean_diameter") or 2 * np.linalg.norm(
+            self.before.position - np.median(self.before.position, axis=0), axis=1).max()
+
+    def need(self, name):
+        path = os.path.join(self.folder, name)
+        if not os.path.exists(path):
+            sys.exit(f"spall report: '{path}' is missing: is '{self.folder}' the folder of a run?")
+        return path
+
+    @staticmethod
+    def frame(all_bodies, k, time):
+        position = all_bodies["position/value"][k]
+        there = ~np.isnan(position[:, 0])
+        return Frame(time[k], position[there], all_bodies["velocity/value"][k][there],
+                     all_bodies["radius"][:][there], all_bodies["mass"][:][there])
+
+    def read_series(self):
+        path = self.need("series.csv")
+        with open(path) as file:
+            names = file.readline().strip().split(",")
+        rows = np.loadtxt(path, delimiter=",", skiprows=1, ndmin=2)
+        return dict(zip(names, rows.T)) if len(rows) else {name: np.zeros(0) for name in names}
+
+    def read_results(self):
+        """Values, and the unit and note that stand behind each of them as a comment."""
+        path = os.path.join(self.folder, "results.toml")
+        if not os.path.exists(path):
+            return {}, {}
+        with open(path) as file:
+            text = file.read()
+        notes, section = {}, ""
+        for line in text.splitlines():
+            if match := re.fullmatch(r"\[(\w+)\]", line):
+                section = match[1]
+            elif match := re.match(r"(\w+) = .*  # (.*)", line):
+                notes[section, match[1]] = match[2]
+        return tomllib.loads(text), notes
+
+    def side_view(self):
+        """Toward the viewer and up, so that the impactor flies from left to right."""
+        up = np.array([0, 0, 1.0]) if abs(self.flight[2]) < 0.9 else np.array([0, 1.0, 0])
+        up -= (up @ self.flight) * self.flight
+        up /= np.linalg.norm(up)
+        return np.cross(self.flight, up), up
+
+    def name_of(self, frame):
+        from report_figures import readable_time
+        if not self.has_impact:
+            return f"{readable_time(frame.time)} after the start"
+        if frame is self.before:
+            return "before the impact"
+        return f"{readable_time(frame.time - self.before.time)} after the impact"
+
+    def marked_speeds(self):
+        from report_figures import BLUE, GREEN
+        mass = self.before.mass[np.isfinite(self.before.mass)].sum()
+        marks = []
+        if "gravity" in self.case:
+            marks.append((np.sqrt(4 * GRAVITY * mass / self.size), "escape", GREEN))
+        if dv := self.results.get("deflection", {}).get("dv"):
+            if dv > 0:
+                marks.append((dv, "dv", BLUE))
+        return marks
+
+    def series_parts(self):
+        """Name, x, label of x, whether x is logarithmic, and rows: up to the impact, and since."""
+        time = self.series["time"]
+        if len(time) == 0:
+            sys.exit(f"spall report: '{self.folder}/series.csv' has no rows yet")
+        split = self.before.time if self.has_impact else np.inf
+        first = time < split * (1 - 1e-12)
+        unit, name = (3600, "h") if time[first].max(initial=0) > 7200 else (1, "s")
+        parts = []
+        for chosen, title in ((first, "Up to the impact" if self.has_impact else "The run"),
+                              (~first, "Since the impact")):
+            rows = {key: values[chosen] for key, values in self.series.items()}
+            if len(rows["time"]) < 2:
+                continue
+            if title == "Since the impact":
+                since = rows["time"] - split
+                # The first row stands at 0, where a logarithm ends: half a step of the next.
+                since[0] = max(since[0], since[1] / 2)
+                parts.append((title, since, "time since the impact (s)", True, rows))
+            else:
+                parts.append((title, rows["time"] / unit, f"time ({name})", False, rows))
+        return parts
+
+    def momentum_measure(self, rows):
+        if self.has_impact:
+            deflection = self.results.get("deflection", {})
+            if "dv_plastic" in deflection:
+                return deflection["dv_plastic"] * self.before.mass.sum()
+            impactor = self.after.mass[self.impactor]
+            return impactor * np.linalg.norm(self.after.velocity[self.impactor]) or 1.0
+        mass = self.after.mass[np.isfinite(self.after.mass)].sum()
+        return mass * max(rows["rms_speed"].max(), 1e-300)
+
+
+def number(value):
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    if isinstance(value, list):
+        return ", ".join(number(one) for one in value)
+    return html.escape(str(value))
+
+
+def headline(run):
+    """The few figures that matter most, where the run has them."""
+    wanted = [("deflection", "dv", "dv, m/s"), ("deflection", "beta", "momentum enhancement β"),
+              ("deflection", "dT_min", "change of the period, min"),
+              ("ejecta", "count", "bodies ejected"),
+              ("pile", "packing_fraction", "packing fraction"),
+              ("conservation", "linear", "drift of momentum"),
+              ("conservation", "energy_unexplained", "energy unexplained"),
+              ("time", "total_s", "seconds of computing")]
+    cards = []
+    for section, key, name in wanted:
+        value = run.results.get(section, {}).get(key)
+        if value is not None:
+            text = f"{value:.4g}" if isinstance(value, float) else str(value)
+            cards.append(f"<div class=card><b>{text}</b><span>{name}</span></div>")
+    return f"<div class=cards>{''.join(cards)}</div>"
+
+
+def tables(run):
+    parts = []
+    for section, rows in run.results.items():
+        lines = []
+        for key, value in rows.items():
+            note = html.escape(run.notes.get((section, key), ""))
+            lines.append(f"<tr><td>{key}</td><td class=value>{number(value)}</td>"
+                         f"<td class=note>{note}</td></tr>")
+        parts.append(f"<section><h3>{section}</h3><table>{''.join(lines)}</table></section>")
+    return f"<div class=tables>{''.join(parts)}</div>"
+
+
+STYLE = """
+body { font: 15px/1.5 system-ui, "DejaVu Sans", sans-serif; color: #1c2430; background: #f6f7f9;
+       margin: 0 auto; max-width: 1120px; padding: 24px; }
+h1 { font-size: 26px; margin: 0 0 4px; } h2 { font-size: 18px; margin: 36px 0 8px; }
+h3 { font-size: 14px; margin: 0 0 4px; text-transform: capitalize; }
+p { color: #5b6472; margin: 4px 0 12px; }
+figure { margin: 12px 0; background: white; border-radius: 8px; overflow: hidden;
+         box-shadow: 0 1px 3px #0002; }
+img { display: block; width: 100%; } figcaption { padding: 8px 16px 12px; color: #5b6472; }
+.cards { display: flex; flex-wrap: wrap; gap: 12px; margin: 20px 0; }
+.card { flex: 1 1 120px; background: white; border-radius: 8px; padding: 12px 16px;
+        box-shadow: 0 1px 3px #0002; }
+.card b { display: block; font-size: 20px; } .card span { color: #5b6472; font-size: 13px; }
+.tables { columns: 2 460px; column-gap: 16px; }
+section { break-inside: avoid; background: white; border-radius: 8px; padding: 12px 16px;
+          margin: 0 0 16px; box-shadow: 0 1px 3px #0002; }
+table { border-collapse: collapse; width: 100%; font-size: 13px; }
+td { padding: 2px 8px 2px 0; vertical-align: top; border-top: 1px solid #eef0f3; }
+.value { font-variant-numeric: tabular-nums; text-align: right; } .note { color: #5b6472; }
+"""
+
+
+def main(folder):
+    run = Run(folder)
+    import report_figures as figures
+    pictures = os.path.join(folder, "report")
+    os.makedirs(pictures, exist_ok=True)
+
+    def figure(name, drawing, caption):
+        """Saves a drawing beside the page and puts it into the page."""
+        data = io.BytesIO()
+        drawing.savefig(data, dpi=150, facecolor=drawing.get_facecolor())
+        figures.plt.close(drawing)
+        with open(os.path.join(pictures, name + ".png"), "wb") as file:
+            file.write(data.getvalue())
+        text = base64.b64encode(data.getvalue()).decode()
+        return (f"<figure><img alt='{html.escape(name)}' src='data:image/png;base64,{text}'>"
+                f"<figcaption>{caption}</figcaption></figure>")
+
+    title = html.escape(run.case.get("title", os.path.basename(os.path.abspath(folder))))
+    bodies = len(run.before.radius)
+    body = [f"<h1>{title}</h1><p>{bodies} bodies, {len(run.series['time'])} rows in the series"
+            f"{'' if run.results else '; the run has not ended: no results yet'}</p>",
+            headline(run) if run.results else ""]
+    body.append(figure("bodies", figures.before_and_after(run),
+                       "The bodies, both from the same place and at the same scale."))
+    body.append(figure("velocities", figures.velocities(run),
+                       "Left: bodies behind the plane of the cut, coloured by speed; arrows: "
+                       "velocity in the plane of the bodies next to it, length as the root of the "
+                       "speed. Right: how many bodies have which speed, and velocity against place."))
+    deflection = run.results.get("deflection", {})
+    if len(run.results.get("read_out", {}).get("dv", [])) > 0:
+        lines = [(deflection[key], name) for key, name in (("dv_plastic", "m v / M"),
+                 ("dv_elastic", "m v (1 + e) / M")) if key in deflection]
+        body.append("<h2>Deflection</h2>" + figure(
+            "deflection", figures.read_outs(run.results["read_out"], lines),
+            "Velocity change of the largest clump along the flight of the impactor. It goes on "
+            "changing while ejecta leave, so it is given with its time."))
+    body.append("<h2>The run in time</h2>" + figure(
+        "series", figures.series(run),
+        "Energy (dissipated and freed: since the start of the column), drift of momentum, residual "
+        "of the contact problem in each step, contacts."))
+    seconds = {key[:-2]: value for key, value in run.results.get("time", {}).items()
+               if key.endswith("_s") and key != "total_s" and value > 0}
+    if seconds:
+        body.append("<h2>Where the time went</h2>" + figure(
+            "stages", figures.stage_times(seconds), "Wall-clock seconds of the slowest rank."))
+    if run.results:
+        body.append("<h2>Results</h2>" + tables(run))
+    page = os.path.join(folder, "report.html")
+    with open(page, "w") as file:
+        file.write(f"<!doctype html><html lang=en><meta charset=utf-8><title>{title}</title>"
+                   f"<style>{STYLE}</style>{''.join(body)}</html>")
+    print(page)
+
+
+if __name__ == "__main__":
+    if len(sys.argv) != 2:
+        sys.exit("usage: report.py <folder of a run>")
+    main(os.path.dirname(sys.argv[1]) or "." if os.path.isfile(sys.argv[1]) else sys.argv[1])

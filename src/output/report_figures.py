@@ -1,0 +1,234 @@
+# The figures of a report: the body before and after, speeds, the run in time, where the time went.
+# SPDX-License-Identifier: BSD-3-Clause
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.colors import LinearSegmentedColormap, LogNorm
+
+from report_spheres import Camera, render
+
+SKY = np.array([0.035, 0.043, 0.066])
+INK, BLUE, ORANGE, GREEN, RED, GREY = "#1c2430", "#2f6db3", "#d9822b", "#3f8f5b", "#b5413a", "#8a94a3"
+plt.rcParams.update({
+    "font.family": "DejaVu Sans", "font.size": 10, "axes.edgecolor": GREY, "axes.labelcolor": INK,
+    "axes.spines.top": False, "axes.spines.right": False, "axes.titlesize": 11,
+    "axes.titleweight": "bold", "axes.titlelocation": "left", "xtick.color": INK,
+    "ytick.color": INK, "axes.grid": True, "grid.color": "#e4e8ee", "grid.linewidth": 0.7,
+    "axes.axisbelow": True, "legend.frameon": False, "lines.linewidth": 1.4, "figure.dpi": 110,
+})
+
+
+def readable_time(seconds):
+    for limit, unit, name in ((1e-3, 1e-6, "µs"), (1, 1e-3, "ms"), (120, 1, "s"), (7200, 60, "min")):
+        if abs(seconds) < limit:
+            return f"{seconds / unit:.3g} {name}"
+    return f"{seconds / 3600:.3g} h"
+
+
+def rock(count):
+    """Grey-brown, a little different for each body, always the same for the same body."""
+    noise = np.random.default_rng(1).random((count, 2))
+    shade = 0.70 + 0.24 * noise[:, :1]
+    warmth = (noise[:, 1:] - 0.5) * 0.06
+    return shade * np.array([0.98, 0.93, 0.86]) + warmth * np.array([1, 0, -1])
+
+
+def nice_length(length):
+    """The largest of 1, 2, 5 times a power of ten that is not above `length`."""
+    power = 10 ** np.floor(np.log10(length))
+    return max(f * power for f in (1, 2, 5) if f * power <= length)
+
+
+def scale_bar(axes, camera):
+    bar = nice_length(camera.width / 5)
+    x, y = -camera.width / 2 * 0.93, -camera.height / 2 * 0.92
+    axes.plot([x, x + bar], [y, y], color="white", lw=2, solid_capstyle="butt")
+    axes.text(x + bar / 2, y + camera.height * 0.015, f"{bar:g} m", color="white", ha="center",
+              va="bottom", fontsize=9)
+
+
+def show(axes, camera, image):
+    axes.imshow(image, extent=[-camera.width / 2, camera.width / 2, -camera.height / 2,
+                               camera.height / 2], interpolation="lanczos")
+    axes.set_xlim(-camera.width / 2, camera.width / 2)
+    axes.set_ylim(-camera.height / 2, camera.height / 2)
+    axes.axis("off")
+
+
+def pile_size(frame):
+    """Middle and a size (m) that holds nearly all bodies: those far away do not count."""
+    middle = np.median(frame.position, axis=0)
+    distance = np.linalg.norm(frame.position - middle, axis=1) + frame.radius
+    return middle, 2 * np.quantile(distance, 0.98)
+
+
+def before_and_after(run):
+    """The bodies before the impact and at the end, seen from where the impactor came."""
+    middle, size = pile_size(run.before)
+    side, up = run.side_view()
+    toward = 0.85 * side - 0.62 * run.flight + 0.42 * up
+    figure, axes = plt.subplots(1, 2, figsize=(12, 6.2), facecolor=tuple(SKY))
+    for panel, frame in zip(axes, (run.before, run.after)):
+        center = np.median(frame.position, axis=0)
+        camera = Camera(toward, up, center, 1.42 * size, 1.42 * size, 760)
+        color = rock(len(frame.radius))
+        show(panel, camera, render(camera, frame.position, frame.radius, color, SKY))
+        scale_bar(panel, camera)
+        panel.set_title(run.name_of(frame), color="white", fontsize=12, pad=4, loc="center")
+        if run.has_impact and frame is run.before:
+            x, y, _ = camera.project(center - run.flight * size * np.array([[0.95], [0.62]]))
+            panel.annotate("", (x[1], y[1]), (x[0], y[0]),
+                           arrowprops={"arrowstyle": "-|>", "color": "#ffb454", "lw": 2})
+            panel.text(-0.69 * size, y[0] + 0.04 * size, run.impactor_text, color="#ffb454",
+                       va="bottom", fontsize=9)
+    figure.subplots_adjust(0.005, 0.01, 0.995, 0.93, wspace=0.01)
+    return figure
+
+
+def velocities(run):
+    """Cut through the bodies at the end, coloured by speed, with arrows; and how speeds spread."""
+    frame = run.after.without(run.impactor)
+    middle, size = pile_size(run.before)
+    center = np.median(frame.position, axis=0)
+    speed = np.linalg.norm(frame.velocity, axis=1)
+    moving = speed[speed > 0]
+    side, up = run.side_view()
+    figure = plt.figure(figsize=(12, 6.2))
+    grid = figure.add_gridspec(2, 2, width_ratios=[1.25, 1], hspace=0.38, wspace=0.22, left=0.01,
+                               right=0.985, top=0.94, bottom=0.09)
+    if len(moving) == 0:
+        figure.text(0.5, 0.5, "nothing moves", ha="center")
+        return figure
+    low, high = np.quantile(moving, [0.02, 0.9995])
+    norm = LogNorm(low, max(high, 1.01 * low), clip=True)
+    colors = LinearSegmentedColormap.from_list(
+        "speeds", plt.get_cmap("inferno")(np.linspace(0.22, 1, 256)))
+
+    panel = figure.add_subplot(grid[:, 0])
+    camera = Camera(side, up, center, 1.75 * size, 1.55 * size, 900)
+    across = (frame.position - center) @ camera.toward
+    behind = across <= 0
+    rgb = colors(norm(np.maximum(speed, low)))[:, :3]
+    image = render(camera, frame.position[behind], frame.radius[behind], rgb[behind], SKY, soft=True)
+    show(panel, camera, image)
+    scale_bar(panel, camera)
+    near = np.flatnonzero(behind & (across > -1.2 * frame.radius))
+    near = near[np.argsort(-speed[near])][:400]
+    x, y, _ = camera.project(frame.position[near])
+    length = 0.16 * size * np.sqrt(speed[near] / norm.vmax)
+    u = frame.velocity[near] @ camera.right / speed[near] * length
+    v = frame.velocity[near] @ camera.up / speed[near] * length
+    panel.quiver(x, y, u, v, angles="xy", scale_units="xy", scale=1, width=0.0026,
+                 color="#7fd4ff", clip_on=True)
+    if run.has_impact:
+        panel.annotate("", (-0.56 * size, 0), (-0.78 * size, 0),
+                       arrowprops={"arrowstyle": "-|>", "color": "#ffb454", "lw": 2})
+    panel.set_title(f"Cut along the flight of the impactor, {run.name_of(run.after)}"
+                    if run.has_impact else f"Cut through the middle, {run.name_of(run.after)}")
+    bar = figure.colorbar(plt.cm.ScalarMappable(norm, colors), ax=panel, fraction=0.03, pad=0.0,
+                          shrink=0.75)
+    bar.set_label("speed (m/s)")
+    bar.outline.set_visible(False)
+
+    panel = figure.add_subplot(grid[0, 1])
+    bins = np.geomspace(moving.min() * 0.99, moving.max() * 1.01, 60)
+    _, _, patches = panel.hist(moving, bins)
+    for patch, edge in zip(patches, bins):
+        patch.set_facecolor(colors(float(norm(edge))))
+    panel.set(xscale="log", yscale="log", xlabel="speed (m/s)", ylabel="bodies",
+              title="Speeds")
+    for value, name, color in run.marked_speeds():
+        panel.axvline(value, color=color, lw=1.2, ls="--")
+        panel.text(value, 1.01, name, color=color, fontsize=8, ha="center", va="bottom",
+                   transform=panel.get_xaxis_transform())
+    panel.title.set_position((0, 1.06))
+
+    panel = figure.add_subplot(grid[1, 1])
+    along = (frame.position - center) @ run.flight
+    order = np.argsort(speed)
+    panel.scatter(along[order], frame.velocity[order] @ run.flight, s=7, c=rgb[order], linewidths=0)
+    reach = 1.1 * size
+    panel.set_xlim(-reach, reach)
+    panel.set_yscale("symlog", linthresh=10 ** np.ceil(np.log10(np.median(moving))))
+    panel.set(xlabel="place along the flight (m)", ylabel="velocity along it (m/s)",
+              title="Velocity along the flight of the impactor" if run.has_impact
+              else "Velocity along x")
+    return figure
+
+
+def series(run):
+    """Energy, momentum, residual and contacts: up to the impact, and since."""
+    parts = run.series_parts()
+    figure, axes = plt.subplots(4, len(parts), figsize=(12, 10.5), squeeze=False,
+                                layout="constrained")
+    for column, (name, x, label, log, rows) in enumerate(parts):
+        energy, momentum, residual, contacts = axes[:, column]
+
+        def curve(panel, key, text, color, values=None, x=x, rows=rows):
+            y = np.abs(rows[key] if values is None else values)
+            if np.any(y > 0):
+                panel.plot(x, np.where(y > 0, y, np.nan), color=color, label=text)
+
+        curve(energy, "kinetic", "kinetic", BLUE)
+        curve(energy, "", "dissipated", RED, rows["dissipated"] - rows["dissipated"][0])
+        curve(energy, "", "freed by gravity", GREEN,
+              rows["gravitational"][0] - rows["gravitational"])
+        curve(energy, "unexplained", "unexplained", GREY)
+        energy.set(ylabel="energy (J)", title=name)
+        measure = run.momentum_measure(rows)
+        curve(momentum, "", "linear", BLUE, rows["momentum_drift"] / measure)
+        curve(momentum, "", "angular", ORANGE, rows["angular_drift"] / (measure * run.size / 2))
+        momentum.set(ylabel="drift of momentum\n(of the impactor's)" if run.has_impact
+                     else "drift of momentum\n(of sum m |v|)")
+        curve(residual, "residual_max", "largest of all contacts", ORANGE)
+        curve(residual, "residual_rms", "rms", BLUE)
+        residual.set(ylabel="residual (m/s)")
+        contacts.plot(x, rows["contacts"], color=BLUE)
+        contacts.set(ylabel="contacts", xlabel=label, ylim=(0, None))
+        for panel in axes[:, column]:
+            if log:
+                panel.set_xscale("log")
+            else:
+                panel.set_xlim(x[0], max(x[-1], x[0] + 1e-300))
+            if panel is not contacts:
+                if panel.lines:
+                    panel.set_yscale("log")
+                    panel.legend(fontsize=8, ncols=2)
+    figure.align_ylabels()
+    return figure
+
+
+def stage_times(seconds):
+    """Share of each stage of the steps."""
+    total = sum(seconds.values())
+    palette = [BLUE, ORANGE, GREEN, RED, "#7a5ea8", "#4aa3a2", GREY, "#c9a227", "#5b6472"]
+    figure, axes = plt.subplots(figsize=(12, 1.5), layout="constrained")
+    left = 0
+    for (name, value), color in zip(sorted(seconds.items(), key=lambda item: -item[1]), palette):
+        axes.barh(0, value / total, left=left, color=color, edgecolor="white",
+                  label=f"{name}  {value:.3g} s ({100 * value / total:.0f} %)")
+        left += value / total
+    axes.set_xlim(0, 1)
+    axes.axis("off")
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, 0.08), ncols=4, fontsize=9)
+    return figure
+
+
+def read_outs(table, lines):
+    """dv at the times of the read-out, beside what momentum alone gives."""
+    figure, axes = plt.subplots(figsize=(12, 3.4), layout="constrained")
+    time, dv = np.array(table["since_impact"]), np.array(table["dv"])
+    axes.plot(time, dv * 1e3, "o-", color=BLUE)
+    for t, v in zip(time, dv):
+        axes.annotate(f"{v * 1e3:.4g}", (t, v * 1e3), textcoords="offset points", xytext=(6, 6),
+                      fontsize=9, color=BLUE)
+    for value, name in lines:
+        axes.axhline(value * 1e3, color=GREY, ls="--", lw=1)
+        axes.text(0.995, value * 1e3, name, color="#5b6472", fontsize=8, ha="right", va="bottom",
+                  transform=axes.get_yaxis_transform())
+    top = max([*dv, *(value for value, _ in lines)]) * 1e3
+    axes.set(xlabel="time since the impact (s)", ylabel="dv of the largest clump (mm/s)",
+             xlim=(0, time[-1] * 1.12), ylim=(min(0, dv.min() * 1e3), top * 1.2))
+    return figure

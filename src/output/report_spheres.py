@@ -1,0 +1,111 @@
+# Pictures of many spheres: a depth buffer, one light with shadows, and darkness in the gaps.
+# SPDX-License-Identifier: BSD-3-Clause
+import numpy as np
+
+
+class Camera:
+    """Orthographic. `toward` points from the scene to the viewer; `center` (m) is in the middle of
+    the picture, which shows `width` x `height` metres."""
+
+    def __init__(self, toward, up, center, width, height, pixels):
+        self.toward = toward / np.linalg.norm(toward)
+        right = np.cross(up, self.toward)
+        self.right = right / np.linalg.norm(right)
+        self.up = np.cross(self.toward, self.right)
+        self.center = np.asarray(center)
+        self.width, self.height = width, height
+        self.columns = pixels
+        self.rows = round(pixels * height / width)
+
+    def project(self, points):
+        """Right, up and depth (m, larger is nearer) of points in the picture's frame."""
+        relative = points - self.center
+        return relative @ self.right, relative @ self.up, relative @ self.toward
+
+
+def depth_buffer(camera, position, radius):
+    """Depth (m) of what is seen in each pixel, -inf where nothing is, and whose it is."""
+    scale = camera.columns / camera.width
+    x, y, z = camera.project(position)
+    column, row, size = (x + camera.width / 2) * scale, (camera.height / 2 - y) * scale, radius * scale
+    depth = np.full((camera.rows, camera.columns), -np.inf)
+    owner = np.full(depth.shape, -1)
+    seen = (column + size > 0) & (column - size < camera.columns)
+    seen &= (row + size > 0) & (row - size < camera.rows)
+    for k in np.flatnonzero(seen):
+        left, right = max(int(column[k] - size[k]), 0), int(column[k] + size[k]) + 2
+        top, bottom = max(int(row[k] - size[k]), 0), int(row[k] + size[k]) + 2
+        window = depth[top:bottom, left:right]
+        dx = np.arange(left, left + window.shape[1]) + 0.5 - column[k]
+        dy = np.arange(top, top + window.shape[0]) + 0.5 - row[k]
+        height = size[k] ** 2 - dx[None, :] ** 2 - dy[:, None] ** 2
+        surface = z[k] + np.sqrt(np.maximum(height, 0)) / scale
+        nearer = (height > 0) & (surface > window)
+        window[nearer] = surface[nearer]
+        owner[top:bottom, left:right][nearer] = k
+    return depth, owner
+
+
+def blurred(values, size):
+    """Mean over squares of 2 size + 1 pixels."""
+    for axis in (0, 1):
+        padded = np.pad(values, [(size + 1, size) if a == axis else (0, 0) for a in (0, 1)], "edge")
+        sums = np.cumsum(padded, axis=axis)
+        n = values.shape[axis]
+        ends = np.arange(2 * size + 1, 2 * size + 1 + n)
+        values = (np.take(sums, ends, axis) - np.take(sums, ends - 2 * size - 1, axis)) / (2 * size + 1)
+    return values
+
+
+def shadows(camera, light, position, radius, points):
+    """Part of the light that reaches points, by a depth buffer seen from the light."""
+    reach = 1.3 * max(camera.width, camera.height)  # what is far outside casts no shadow
+    seen = Camera(light, camera.up, camera.center, reach, reach, min(2 * camera.columns, 2400))
+    depth, _ = depth_buffer(seen, position, radius)
+    x, y, z = seen.project(points)
+    scale = seen.columns / seen.width
+    lit = np.zeros(len(points))
+    for dx, dy in ((-0.5, -0.5), (0.5, -0.5), (-0.5, 0.5), (0.5, 0.5)):
+        column = np.clip(((x + seen.width / 2) * scale + dx).astype(int), 0, seen.columns - 1)
+        row = np.clip(((seen.height / 2 - y) * scale + dy).astype(int), 0, seen.rows - 1)
+        lit += (depth[row, column] <= z + 0.12 * np.median(radius)) / 4
+    return lit
+
+
+def render(camera, position, radius, color, background, soft=False):
+    """Picture (rows, columns, 3) of shaded spheres; twice as fine inside, for smooth edges. `soft`
+    takes the shadows away where colours are to be read as values."""
+    fine = Camera(camera.toward, camera.up, camera.center, camera.width, camera.height,
+                  2 * camera.columns)
+    fine.rows = 2 * camera.rows
+    depth, owner = depth_buffer(fine, position, radius)
+    hit = owner >= 0
+    rows, columns = np.nonzero(hit)
+    pixel = fine.width / fine.columns
+    x = (columns + 0.5) * pixel - fine.width / 2
+    y = fine.height / 2 - (rows + 0.5) * pixel
+    points = (fine.center + x[:, None] * fine.right + y[:, None] * fine.up
+              + depth[hit][:, None] * fine.toward)
+    whose = owner[hit]
+    normal = (points - position[whose]) / radius[whose][:, None]
+
+    light = fine.toward * 0.75 - fine.right * 0.75 + fine.up * 0.8
+    light /= np.linalg.norm(light)
+    sun = np.maximum(normal @ light, 0)
+    if not soft and len(points):
+        sun *= shadows(fine, light, position, radius, points)
+    # Gaps are dark: what lies below the mean depth of its surroundings sees less of the sky.
+    floor = depth[hit].min() if hit.any() else 0
+    filled = np.where(hit, depth, floor)
+    reach = np.median(radius) if len(radius) else 1
+    sky = np.ones(len(points))
+    for factor in (1, 3):
+        around = blurred(filled, max(int(factor * reach / pixel), 1))[hit]
+        sky *= 1 - np.clip((around - depth[hit]) / (3 * factor * reach), 0, 0.6)
+    facing = normal @ fine.toward
+    brightness = (0.62 + 0.38 * facing) * sky if soft else (0.13 + 0.15 * facing) * sky**2 + 0.95 * sun * sky
+
+    image = np.empty((fine.rows, fine.columns, 3))
+    image[:] = background
+    image[hit] = np.clip(color[whose] * brightness[:, None], 0, 1)
+    return image.reshape(camera.rows, 2, camera.columns, 2, 3).mean(axis=(1, 3))
