@@ -4,73 +4,14 @@
 
 #include <algorithm>
 
-#include "spall/force/lanes.hpp"
+#include "spall/force/attract.hpp"
 
 namespace spall {
 namespace {
 
-/// Before the factor G: sums of m d/d^3, -m/d and m |dv|/d^3.
-struct Pull {
-  Lanes x{}, y{}, z{}, potential{}, rate{};
-};
-
-/// Eight bodies and what they feel.
-struct Eight {
-  Lanes x, y, z, vx, vy, vz, mass;
-  Pull pull;
-};
-
 constexpr std::size_t tile = 32;        // eights: 256 bodies and their sums stay in the L1 cache
-constexpr std::size_t at_once = 2;      // bodies of tile i held in registers
 constexpr std::size_t body_width = 7;   // doubles a body sends
 constexpr std::size_t field_width = 5;  // doubles a body gets back
-
-/// The bodies of `is` and `js` attract each other; with `mutual` false only the first feel it, for
-/// a tile against itself.
-template <bool mutual>
-void attract(std::span<Eight> is, std::span<Eight> js) {
-  for (Eight& i : is)
-    for (std::size_t lane = 0; lane < lane_count; lane += at_once) {
-      Pull on_i[at_once];
-      for (Eight& j : js) {
-        Pull on_j = j.pull;
-        for (std::size_t u = 0; u < at_once; ++u) {
-          const Lanes dx = j.x - i.x[lane + u];
-          const Lanes dy = j.y - i.y[lane + u];
-          const Lanes dz = j.z - i.z[lane + u];
-          const Lanes dvx = j.vx - i.vx[lane + u];
-          const Lanes dvy = j.vy - i.vy[lane + u];
-          const Lanes dvz = j.vz - i.vz[lane + u];
-          const Lanes inverse = inverse_sqrt(dx * dx + (dy * dy + dz * dz));
-          const Lanes cubed = inverse * inverse * inverse;
-          const Lanes rate = cubed * estimate_sqrt(dvx * dvx + (dvy * dvy + dvz * dvz));
-          const Lanes weight_i = cubed * j.mass;
-          on_i[u].x += weight_i * dx;
-          on_i[u].y += weight_i * dy;
-          on_i[u].z += weight_i * dz;
-          on_i[u].potential -= inverse * j.mass;
-          on_i[u].rate += rate * j.mass;
-          if constexpr (mutual) {
-            const double mass_i = i.mass[lane + u];
-            const Lanes weight_j = cubed * mass_i;
-            on_j.x -= weight_j * dx;
-            on_j.y -= weight_j * dy;
-            on_j.z -= weight_j * dz;
-            on_j.potential -= inverse * mass_i;
-            on_j.rate += rate * mass_i;
-          }
-        }
-        if constexpr (mutual) j.pull = on_j;
-      }
-      for (std::size_t u = 0; u < at_once; ++u) {
-        i.pull.x[lane + u] += sum_of_lanes(on_i[u].x);
-        i.pull.y[lane + u] += sum_of_lanes(on_i[u].y);
-        i.pull.z[lane + u] += sum_of_lanes(on_i[u].z);
-        i.pull.potential[lane + u] += sum_of_lanes(on_i[u].potential);
-        i.pull.rate[lane + u] += sum_of_lanes(on_i[u].rate);
-      }
-    }
-}
 
 /// This rank's share of the pairs of tiles, dealt out in turn.
 void attract_share(const Comm& comm, std::span<Eight> all) {
@@ -81,10 +22,11 @@ void attract_share(const Comm& comm, std::span<Eight> all) {
   for (std::size_t i = 0; i < all.size(); i += tile)
     for (std::size_t j = i; j < all.size(); j += tile) {
       if (dealt++ % comm.size != static_cast<std::size_t>(comm.rank)) continue;
+      const std::span<Eight> sources[] = {tile_at(j)};
       if (i == j)
-        attract<false>(tile_at(i), tile_at(j));
+        attract<false, true>(tile_at(i), sources);
       else
-        attract<true>(tile_at(i), tile_at(j));
+        attract<true, true>(tile_at(i), sources);
     }
 }
 
@@ -148,7 +90,7 @@ GravityField evaluate_gravity_direct(const Comm& comm, double constant,
   for (std::size_t b = 0; b < owned; ++b) {
     const double* row = sums.data() + (first + b) * field_width;
     field.acceleration[b] = constant * Vec3::Map(row);
-    field.potential[b] = constant * row[3];
+    field.potential[b] = -constant * row[3];
     field.rate[b] = constant * bound * row[4];
   }
   return field;
