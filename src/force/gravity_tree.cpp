@@ -19,10 +19,16 @@ struct Outline {
   double largest_leaf = 0;  ///< radius
 };
 
-/// Two cells attract each other by their multipoles: a symmetric decision, made alike wherever it
-/// is made, or momentum would be lost.
-bool are_far(double radii, double squared_distance, double squared_opening) {
-  return radii * radii < squared_opening * squared_distance;
+/// What of two cells decides whether they may attract each other by multipoles.
+struct PairMeasure {
+  double radii;             ///< sum
+  double squared_distance;  ///< of the centres
+  double weight;            ///< the larger of (mass of one) / (acceleration of the other)
+};
+
+PairMeasure measure_pair(const Cell& a, const Cell& b) {
+  return {a.radius + b.radius, (b.center - a.center).squaredNorm(),
+          std::max(a.mass / b.pull, b.mass / a.pull)};
 }
 
 /// Of two near cells the larger is opened; keys decide between equals.
@@ -33,16 +39,18 @@ bool is_larger(const Cell& a, const Cell& b) {
 template <int P, bool rates>
 class Walk {
  public:
-  Walk(const Comm& comm, Octree& tree, double opening)
+  Walk(const Comm& comm, Octree& tree, double opening, double accuracy)
       : comm_(comm),
         tree_(tree),
         squared_opening_(opening * opening),
+        squared_accuracy_(accuracy * accuracy),
         moments_(tree.cells.size()),
         outlines_(tree.cells.size()) {}
 
   void run() {
     measure_own_cells();
     share_top_cells();
+    estimate_pulls();
     share_near_cells();
     outlines_ = {};
     if (tree_.cells[0].holder != Cell::Holder::elsewhere)
@@ -51,6 +59,19 @@ class Walk {
 
  private:
   using Row = Moments<P>;
+
+  /// Two cells attract each other by their multipoles: a symmetric decision, made alike wherever it
+  /// is made, or momentum would be lost. The terms left out are about (mass / distance^2)
+  /// (radii / distance)^P (Dehnen 2014, eq. 13) and have to be small against the acceleration of
+  /// either.
+  bool are_far(const PairMeasure& pair) const {
+    const double q = pair.radii * pair.radii / pair.squared_distance;
+    double power = 1;  // q^P
+    for (int k = 0; k < P; ++k) power *= q;
+    return q < squared_opening_ && pair.weight * pair.weight * power < squared_accuracy_ *
+                                                                           pair.squared_distance *
+                                                                           pair.squared_distance;
+  }
 
   std::span<Eight> eights(const Cell& leaf) {
     return {tree_.eights.data() + leaf.first, static_cast<std::size_t>(leaf.count)};
@@ -64,7 +85,7 @@ class Walk {
       measure_leaf(c);
   }
 
-  void measure_leaf(Index c) {
+  [[gnu::flatten]] void measure_leaf(Index c) {
     Cell& cell = tree_.cells[c];
     Row& row = moments_[c];
     Outline& outline = outlines_[c];
@@ -83,6 +104,7 @@ class Walk {
       }
     }
     cell.center = mass > 0 ? Vec3(place / mass) : Vec3((outline.box.low + outline.box.high) / 2);
+    cell.mass = mass;
     start_row(row, mass, cell.center, mass > 0 ? Vec3(momentum / mass) : Vec3(Vec3::Zero()));
     const Vec3 v = row.mean_velocity();
     double squared_radius = 0, spread = 0;
@@ -120,6 +142,7 @@ class Walk {
       outline.largest_leaf = std::max(outline.largest_leaf, part.largest_leaf);
     }
     cell.center = mass > 0 ? Vec3(place / mass) : Vec3((outline.box.low + outline.box.high) / 2);
+    cell.mass = mass;
     start_row(row, mass, cell.center, mass > 0 ? Vec3(momentum / mass) : Vec3(Vec3::Zero()));
     // Two bounds of the distance of the farthest body: by the halves' spheres and by the box.
     const Vec3 corner = (cell.center - outline.box.low).cwiseMax(outline.box.high - cell.center);
@@ -172,11 +195,66 @@ class Walk {
       outlines_[c] = {{Vec3::Map(r), Vec3::Map(r + 3)}, r[6]};
       cell.center = moments_[c].center();
       cell.radius = r[7];
+      cell.mass = moments_[c].row[0];
       cell.key = std::bit_cast<std::uint64_t>(r[8]);
       cell.holder = Cell::Holder::elsewhere;
     }
     for (Index c = tree_.top; c-- > 0;)
       if (tree_.owner[c] < 0) measure_inner(c);
+  }
+
+  /// A rough field, enough to tell which errors are small: that of the cells at which the curve is
+  /// dealt out, softened by their radii. Where pulls cancel, in the middle, a tenth of their sum
+  /// stands in, or the whole tree would be opened there.
+  void estimate_pulls() {
+    std::vector<std::array<Lanes, 5>> pullers;  // x, y, z, mass, radius^2
+    std::size_t count = 0;
+    for (Index c = 0; c < tree_.top; ++c) {
+      if (tree_.owner[c] < 0) continue;
+      const Cell& cell = tree_.cells[c];
+      const double values[] = {cell.center.x(), cell.center.y(), cell.center.z(), cell.mass,
+                               cell.radius * cell.radius};
+      if (count % lane_count == 0) pullers.emplace_back();
+      for (int k = 0; k < 5; ++k) pullers.back()[k][count % lane_count] = values[k];
+      ++count;
+    }
+    const auto estimate = [&](Cell& cell) {
+      Lanes x{}, y{}, z{}, sum{};
+      for (const auto& p : pullers) {
+        const Lanes dx = p[0] - cell.center.x(), dy = p[1] - cell.center.y(),
+                    dz = p[2] - cell.center.z();
+        const Lanes inverse = inverse_sqrt(dx * dx + (dy * dy + (dz * dz + p[4])));
+        const Lanes weight = p[3] * inverse * inverse;
+        sum += weight;
+        x += weight * inverse * dx;
+        y += weight * inverse * dy;
+        z += weight * inverse * dz;
+      }
+      const Vec3 total(sum_of_lanes(x), sum_of_lanes(y), sum_of_lanes(z));
+      cell.pull = std::max(total.norm(), 0.1 * sum_of_lanes(sum));
+    };
+    const auto from_below = [&](Cell& cell) {
+      if (cell.inner())
+        cell.pull =
+            std::min(tree_.cells[cell.children[0]].pull, tree_.cells[cell.children[1]].pull);
+      else
+        estimate(cell);
+    };
+    for (auto c = static_cast<Index>(tree_.cells.size()); c-- > tree_.top;)
+      from_below(tree_.cells[c]);
+    std::vector<double> pulls(tree_.top, 0.0);
+    for (Index c = 0; c < tree_.top; ++c)
+      if (tree_.owner[c] == comm_.rank) {
+        from_below(tree_.cells[c]);
+        pulls[c] = tree_.cells[c].pull;
+      }
+    comm_.sum(pulls);
+    for (Index c = tree_.top; c-- > 0;) {
+      if (tree_.owner[c] < 0)
+        from_below(tree_.cells[c]);
+      else
+        tree_.cells[c].pull = pulls[c];
+    }
   }
 
   /// Whether some cell of rank `rank` may have to open `cell`, which is this rank's: the bound
@@ -185,9 +263,9 @@ class Walk {
     const Cell& by = tree_.cells[top_cell];
     const Outline& outline = outlines_[top_cell];
     constexpr double slack = 1 - 1e-12;  // for round-off
-    const double radius = std::max(cell.radius, outline.largest_leaf);
-    if (are_far(radius + cell.radius, slack * outline.box.squared_distance(cell.center),
-                squared_opening_))
+    if (are_far({cell.radius + std::max(cell.radius, outline.largest_leaf),
+                 slack * outline.box.squared_distance(cell.center),
+                 std::max(cell.mass / by.pull, by.mass / cell.pull)}))
       return false;
     if (!by.inner() || tree_.owner[top_cell] >= 0) return tree_.owner[top_cell] == rank;
     return std::ranges::any_of(by.children,
@@ -207,7 +285,7 @@ class Walk {
       for (Index half : cell.children) {
         const Cell& part = tree_.cells[half];
         message.insert(message.end(), moments_[half].row.begin(), moments_[half].row.end());
-        message.insert(message.end(), {part.radius, std::bit_cast<double>(part.key)});
+        message.insert(message.end(), {part.radius, part.pull, std::bit_cast<double>(part.key)});
         pack(half, rank, message);
       }
     if (content == Content::bodies) {
@@ -230,6 +308,8 @@ class Walk {
         message += Row::width;
         part.center = row.center();
         part.radius = *message++;
+        part.pull = *message++;
+        part.mass = row.row[0];
         part.key = std::bit_cast<std::uint64_t>(*message++);
         part.holder = Cell::Holder::elsewhere;
         message = unpack(half, message);
@@ -291,8 +371,7 @@ class Walk {
   /// Source `s` to the far ones, to the near ones at the end of the stack, or its halves in turn.
   void sort_out(const Cell& target, Index s) {
     const Cell& source = tree_.cells[s];
-    if (are_far(target.radius + source.radius, (source.center - target.center).squaredNorm(),
-                squared_opening_))
+    if (are_far(measure_pair(target, source)))
       far_.push_back(s);
     else if (source.inner() && !(target.inner() && is_larger(target, source)))
       for (Index half : source.children) sort_out(target, half);
@@ -300,7 +379,7 @@ class Walk {
       stack_.push_back(s);
   }
 
-  void attract_by_far(Index c, LocalField<P>& field) {
+  [[gnu::flatten]] void attract_by_far(Index c, LocalField<P>& field) {
     const Row& target = moments_[c];
     Row nothing;  // at the target itself, where derivatives are 0
     Vec3::Map(&nothing.row[1]) = target.center();
@@ -365,7 +444,7 @@ class Walk {
     attract<true, rates>(eights(leaf), mutual_);
   }
 
-  void attract_by_field(Index c, const LocalField<P>& field) {
+  [[gnu::flatten]] void attract_by_field(Index c, const LocalField<P>& field) {
     const Vec3 center = tree_.cells[c].center, v = moments_[c].mean_velocity();
     for (Eight& e : eights(tree_.cells[c])) {
       const auto s = powers<P>(e.x - center.x(), e.y - center.y(), e.z - center.z());
@@ -388,7 +467,7 @@ class Walk {
 
   const Comm& comm_;
   Octree& tree_;
-  double squared_opening_;
+  double squared_opening_, squared_accuracy_;
   std::vector<Row> moments_;       // of every cell
   std::vector<Outline> outlines_;  // of own and top cells
   std::vector<Index> stack_;       // near cells of the cells on the way down
@@ -411,9 +490,9 @@ GravityField evaluate_gravity_tree(const Comm& comm, double constant, const Tree
   if (tree.cells.empty()) return {};
   const auto walk = [&]<int P>(std::integral_constant<int, P>) {
     if (rates)
-      Walk<P, true>(comm, tree, settings.opening).run();
+      Walk<P, true>(comm, tree, settings.opening, settings.accuracy).run();
     else
-      Walk<P, false>(comm, tree, settings.opening).run();
+      Walk<P, false>(comm, tree, settings.opening, settings.accuracy).run();
   };
   switch (settings.order) {
     case 3:

@@ -241,8 +241,8 @@ Octree grow_octree(const Comm& comm, std::span<const double> mass, std::span<con
   // Where the curve is cut, and who gets which part.
   const auto rows = sorted_keys(
       mass.size(), [&](std::size_t b) -> Vec3 { return position[b] - cube.center; }, cube.half);
-  // Eight pieces a rank: equal shares to 1/16, and few cells that everybody knows.
-  const double grain = comm.size == 1 ? bodies : bodies / (8.0 * comm.size);
+  // Known to all: enough cells for a rough field, and shares that are equal to 1/16.
+  const double grain = bodies / std::max(512, 8 * comm.size);
   const std::vector<Stretch> top =
       divide_curve(comm, rows, bodies, std::max<double>(grain, leaf_size));
   tree.owner = deal_out(comm, top);

@@ -13,7 +13,8 @@ namespace spall {
 /// attract each other body by body.
 struct TreeSettings {
   int order = 4;
-  double opening = 0.5;
+  double opening = 0.9;
+  double accuracy = 1e-3;
   int leaf_size = 32;
 };
 

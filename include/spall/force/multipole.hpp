@@ -83,15 +83,11 @@ template <int P>
                                                                            const Lanes& inverse) {
   const std::array<Lanes, 3> s{x, y, z};
   const Lanes inverse2 = inverse * inverse;
-  std::array<Lanes, P + 1> f;
-  f[0] = inverse;
-  for (int m = 0; m < P; ++m) f[m + 1] = f[m] * inverse2 * -(2.0 * m + 1);
-  std::array<Lanes, term_count(P)> upper, lower;
-  lower[0] = f[P];
+  std::array<std::array<Lanes, term_count(P)>, P + 1> r;
+  r[0][0] = inverse;
+  for (int m = 0; m < P; ++m) r[m + 1][0] = r[m][0] * inverse2 * -(2.0 * m + 1);
   unroll<P>([&](auto step) {
     constexpr int m = P - 1 - step;
-    upper = lower;
-    lower[0] = f[m];
     unroll<term_count(P - m)>([&](auto k) {
       constexpr MultiIndex n = multi_indices<P>[k];
       if constexpr (n.order() > 0) {
@@ -101,15 +97,13 @@ template <int P>
                              : rank(n.y) <= rank(n.z)                         ? 1
                                                                               : 2;
         constexpr MultiIndex less = n - unit_index(axis);
-        if constexpr (n[axis] == 1)
-          lower[k] = s[axis] * upper[less.place()];
-        else
-          lower[k] = s[axis] * upper[less.place()] +
-                     (n[axis] - 1.0) * upper[(less - unit_index(axis)).place()];
+        r[m][k] = s[axis] * r[m + 1][less.place()];
+        if constexpr (n[axis] > 1)
+          r[m][k] += (n[axis] - 1.0) * r[m + 1][(less - unit_index(axis)).place()];
       }
     });
   });
-  return lower;
+  return r[0];
 }
 
 /// The moments of a cell in one row, as the kernels read them: mass, centre of mass (in the place
@@ -135,7 +129,7 @@ struct LocalField {
 
 /// Adds the moments of a part of the cell; `whole` has its mass, centre and velocity already.
 template <int P>
-void add_moments(Moments<P>& whole, const Moments<P>& part) {
+[[gnu::flatten]] void add_moments(Moments<P>& whole, const Moments<P>& part) {
   const Vec3 s = part.center() - whole.center();
   const auto shift = powers<P - 1>(s.x(), s.y(), s.z());
   unroll<term_count(P - 1)>([&](auto k) {
@@ -154,7 +148,8 @@ void add_moments(Moments<P>& whole, const Moments<P>& part) {
 
 /// The field of a cell, seen from the centre of a part of it.
 template <int P>
-LocalField<P> shifted(const LocalField<P>& field, const Vec3& s, double velocity_change) {
+[[gnu::flatten]] LocalField<P> shifted(const LocalField<P>& field, const Vec3& s,
+                                       double velocity_change) {
   LocalField<P> result;
   const auto shift = powers<P>(s.x(), s.y(), s.z());
   unroll<term_count(P)>([&](auto k) {

@@ -18,7 +18,9 @@ namespace spall {
 struct Cell {
   Vec3 center = Vec3::Zero();  ///< of mass
   double radius = 0;           ///< all bodies lie within it about the centre
-  std::uint64_t key = 0;       ///< of the first body: no other separate cell has it
+  double mass = 0;
+  double pull = 0;        ///< the smallest acceleration of its bodies, roughly and without G
+  std::uint64_t key = 0;  ///< of the first body: no other separate cell has it
   std::array<Index, 2> children = {none, none};
   Index first = none;  ///< of a leaf: its place in `Octree::eights`
   Index count = 0;     ///< of a leaf: how many eights
