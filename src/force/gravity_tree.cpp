@@ -50,7 +50,6 @@ class Walk {
   void run() {
     measure_own_cells();
     share_top_cells();
-    estimate_pulls();
     share_near_cells();
     outlines_ = {};
     if (tree_.cells[0].holder != Cell::Holder::elsewhere)
@@ -153,6 +152,7 @@ class Walk {
       add_moments(row, moments_[half]);
     }
     cell.radius = std::min(reach, corner.norm());
+    cell.pull = std::min(tree_.cells[cell.children[0]].pull, tree_.cells[cell.children[1]].pull);
     cell.key = tree_.cells[cell.children[0]].key;
     const auto holder = tree_.cells[cell.children[0]].holder;
     cell.holder = holder == tree_.cells[cell.children[1]].holder ? holder : Cell::Holder::both;
@@ -172,7 +172,7 @@ class Walk {
 
   /// All ranks learn the cells at which the curve is dealt out, and make those above them alike.
   void share_top_cells() {
-    constexpr std::size_t width = Row::width + 10;
+    constexpr std::size_t width = Row::width + 11;
     std::vector<double> records;
     for (Index c = 0; c < tree_.top; ++c) {
       if (tree_.owner[c] != comm_.rank) continue;
@@ -181,7 +181,7 @@ class Walk {
       records.insert(records.end(), moments_[c].row.begin(), moments_[c].row.end());
       records.insert(records.end(), outline.box.low.begin(), outline.box.low.end());
       records.insert(records.end(), outline.box.high.begin(), outline.box.high.end());
-      records.insert(records.end(), {outline.largest_leaf, cell.radius,
+      records.insert(records.end(), {outline.largest_leaf, cell.radius, cell.pull,
                                      std::bit_cast<double>(cell.key), static_cast<double>(c)});
     }
     records = comm_.all_gather(records);
@@ -196,65 +196,12 @@ class Walk {
       cell.center = moments_[c].center();
       cell.radius = r[7];
       cell.mass = moments_[c].row[0];
-      cell.key = std::bit_cast<std::uint64_t>(r[8]);
+      cell.pull = r[8];
+      cell.key = std::bit_cast<std::uint64_t>(r[9]);
       cell.holder = Cell::Holder::elsewhere;
     }
     for (Index c = tree_.top; c-- > 0;)
       if (tree_.owner[c] < 0) measure_inner(c);
-  }
-
-  /// A rough field, enough to tell which errors are small: that of the cells at which the curve is
-  /// dealt out, softened by their radii. Where pulls cancel, in the middle, a tenth of their sum
-  /// stands in, or the whole tree would be opened there.
-  void estimate_pulls() {
-    std::vector<std::array<Lanes, 5>> pullers;  // x, y, z, mass, radius^2
-    std::size_t count = 0;
-    for (Index c = 0; c < tree_.top; ++c) {
-      if (tree_.owner[c] < 0) continue;
-      const Cell& cell = tree_.cells[c];
-      const double values[] = {cell.center.x(), cell.center.y(), cell.center.z(), cell.mass,
-                               cell.radius * cell.radius};
-      if (count % lane_count == 0) pullers.emplace_back();
-      for (int k = 0; k < 5; ++k) pullers.back()[k][count % lane_count] = values[k];
-      ++count;
-    }
-    const auto estimate = [&](Cell& cell) {
-      Lanes x{}, y{}, z{}, sum{};
-      for (const auto& p : pullers) {
-        const Lanes dx = p[0] - cell.center.x(), dy = p[1] - cell.center.y(),
-                    dz = p[2] - cell.center.z();
-        const Lanes inverse = inverse_sqrt(dx * dx + (dy * dy + (dz * dz + p[4])));
-        const Lanes weight = p[3] * inverse * inverse;
-        sum += weight;
-        x += weight * inverse * dx;
-        y += weight * inverse * dy;
-        z += weight * inverse * dz;
-      }
-      const Vec3 total(sum_of_lanes(x), sum_of_lanes(y), sum_of_lanes(z));
-      cell.pull = std::max(total.norm(), 0.1 * sum_of_lanes(sum));
-    };
-    const auto from_below = [&](Cell& cell) {
-      if (cell.inner())
-        cell.pull =
-            std::min(tree_.cells[cell.children[0]].pull, tree_.cells[cell.children[1]].pull);
-      else
-        estimate(cell);
-    };
-    for (auto c = static_cast<Index>(tree_.cells.size()); c-- > tree_.top;)
-      from_below(tree_.cells[c]);
-    std::vector<double> pulls(tree_.top, 0.0);
-    for (Index c = 0; c < tree_.top; ++c)
-      if (tree_.owner[c] == comm_.rank) {
-        from_below(tree_.cells[c]);
-        pulls[c] = tree_.cells[c].pull;
-      }
-    comm_.sum(pulls);
-    for (Index c = tree_.top; c-- > 0;) {
-      if (tree_.owner[c] < 0)
-        from_below(tree_.cells[c]);
-      else
-        tree_.cells[c].pull = pulls[c];
-    }
   }
 
   /// Whether some cell of rank `rank` may have to open `cell`, which is this rank's: the bound
@@ -486,7 +433,8 @@ GravityField evaluate_gravity_tree(const Comm& comm, double constant, const Tree
                                    std::span<const double> mass, std::span<const Vec3> position,
                                    std::span<const Vec3> velocity) {
   const bool rates = comm.any(!velocity.empty());
-  Octree tree = grow_octree(comm, mass, position, velocity, settings.leaf_size);
+  const double reach = std::pow(settings.accuracy, 1.0 / settings.order);
+  Octree tree = grow_octree(comm, mass, position, velocity, settings.leaf_size, reach);
   if (tree.cells.empty()) return {};
   const auto walk = [&]<int P>(std::integral_constant<int, P>) {
     if (rates)

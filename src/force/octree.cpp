@@ -180,16 +180,92 @@ std::vector<double> exchange_rows(const Comm& comm, std::span<const double> rows
   return result;
 }
 
+/// A rough field, without G, enough to tell which errors are small: that of the stretches of the
+/// curve, as points softened by their radii.
+class RoughField {
+ public:
+  RoughField(const Comm& comm, std::span<const Stretch> stretches, std::span<const KeyedRow> rows,
+             std::span<const double> mass, std::span<const Vec3> position, const Vec3& origin) {
+    std::vector<std::array<double, 4>> sums;  // m x, m
+    std::vector<double> radii;
+    const auto for_each = [&](auto&& visit) {
+      std::size_t at = 0;
+      for (const Stretch& s : stretches) {
+        if (s.children[0] != Cell::none) continue;
+        for (std::size_t k = first_at(rows, s.low); k < rows.size() && rows[k].key < s.high; ++k)
+          visit(at, position[rows[k].row] - origin, mass[rows[k].row]);
+        ++at;
+      }
+      return at;
+    };
+    sums.resize(stretches.size());
+    const std::size_t count = for_each([&](std::size_t s, const Vec3& x, double m) {
+      for (int k = 0; k < 3; ++k) sums[s][k] += m * x[k];
+      sums[s][3] += m;
+    });
+    comm.sum(std::span(sums[0].data(), 4 * count));
+    for (std::size_t s = 0; s < count; ++s)
+      if (sums[s][3] > 0)
+        for (int k = 0; k < 3; ++k) sums[s][k] /= sums[s][3];
+    radii.resize(count);
+    for_each([&](std::size_t s, const Vec3& x, double) {
+      radii[s] = std::max(radii[s], (x - Vec3::Map(sums[s].data())).squaredNorm());
+    });
+    check_mpi(MPI_Allreduce(MPI_IN_PLACE, radii.data(), static_cast<int>(count), MPI_DOUBLE,
+                            MPI_MAX, comm.raw),
+              "MPI_Allreduce");
+    pullers_.resize((count + lane_count - 1) / lane_count);
+    for (std::size_t s = 0; s < count; ++s) {
+      Puller& p = pullers_[s / lane_count];
+      const std::size_t lane = s % lane_count;
+      p.x[lane] = sums[s][0];
+      p.y[lane] = sums[s][1];
+      p.z[lane] = sums[s][2];
+      p.mass[lane] = sums[s][3];
+      p.softening[lane] = radii[s];
+    }
+  }
+
+  struct Sample {
+    double pull;      ///< where pulls cancel, a tenth of their sum, or all would be opened there
+    double gradient;  ///< sum of mass / distance^3
+  };
+  Sample at(const Vec3& place) const {
+    Lanes x{}, y{}, z{}, sum{}, gradient{};
+    for (const Puller& p : pullers_) {
+      const Lanes dx = p.x - place.x(), dy = p.y - place.y(), dz = p.z - place.z();
+      const Lanes inverse = inverse_sqrt(dx * dx + (dy * dy + (dz * dz + p.softening)));
+      const Lanes weight = p.mass * inverse * inverse;
+      sum += weight;
+      const Lanes cubed = weight * inverse;
+      gradient += cubed;
+      x += cubed * dx;
+      y += cubed * dy;
+      z += cubed * dz;
+    }
+    const Vec3 total(sum_of_lanes(x), sum_of_lanes(y), sum_of_lanes(z));
+    return {std::max(total.norm(), 0.1 * sum_of_lanes(sum)), sum_of_lanes(gradient)};
+  }
+
+ private:
+  struct Puller {
+    Lanes x{}, y{}, z{}, mass{}, softening{};  // softening: m^2
+  };
+  std::vector<Puller> pullers_;
+};
+
 /// Cells below one stretch of the curve.
 struct Builder {
   Octree& tree;
   std::span<const KeyedRow> rows;
   std::span<const double> bodies;  // body_width each
+  const RoughField& rough;
   std::size_t leaf_size;
+  double reach;
 
   void grow(Index cell, std::size_t begin, std::size_t end) {
     tree.cells[cell].key = rows[begin].key;
-    if (end - begin <= leaf_size || rows[begin].key == rows[end - 1].key) {
+    if (is_leaf(tree.cells[cell], begin, end)) {
       fill_leaf(tree.cells[cell], begin, end);
       return;
     }
@@ -204,6 +280,26 @@ struct Builder {
       tree.cells.emplace_back();
       grow(child, edges[k], edges[k + 1]);
     }
+  }
+
+  /// Few bodies, and close together unless they weigh something in the field there.
+  bool is_leaf(Cell& cell, std::size_t begin, std::size_t end) {
+    const bool divisible = rows[begin].key != rows[end - 1].key;
+    if (divisible && end - begin > leaf_size) return false;
+    Vec3 low = Vec3::Constant(infinity), high = -low;
+    double mass = 0;
+    for (std::size_t k = begin; k < end; ++k) {
+      const double* body = bodies.data() + std::size_t{body_width} * rows[k].row;
+      low = low.cwiseMin(Vec3::Map(body));
+      high = high.cwiseMax(Vec3::Map(body));
+      mass += body[6];
+    }
+    const RoughField::Sample field = rough.at((low + high) / 2);
+    cell.pull = field.pull;
+    const double radius = (high - low).norm() / 2;
+    constexpr double thin = 0.01;  // in a pile of equal bodies it is at least 0.05
+    return !divisible || radius * field.gradient <= reach * field.pull ||
+           mass >= thin * field.gradient * radius * radius * radius;
   }
 
   void fill_leaf(Cell& cell, std::size_t begin, std::size_t end) {
@@ -231,7 +327,7 @@ struct Builder {
 }  // namespace
 
 Octree grow_octree(const Comm& comm, std::span<const double> mass, std::span<const Vec3> position,
-                   std::span<const Vec3> velocity, int leaf_size) {
+                   std::span<const Vec3> velocity, int leaf_size, double reach) {
   Octree tree;
   const double bodies = comm.sum(static_cast<double>(mass.size()));
   if (bodies == 0) return tree;
@@ -249,6 +345,8 @@ Octree grow_octree(const Comm& comm, std::span<const double> mass, std::span<con
   tree.top = static_cast<Index>(top.size());
   tree.cells.resize(top.size());
   for (std::size_t s = 0; s < top.size(); ++s) tree.cells[s].children = top[s].children;
+
+  const RoughField rough(comm, top, rows, mass, position, cube.center);
 
   // Bodies go there.
   tree.went.assign(comm.size, 0);
@@ -279,7 +377,7 @@ Octree grow_octree(const Comm& comm, std::span<const double> mass, std::span<con
   tree.place.resize(count);
   tree.cells.reserve(top.size() + 4 * count / leaf_size);
   tree.eights.reserve(count / lane_count + count / lane_count / 4);
-  Builder builder{tree, own, here, static_cast<std::size_t>(leaf_size)};
+  Builder builder{tree, own, here, rough, static_cast<std::size_t>(leaf_size), reach};
   for (std::size_t s = 0; s < top.size(); ++s)
     if (tree.owner[s] == comm.rank)
       builder.grow(static_cast<Index>(s), first_at(own, top[s].low), first_at(own, top[s].high));

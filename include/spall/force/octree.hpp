@@ -60,8 +60,10 @@ struct Octree {
 };
 
 /// Bodies go to the ranks that hold their part of the curve, about equal numbers to each.
-/// `leaf_size` is the largest number of bodies in a leaf. Collective; no bodies, no cells.
+/// `leaf_size` is the largest number of bodies in a leaf; leaves too light to matter to the field
+/// about them, ejecta, are also smaller than `reach` times the distance over which it changes.
+/// Collective; no bodies, no cells.
 Octree grow_octree(const Comm& comm, std::span<const double> mass, std::span<const Vec3> position,
-                   std::span<const Vec3> velocity, int leaf_size);
+                   std::span<const Vec3> velocity, int leaf_size, double reach);
 
 }  // namespace spall
