@@ -14,6 +14,7 @@ constexpr std::size_t body_width = 7;   // doubles a body sends
 constexpr std::size_t field_width = 5;  // doubles a body gets back
 
 /// This rank's share of the pairs of tiles, dealt out in turn.
+template <bool rates>
 void attract_share(const Comm& comm, std::span<Eight> all) {
   const auto tile_at = [&](std::size_t first) {
     return all.subspan(first, std::min(tile, all.size() - first));
@@ -24,9 +25,9 @@ void attract_share(const Comm& comm, std::span<Eight> all) {
       if (dealt++ % comm.size != static_cast<std::size_t>(comm.rank)) continue;
       const std::span<Eight> sources[] = {tile_at(j)};
       if (i == j)
-        attract<false, true>(tile_at(i), sources);
+        attract<false, rates>(tile_at(i), sources);
       else
-        attract<true, true>(tile_at(i), sources);
+        attract<true, rates>(tile_at(i), sources);
     }
 }
 
@@ -55,16 +56,20 @@ GravityField evaluate_gravity_direct(const Comm& comm, double constant,
                                      std::span<const double> mass, std::span<const Vec3> position,
                                      std::span<const Vec3> velocity) {
   const std::size_t owned = mass.size();
+  const bool rates = comm.any(!velocity.empty());
   std::vector<double> rows(owned * body_width);
   for (std::size_t b = 0; b < owned; ++b) {
     double* row = rows.data() + b * body_width;
     Vec3::Map(row) = position[b];
-    Vec3::Map(row + 3) = velocity[b];
+    Vec3::Map(row + 3) = rates ? velocity[b] : Vec3::Zero();
     row[6] = mass[b];
   }
   rows = comm.all_gather(rows);
   std::vector<Eight> all = pack(rows);
-  attract_share(comm, all);
+  if (rates)
+    attract_share<true>(comm, all);
+  else
+    attract_share<false>(comm, all);
 
   const std::size_t count = rows.size() / body_width;
   std::vector<double> sums(count * field_width);
@@ -83,7 +88,7 @@ GravityField evaluate_gravity_direct(const Comm& comm, double constant,
   GravityField field;
   field.acceleration.resize(owned);
   field.potential.resize(owned);
-  field.rate.resize(owned);
+  field.rate.resize(rates ? owned : 0);
   const auto first = static_cast<std::size_t>(comm.sum_before(static_cast<std::int64_t>(owned)));
   // d/dt of d/d^3 is (1 - 3 n n^T) dv / d^3, and that matrix stretches by at most 2.
   const double bound = 2 * (1 + estimate_error);
@@ -91,7 +96,7 @@ GravityField evaluate_gravity_direct(const Comm& comm, double constant,
     const double* row = sums.data() + (first + b) * field_width;
     field.acceleration[b] = constant * Vec3::Map(row);
     field.potential[b] = -constant * row[3];
-    field.rate[b] = constant * bound * row[4];
+    if (rates) field.rate[b] = constant * bound * row[4];
   }
   return field;
 }

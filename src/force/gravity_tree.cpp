@@ -425,8 +425,12 @@ class Walk {
 }  // namespace
 
 TreeSettings tree_settings(double accuracy) {
-  (void)accuracy;
-  return {};
+  // Measured on homogeneous and clustered sets of 10^4 to 10^6 bodies: the rms error is 0.3 to 0.9
+  // of `accuracy` (bench/results/gravity.md).
+  TreeSettings settings;
+  settings.order = accuracy > 3e-3 ? 4 : accuracy > 5e-5 ? 5 : 6;
+  settings.accuracy = accuracy * (settings.order == 4 ? 1 : 1.8);
+  return settings;
 }
 
 GravityField evaluate_gravity_tree(const Comm& comm, double constant, const TreeSettings& settings,
@@ -443,17 +447,17 @@ GravityField evaluate_gravity_tree(const Comm& comm, double constant, const Tree
       Walk<P, false>(comm, tree, settings.opening, settings.accuracy).run();
   };
   switch (settings.order) {
-    case 3:
-      walk(std::integral_constant<int, 3>{});
-      break;
     case 4:
       walk(std::integral_constant<int, 4>{});
       break;
     case 5:
       walk(std::integral_constant<int, 5>{});
       break;
+    case 6:
+      walk(std::integral_constant<int, 6>{});
+      break;
     default:
-      throw Error(fmt::format("gravity tree of order {}: must be 3, 4 or 5", settings.order));
+      throw Error(fmt::format("gravity tree of order {}: 4, 5 and 6 exist", settings.order));
   }
 
   GravityField field;

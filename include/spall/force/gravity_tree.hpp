@@ -8,14 +8,14 @@
 
 namespace spall {
 
-/// How a tree is to be used: two cells attract each other by multipoles up to `order` (3 … 5) if
-/// the sum of their radii is less than `opening` times their distance; leaves that are closer
-/// attract each other body by body.
+/// How a tree is to be used. Two cells attract each other by multipoles if the terms left out are
+/// estimated below `accuracy` times the acceleration of either, and the sum of their radii is less
+/// than `opening` times their distance; leaves that are closer attract each other body by body.
 struct TreeSettings {
-  int order = 4;
-  double opening = 0.9;
-  double accuracy = 1e-3;
-  int leaf_size = 32;
+  int order = 5;           ///< of the multipoles: 4 … 6
+  double opening = 0.9;    ///< below 1, or the series does not converge
+  double accuracy = 1e-4;  ///< of one pair of cells
+  int leaf_size = 32;      ///< bodies
 };
 
 /// The cheapest settings whose rms relative force error was measured to be below `accuracy`.
