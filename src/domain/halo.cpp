@@ -123,9 +123,11 @@ Ghosts make_halo(const Comm& comm, Bodies& bodies, std::vector<double>& reach) {
 }
 
 void refresh_ghosts(const Ghosts& ghosts, Bodies& bodies) {
-  for (auto* field : {&bodies.position, &bodies.velocity, &bodies.angular_velocity, &bodies.kick})
+  for (auto* field :
+       {&bodies.position, &bodies.velocity, &bodies.angular_velocity, &bodies.acceleration})
     ghosts.gather_begin(flat(*field), 3);
-  for (auto* field : {&bodies.position, &bodies.velocity, &bodies.angular_velocity, &bodies.kick})
+  for (auto* field :
+       {&bodies.position, &bodies.velocity, &bodies.angular_velocity, &bodies.acceleration})
     ghosts.gather_end(flat(*field), 3);
 }
 

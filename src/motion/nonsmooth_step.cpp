@@ -11,10 +11,10 @@
 namespace spall {
 namespace {
 
-// Overlaps are taken apart from twice this part of the smaller radius on, and down to it: contacts that
-// rest stay closed, where a correction to zero would leave gaps to fall through.
+// Overlaps are taken apart from twice this part of the smaller radius on, and down to it: contacts
+// that rest stay closed, where a correction to zero would leave gaps to fall through.
 constexpr double tolerated_overlap = 1e-4;
-constexpr double most_correction = 0.1;     // of the smaller radius, in a step
+constexpr double most_correction = 0.1;  // of the smaller radius, in a step
 
 double smaller_radius(const Bodies& bodies, Index i, Index j) {
   return j == ground ? bodies.radius[i] : std::min(bodies.radius[i], bodies.radius[j]);
@@ -99,6 +99,7 @@ ProblemData pose(const World& world, const Contacts& contacts, double h) {
 void kick_by_impulses(World& world, const Contacts& contacts, const ProblemData& data,
                       const std::vector<VelocityChange>& change, StepReport& report) {
   Bodies& bodies = world.bodies;
+  const double load = world.has_gravity() ? world.kick.load : 0;
   std::vector<double> closing_before;
   const bool cohesive = world.law.cohesion > 0;
   auto closing = [&](Index c) {
@@ -110,9 +111,9 @@ void kick_by_impulses(World& world, const Contacts& contacts, const ProblemData&
   if (cohesive)
     for (Index c = 0; c < contacts.size(); ++c) {
       const Index i = contacts.i[c], j = contacts.j[c];
-      Vec3 k = -bodies.kick[i];
-      if (j != ground) k += bodies.kick[j];
-      closing_before.push_back(closing(c) - contacts.normal[c].dot(k));
+      Vec3 a = -bodies.acceleration[i];
+      if (j != ground) a += bodies.acceleration[j];
+      closing_before.push_back(closing(c) - load * contacts.normal[c].dot(a));
     }
 
   double by_impulses = 0, by_gravity = 0;
@@ -120,9 +121,10 @@ void kick_by_impulses(World& world, const Contacts& contacts, const ProblemData&
     const Eigen::Map<const Vec3> dv(change[b].linear), ds(change[b].angular);
     if (b < bodies.owned && std::isfinite(bodies.mass[b])) {
       const Vec3 s = bodies.radius[b] * bodies.angular_velocity[b];
-      const Vec3 mean = bodies.velocity[b] + (dv - bodies.kick[b]) / 2;
+      const Vec3 kick = load * bodies.acceleration[b];
+      const Vec3 mean = bodies.velocity[b] + (dv - kick) / 2;
       by_impulses += bodies.mass[b] * (dv.dot(mean) + 0.4 * ds.dot(s + ds / 2));
-      by_gravity += bodies.mass[b] * bodies.kick[b].dot(mean);
+      by_gravity += bodies.mass[b] * kick.dot(mean);
     }
     bodies.velocity[b] += dv;
     bodies.angular_velocity[b] += ds / bodies.radius[b];
@@ -203,9 +205,14 @@ void drift(Bodies& bodies, const Correction& correction, double h) {
 /// A correction is an impulse pair given along the old normal and taken back along the new one:
 /// neither exerts a torque, so angular momentum stays exact, as a displacement alone would not
 /// leave it.
-void take_back(World& world, const Contacts& contacts, const Correction& correction) {
+void take_back(World& world, const Contacts& contacts, const Correction& correction, double h) {
   Bodies& bodies = world.bodies;
   double gained = 0;
+  if (!correction.change.empty())
+    for (Index b = 0; b < bodies.owned; ++b)
+      if (std::isfinite(bodies.mass[b]))
+        gained -= h * bodies.mass[b] *
+                  bodies.acceleration[b].dot(Eigen::Map<const Vec3>(correction.change[b].linear));
   auto add = [&](Index b, const Vec3& impulse) {
     if (b >= bodies.owned || !std::isfinite(bodies.mass[b])) return;
     const Vec3 dv = impulse / bodies.mass[b];
@@ -272,9 +279,8 @@ StepReport nonsmooth_step(World& world, double h, const SolverSettings& solver, 
     StageTimer timer(world.times, "motion");
     const Correction correction = correct_overlaps(world, contacts, h, report);
     drift(bodies, correction, h);
-    take_back(world, contacts, correction);
+    take_back(world, contacts, correction, h);
   }
-  if (kick.load > 0) std::fill(bodies.kick.begin(), bodies.kick.end(), Vec3::Zero());
   kick.load = 0;
   --kick.steps_left;
   return report;

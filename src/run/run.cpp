@@ -266,7 +266,6 @@ class Run {
     worst_relative_ = std::max(worst_relative_, report.solver.residual);
     unconverged_ += report.solver.converged ? 0 : 1;
     shown_.residual = report.solver.residual;
-    shown_.contacts = report.contacts;
     if (phase().cohesion && clock_.step_in_phase == 1)
       account_.book_cohesion(cohesion_before_, world_.law.cohesion, comm_.sum(report.bonds));
   }
@@ -286,6 +285,7 @@ class Run {
     angular_scale_ = std::max(angular_scale_, sums.angular_momentum_scale);
     unexplained_ = b.unexplained_energy;
     shown_.rms_speed = sums.rms_speed;
+    shown_.contacts = static_cast<std::int64_t>(parts[1]);
     const Vec3 &p = sums.momentum, &l = sums.angular_momentum;
     const SolverReport& r = report.solver;
     std::vector<double> row = {static_cast<double>(start.phase),
@@ -342,7 +342,6 @@ class Run {
                        .bodies = world_.bodies,
                        .contacts = remember(world_.bodies, world_.neighbours.pairs, false)};
     resize(state.bodies, state.bodies.owned);
-    world_.kick.evaluated = false;  // the file does not keep the field
     for_each_scalar([&](const std::string& name, double value) { state.scalars[name] = value; });
     account_.save(state.scalars);
     verdict_.save(state.scalars);
@@ -368,6 +367,9 @@ class Run {
   void for_each_scalar(F&& f) {
     GravityKick& kick = world_.kick;
     double steps_left = kick.steps_left, evaluations = static_cast<double>(kick.evaluations);
+    double evaluated = kick.evaluated ? 1 : 0;
+    f("kick.evaluated", evaluated);
+    kick.evaluated = evaluated != 0;
     f("kick.steps_left", steps_left);
     f("kick.evaluations", evaluations);
     kick.steps_left = static_cast<int>(steps_left);
@@ -376,7 +378,7 @@ class Run {
     f("kick.closed", kick.closed);
     f("kick.remembered_load", kick.remembered_load);
     f("kick.largest", kick.largest);
-    f("kick.longest", kick.longest);
+    f("kick.hold", kick.hold);
     f("kick.potential", kick.potential);
     f("law.cohesion", world_.law.cohesion);
     f("run.cohesion_before", cohesion_before_);

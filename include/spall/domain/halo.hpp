@@ -16,7 +16,7 @@ namespace spall {
 /// grows `reach` by the ghosts' rows. Collective.
 Ghosts make_halo(const Comm& comm, Bodies& bodies, std::vector<double>& reach);
 
-/// Brings position, velocities and kick of all ghosts up to date. Collective.
+/// Brings position, velocities and acceleration of all ghosts up to date. Collective.
 void refresh_ghosts(const Ghosts& ghosts, Bodies& bodies);
 
 }  // namespace spall

@@ -6,7 +6,8 @@
 
 namespace spall {
 
-/// Evaluates the field, unless that is already done at this instant. Collective.
+/// Evaluates the field (the bodies' acceleration), unless that is already done at this instant.
+/// Collective.
 void evaluate_field(World& world);
 
 /// Gives the kick of the present field: half of the interval since the last kick, half of the

@@ -16,7 +16,6 @@ namespace spall {
 /// Gravity acts in kicks at the instants when its field is evaluated (leapfrog; r-RESPA where
 /// contact steps are shorter than the interval between kicks).
 struct GravityKick {
-  GravityField field;          ///< at the owned bodies, until bodies migrate
   bool evaluated = false;      ///< the field is that of the present positions
   int steps_left = 0;          ///< until the next kick
   double interval = 0;         ///< s, from the last kick to the next
@@ -24,7 +23,7 @@ struct GravityKick {
   double load = 0;             ///< s, of the kick that the coming step's contacts carry; 0: none
   double remembered_load = 0;  ///< s, of the kick that the pairs' impulses carried
   double largest = 0;          ///< m/s^2, largest acceleration of a body
-  double longest = 0;          ///< s, that the field may be held whatever its rate
+  double hold = 0;             ///< s, that the present field may be held
   double potential = 0;        ///< J over all ranks, at the last evaluation; uniform field too
   std::int64_t evaluations = 0;
 };
@@ -33,7 +32,7 @@ struct GravityKick {
 struct Ledger {
   double dissipated = 0;     ///< by contacts: impact and friction
   double cohesion_work = 0;  ///< by cohesion on the bodies
-  double corrections = 0;    ///< gained by the bodies where overlaps were taken apart
+  double corrections = 0;  ///< gained by the bodies, height included, as overlaps were taken apart
 };
 
 struct World {
