@@ -158,9 +158,8 @@ def velocities(run):
     return figure
 
 
-def series(run):
-    """Energy, momentum, residual and contacts: up to the impact, and since."""
-    parts = run.series_parts()
+def series(run, parts):
+    """Energy, momentum, residual and contacts: a column for each part of the run."""
     figure, axes = plt.subplots(4, len(parts), figsize=(12, 10.5), squeeze=False,
                                 layout="constrained")
     for column, (name, x, label, log, rows) in enumerate(parts):
