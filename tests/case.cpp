@@ -143,12 +143,13 @@ TEST(Case, mistakes_name_file_line_key_and_what_would_be_right) {
       {{"friction = 0.5", "restitution = 1.1"},
        "x.toml:9:15: contact.restitution = 1.1: 0 to 1 is wanted"},
       {{"density = 917", ""}, "x.toml:6:1: materials.ice.density is missing"},
-      {{"\"1600 kg/m^3\"", "0"}, "x.toml:5:11: materials.rock.density = 0: more than 0 is wanted"},
+      {{"\"1600 kg/m^3\"", "0"},
+       "x.toml:5:11: materials.rock.density = 0 kg/m^3: more than 0 is wanted"},
       {{"\"1600 kg/m^3\"", "\"1600 kg\""},
        "x.toml:5:11: materials.rock.density = \"1600 kg\" is a mass; a density such as \"1600 "
        "kg/m^3\" is wanted"},
       {{"radius = 2}", "radius = -2}"},
-       "x.toml:20:20: groups.ball.volume.radius = -2: more than 0 is wanted"},
+       "x.toml:20:20: groups.ball.volume.radius = -2 m: more than 0 is wanted"},
       {{"radius = 2}", "radius = 2, height = 1}"},
        "x.toml:20:23: groups.ball.volume.height is not a key here; the keys here are shape, "
        "center, "
@@ -188,6 +189,9 @@ TEST(Case, mistakes_name_file_line_key_and_what_would_be_right) {
       {{"until = \"settled\"", "until = \"time\""},
        "x.toml:35:1: phases.rest.settled_speed is not a key here; the keys here are name, step, "
        "duration, until, cohesion, remove_drift, impactor, solver"},
+      {{"step = 1e-4", "step = 2"}, "x.toml:38:8: phases.hit.step is longer than the duration"},
+      {{"impactor = {", "# "},
+       "x.toml: read_out tells times after the impact, but no phase has an impactor"},
       {{"name = \"hit\"", "name = \"rest\""}, "x.toml: two phases are named \"rest\""},
       {{"cohesion_range = \"1 cm\"", ""},
        "x.toml: phases.hit.cohesion needs contact.cohesion_range: the gap up to which it acts"},

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <random>
 
-#include "spall/base/require.hpp"
 #include "spall/scene/shape.hpp"
 #include "testing.hpp"
 
@@ -84,6 +83,7 @@ TEST(Shape, depth_is_the_distance_to_the_surface) {
       Vec3 offset;
       for (double& x : offset) x = uniform(engine);
       if (t % 4 == 0) offset.z() = 0;  // the ellipsoid's degenerate plane, across its shortest axis
+      if (t % 4 == 1) offset.z() = 1e-15;
       const Vec3 p = volume.center + offset.cwiseProduct(half_widths(volume));
       const double d = depth(volume, p);
       if (d <= 0) continue;
@@ -139,8 +139,7 @@ TEST(Lattice, the_thesis_projectile_has_the_reference_engines_count) {
 TEST(RandomPacking, spheres_lie_wholly_inside_and_clear_of_each_other) {
   for (const Volume& volume : all_shapes) {
     const double radius = 0.2;
-    const auto count =
-        static_cast<std::int64_t>(0.2 * volume_of(volume) / (4 * pi / 3 * std::pow(radius, 3)));
+    const auto count = static_cast<std::int64_t>(0.2 * volume_of(volume) / (ball_volume(radius)));
     const auto centers = random_spheres(volume, radius, count, 3);
     EXPECT_EQ(std::ssize(centers), count);
     EXPECT_GE(nearest_distance(centers), 2 * radius);
@@ -158,15 +157,11 @@ TEST(RandomPacking, fills_evenly) {
   EXPECT_LT(mean.norm(), 4 * std::sqrt(0.6 / 8000));
 }
 
-TEST(RandomPacking, too_many_are_refused_with_how_many_fit) {
-  try {
-    random_spheres(ball(1), 0.3, 20, 1);
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_NE(std::string(error.what()).find("found a place at random"), std::string::npos)
-        << error.what();
-  }
-  EXPECT_THROW(random_spheres(ball(1), 1.1, 1, 1), Error);
+TEST(RandomPacking, ends_when_places_run_out) {
+  const auto centers = random_spheres(ball(1), 0.3, 20, 1);
+  EXPECT_GT(centers.size(), 6u);
+  EXPECT_LT(centers.size(), 14u);  // 14 would be 0.38 of the volume, which has walls besides
+  EXPECT_TRUE(random_spheres(ball(1), 1.1, 1, 1).empty());
 }
 
 TEST(RandomPacking, a_scene_in_other_units_is_the_same_to_the_bit) {

@@ -184,6 +184,20 @@ TEST(Scene, the_cases_that_come_with_the_program_have_the_thesis_masses) {
   EXPECT_GE(files, 7);
 }
 
+TEST(Scene, too_many_at_random_are_refused_with_how_many_fit) {
+  const char* const crowd = R"(
+[[groups]]
+name = "a"
+material = "rock"
+volume = {radius = 1}
+packing = {kind = "random", radius = 0.3, count = 20}
+)";
+  const std::string message = complaint(parse(crowd), Comm(MPI_COMM_SELF));
+  EXPECT_TRUE(message.starts_with(
+      "x.toml:3:1: groups.a: 20 spheres of radius 0.3 m would be 0.540 of the volume; "))
+      << message;
+}
+
 TEST(Scene, more_ranks_than_bodies_is_an_error) {
   const Comm comm = testing_world();
   const char* const one = "[[groups]]\nname = \"a\"\nmaterial = \"rock\"\nvolume = {radius = 2}\n";

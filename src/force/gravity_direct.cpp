@@ -4,75 +4,17 @@
 
 #include <algorithm>
 
-#include "spall/force/lanes.hpp"
+#include "spall/force/attract.hpp"
 
 namespace spall {
 namespace {
 
-/// Before the factor G: sums of m d/d^3, -m/d and m |dv|/d^3.
-struct Pull {
-  Lanes x{}, y{}, z{}, potential{}, rate{};
-};
-
-/// Eight bodies and what they feel.
-struct Eight {
-  Lanes x, y, z, vx, vy, vz, mass;
-  Pull pull;
-};
-
 constexpr std::size_t tile = 32;        // eights: 256 bodies and their sums stay in the L1 cache
-constexpr std::size_t at_once = 2;      // bodies of tile i held in registers
 constexpr std::size_t body_width = 7;   // doubles a body sends
 constexpr std::size_t field_width = 5;  // doubles a body gets back
 
-/// The bodies of `is` and `js` attract each other; with `mutual` false only the first feel it, for
-/// a tile against itself.
-template <bool mutual>
-void attract(std::span<Eight> is, std::span<Eight> js) {
-  for (Eight& i : is)
-    for (std::size_t lane = 0; lane < lane_count; lane += at_once) {
-      Pull on_i[at_once];
-      for (Eight& j : js) {
-        Pull on_j = j.pull;
-        for (std::size_t u = 0; u < at_once; ++u) {
-          const Lanes dx = j.x - i.x[lane + u];
-          const Lanes dy = j.y - i.y[lane + u];
-          const Lanes dz = j.z - i.z[lane + u];
-          const Lanes dvx = j.vx - i.vx[lane + u];
-          const Lanes dvy = j.vy - i.vy[lane + u];
-          const Lanes dvz = j.vz - i.vz[lane + u];
-          const Lanes inverse = inverse_sqrt(dx * dx + (dy * dy + dz * dz));
-          const Lanes cubed = inverse * inverse * inverse;
-          const Lanes rate = cubed * estimate_sqrt(dvx * dvx + (dvy * dvy + dvz * dvz));
-          const Lanes weight_i = cubed * j.mass;
-          on_i[u].x += weight_i * dx;
-          on_i[u].y += weight_i * dy;
-          on_i[u].z += weight_i * dz;
-          on_i[u].potential -= inverse * j.mass;
-          on_i[u].rate += rate * j.mass;
-          if constexpr (mutual) {
-            const double mass_i = i.mass[lane + u];
-            const Lanes weight_j = cubed * mass_i;
-            on_j.x -= weight_j * dx;
-            on_j.y -= weight_j * dy;
-            on_j.z -= weight_j * dz;
-            on_j.potential -= inverse * mass_i;
-            on_j.rate += rate * mass_i;
-          }
-        }
-        if constexpr (mutual) j.pull = on_j;
-      }
-      for (std::size_t u = 0; u < at_once; ++u) {
-        i.pull.x[lane + u] += sum_of_lanes(on_i[u].x);
-        i.pull.y[lane + u] += sum_of_lanes(on_i[u].y);
-        i.pull.z[lane + u] += sum_of_lanes(on_i[u].z);
-        i.pull.potential[lane + u] += sum_of_lanes(on_i[u].potential);
-        i.pull.rate[lane + u] += sum_of_lanes(on_i[u].rate);
-      }
-    }
-}
-
 /// This rank's share of the pairs of tiles, dealt out in turn.
+template <bool rates>
 void attract_share(const Comm& comm, std::span<Eight> all) {
   const auto tile_at = [&](std::size_t first) {
     return all.subspan(first, std::min(tile, all.size() - first));
@@ -81,10 +23,11 @@ void attract_share(const Comm& comm, std::span<Eight> all) {
   for (std::size_t i = 0; i < all.size(); i += tile)
     for (std::size_t j = i; j < all.size(); j += tile) {
       if (dealt++ % comm.size != static_cast<std::size_t>(comm.rank)) continue;
+      const std::span<Eight> sources[] = {tile_at(j)};
       if (i == j)
-        attract<false>(tile_at(i), tile_at(j));
+        attract<false, rates>(tile_at(i), sources);
       else
-        attract<true>(tile_at(i), tile_at(j));
+        attract<true, rates>(tile_at(i), sources);
     }
 }
 
@@ -113,16 +56,20 @@ GravityField evaluate_gravity_direct(const Comm& comm, double constant,
                                      std::span<const double> mass, std::span<const Vec3> position,
                                      std::span<const Vec3> velocity) {
   const std::size_t owned = mass.size();
+  const bool rates = comm.any(!velocity.empty());
   std::vector<double> rows(owned * body_width);
   for (std::size_t b = 0; b < owned; ++b) {
     double* row = rows.data() + b * body_width;
     Vec3::Map(row) = position[b];
-    Vec3::Map(row + 3) = velocity[b];
+    Vec3::Map(row + 3) = rates ? velocity[b] : Vec3::Zero();
     row[6] = mass[b];
   }
   rows = comm.all_gather(rows);
   std::vector<Eight> all = pack(rows);
-  attract_share(comm, all);
+  if (rates)
+    attract_share<true>(comm, all);
+  else
+    attract_share<false>(comm, all);
 
   const std::size_t count = rows.size() / body_width;
   std::vector<double> sums(count * field_width);
@@ -141,15 +88,15 @@ GravityField evaluate_gravity_direct(const Comm& comm, double constant,
   GravityField field;
   field.acceleration.resize(owned);
   field.potential.resize(owned);
-  field.rate.resize(owned);
+  field.rate.resize(rates ? owned : 0);
   const auto first = static_cast<std::size_t>(comm.sum_before(static_cast<std::int64_t>(owned)));
   // d/dt of d/d^3 is (1 - 3 n n^T) dv / d^3, and that matrix stretches by at most 2.
   const double bound = 2 * (1 + estimate_error);
   for (std::size_t b = 0; b < owned; ++b) {
     const double* row = sums.data() + (first + b) * field_width;
     field.acceleration[b] = constant * Vec3::Map(row);
-    field.potential[b] = constant * row[3];
-    field.rate[b] = constant * bound * row[4];
+    field.potential[b] = -constant * row[3];
+    if (rates) field.rate[b] = constant * bound * row[4];
   }
   return field;
 }

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -12,6 +11,7 @@
 
 #include "section.hpp"
 #include "spall/base/require.hpp"
+#include "spall/scene/shape.hpp"
 
 namespace spall {
 namespace {
@@ -51,8 +51,8 @@ void read_contact(Section& in, ContactLaw& law) {
           not_negative(length));
   in.take("cohesion_law", "impulse: cohesion is N s a step, as the reference engine reads it",
           law.cohesion_is_impulse, cohesion_laws);
-  if (!in.writes_reference() && law.cohesion > 0 && law.cohesion_range == 0)
-    in.fail("cohesion", "needs a cohesion_range: the gap up to which it acts");
+  in.check("cohesion", law.cohesion == 0 || law.cohesion_range > 0,
+           "needs a cohesion_range: the gap up to which it acts");
 }
 
 void read_volume(Section& in, Volume& volume) {
@@ -65,8 +65,7 @@ void read_volume(Section& in, Volume& volume) {
     in.need("size", "full widths of box, ellipsoid", volume.extents, positive(length));
   if (in.reads(shape == Shape::hollow_sphere)) {
     in.need("inner_radius", "of hollow_sphere", volume.inner_radius, positive(length));
-    if (!in.writes_reference() && volume.inner_radius >= volume.radius)
-      in.fail("inner_radius", "is not smaller than radius");
+    in.check("inner_radius", volume.inner_radius < volume.radius, "is not smaller than radius");
   }
   if (in.reads(shape == Shape::cylinder)) {
     double height = 0;
@@ -90,10 +89,9 @@ void read_packing(Section& in, Packing& packing) {
     in.take("spacing", "of lattices, between neighbours; 2 radius", packing.spacing,
             positive(length));
     in.take("rotation", "of lattices: rotation vector", packing.rotation, any(number));
-    if (!in.writes_reference() &&
-        packing.spacing.value_or(infinity) < 2 * packing.radius * (1 - 1e-9))
-      in.fail("spacing", fmt::format("= {} m is less than the spheres' diameter, {} m",
-                                     *packing.spacing, 2 * packing.radius));
+    const double diameter = 2 * packing.radius, spacing = packing.spacing.value_or(diameter);
+    in.check("spacing", spacing >= diameter * (1 - 1e-9),
+             fmt::format("= {} m is less than the spheres' diameter, {} m", spacing, diameter));
   }
 }
 
@@ -101,25 +99,24 @@ void read_group(Section& in, Group& group, const std::vector<Material>& material
   std::string material;
   in.need("name", "", group.name);
   in.need("material", "one of [materials]", material);
-  if (!in.table("volume", "what is filled", [&](Section& s) { read_volume(s, group.volume); }))
-    in.fail("volume", "is missing, such as {shape = \"sphere\", radius = \"95 m\"}");
+  const bool has_volume =
+      in.table("volume", "what is filled", [&](Section& s) { read_volume(s, group.volume); });
+  in.check("volume", has_volume, "is missing, such as {shape = \"sphere\", radius = \"95 m\"}");
   in.table("packing", "how it is filled; left out: single",
            [&](Section& s) { read_packing(s, group.packing); });
   in.take("velocity", "of the volume's center", group.velocity, any(speed));
   in.take("spin", "rigid rotation about the volume's center", group.spin, any(spin));
   in.take("fixed", "never moves", group.fixed);
   in.take("total_mass", "the density is scaled to give it", group.total_mass, positive(mass));
-  if (in.writes_reference()) return;
-  group.place = in.place();
   const auto found = std::ranges::find(materials, material, &Material::name);
-  if (in.has("material") && found == materials.end())
-    in.fail("material", fmt::format("= \"{}\" is not in [materials]", material));
+  in.check("material", found != materials.end() || !in.has("material"),
+           fmt::format("= \"{}\" is not in [materials]", material));
   group.material = static_cast<int>(found - materials.begin());
-  if (group.packing.kind == PackingKind::single) {
-    if (group.volume.shape != Shape::sphere)
-      in.fail("volume", "is not a sphere: a single packing is one sphere");
-    group.packing.radius = group.volume.radius;
-  }
+  const bool single = group.packing.kind == PackingKind::single;
+  in.check("volume", !single || group.volume.shape == Shape::sphere,
+           "is not a sphere: a single packing is one sphere");
+  if (single) group.packing.radius = group.volume.radius;
+  group.place = in.place();
 }
 
 void read_solver(Section& in, SolverSettings& settings) {
@@ -136,7 +133,6 @@ void read_solver(Section& in, SolverSettings& settings) {
 }
 
 void read_impactor(Section& in, Impactor& impactor) {
-  std::string aim;
   in.need("mass", "its material is named impactor", impactor.mass, positive(mass));
   in.radius("", impactor.radius);
   in.need("speed", "relative to the target's centre of mass", impactor.speed, positive(speed));
@@ -146,8 +142,7 @@ void read_impactor(Section& in, Impactor& impactor) {
           any(length));
   in.take("aim", "head-on: the line is shifted through the centre of the first sphere it meets",
           impactor.head_on, aims);
-  if (in.writes_reference()) return;
-  if (impactor.direction.isZero(0)) in.fail("direction", "is zero");
+  in.check("direction", !impactor.direction.isZero(0), "is zero");
   impactor.direction.normalize();
 }
 
@@ -155,6 +150,7 @@ void read_phase(Section& in, Phase& phase, const SolverSettings& solver) {
   in.need("name", "", phase.name);
   in.need("step", "", phase.step, positive(time));
   in.need("duration", "with until = \"settled\" the longest", phase.duration, positive(time));
+  in.check("step", phase.step <= phase.duration, "is longer than the duration");
   in.take("until", "", phase.until_settled, ends);
   if (in.reads(phase.until_settled))
     in.need("settled_speed", "rms speed below which bodies are settled", phase.settled_speed,
@@ -166,9 +162,8 @@ void read_phase(Section& in, Phase& phase, const SolverSettings& solver) {
                [&](Section& s) { read_impactor(s, impactor); }))
     phase.impactor = impactor;
   SolverSettings changed = solver;
-  if (in.table("solver", "where it differs from [solver]", [&](Section& s) {
-        if (!s.writes_reference()) read_solver(s, changed);
-      }))
+  if (in.table("solver", "where it differs from [solver]",
+               [&](Section& s) { read_solver(s, changed); }))
     phase.solver = changed;
 }
 
@@ -191,7 +186,7 @@ void read_case_keys(Section& in, Case& scene) {
     Plane& plane = scene.planes.emplace_back();
     s.take("point", "on the surface", plane.point, any(length));
     s.take("normal", "to the free side", plane.normal, any(number));
-    if (!s.writes_reference() && plane.normal.isZero(0)) s.fail("normal", "is zero");
+    s.check("normal", !plane.normal.isZero(0), "is zero");
     plane.normal.normalize();
   });
   in.table("gravity", "of bodies on each other, and uniform", [&](Section& s) {
@@ -239,6 +234,8 @@ void check_whole(const Case& scene) {
   const auto has_impactor = [](const Phase& phase) { return phase.impactor.has_value(); };
   require(std::ranges::count_if(scene.phases, has_impactor) <= 1,
           "{}: two phases have an impactor; there can be one", scene.file);
+  require(scene.read_out.empty() || std::ranges::any_of(scene.phases, has_impactor),
+          "{}: read_out tells times after the impact, but no phase has an impactor", scene.file);
   for (const Phase& phase : scene.phases)
     require(phase.cohesion.value_or(0) == 0 || scene.contact.cohesion_range > 0,
             "{}: phases.{}.cohesion needs contact.cohesion_range: the gap up to which it acts",
@@ -318,8 +315,8 @@ Case parse_case(const std::string& text, const std::string& file,
   for (Phase& phase : scene.phases)
     if (phase.impactor) {
       phase.impactor->material = static_cast<int>(scene.materials.size());
-      const double volume = 4 * pi / 3 * std::pow(phase.impactor->radius, 3);
-      scene.materials.push_back({"impactor", phase.impactor->mass / volume});
+      scene.materials.push_back(
+          {"impactor", phase.impactor->mass / ball_volume(phase.impactor->radius)});
     }
   return scene;
 }

@@ -1,19 +1,16 @@
 // Says in words and tables what a case will make and run.
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
-#include "spall/base/require.hpp"
 #include "spall/scene/scene.hpp"
 #include "spall/scene/shape.hpp"
 
 namespace spall {
 namespace {
-
-double ball(double radius) {
-  return 4 * pi / 3 * radius * radius * radius;
-}
 
 /// Bytes that a body needs while a pile of them is solved: its row, its share of contacts (at most
 /// six, in a close packing) with the solver's copies of them, its row of the field and of the
@@ -31,9 +28,9 @@ std::size_t bytes_of_a_body() {
 std::string describe_group(const Case& scene, const Group& group, std::int64_t count) {
   const double n = static_cast<double>(count), r = group.packing.radius;
   const double density = scene.materials[group.material].density;
-  const double mass = group.total_mass.value_or(n * density * ball(r));
+  const double mass = group.total_mass.value_or(n * density * ball_volume(r));
   return fmt::format("  {:<16}{:>10}{:>12.6g}{:>14.6g}{:>14.6g}{:>10.4f}{}\n", group.name, count, r,
-                     mass / n, mass, n * ball(r) / volume_of(group.volume),
+                     mass / n, mass, n * ball_volume(r) / volume_of(group.volume),
                      group.fixed ? "  fixed" : "");
 }
 

@@ -16,8 +16,20 @@ namespace {
 
 using Place = std::function<void(const Vec3&)>;
 
-/// Calls `place` with the centre of every body of group `g`; those of random packings where
-/// `is_free` allows.
+void place_group_at_random(const Group& group, std::uint64_t seed,
+                           const std::function<bool(const Vec3&)>& is_free, const Place& place) {
+  const std::int64_t count = group.packing.count.value();
+  const std::int64_t placed = place_at_random(group.volume, group.packing, seed, is_free, place);
+  const double share = ball_volume(group.packing.radius) / volume_of(group.volume);
+  require(
+      placed == count,
+      "{}: {} spheres of radius {} m would be {:.3f} of the volume; {} ({:.3f}) found a place at "
+      "random: enlarge the volume (random packings end near 0.38) or take a lattice",
+      group.place, count, group.packing.radius, static_cast<double>(count) * share, placed,
+      static_cast<double>(placed) * share);
+}
+
+/// Calls `place` with the centre of every body of group `g`; random ones are where `is_free`.
 void place_group(const Case& scene, std::size_t g, const std::function<bool(const Vec3&)>& is_free,
                  const Place& place) {
   const Group& group = scene.groups[g];
@@ -26,8 +38,7 @@ void place_group(const Case& scene, std::size_t g, const std::function<bool(cons
       return place(group.volume.center);
     case PackingKind::random:
       // A stream of its own for each group: changing one leaves the others as they are.
-      return place_at_random(group.volume, group.packing, scene.seed * 0x9E3779B97F4A7C15u + g,
-                             is_free, place);
+      return place_group_at_random(group, scene.seed * 0x9E3779B97F4A7C15u + g, is_free, place);
     default:
       return place_lattice(group.volume, group.packing, place);
   }
@@ -73,8 +84,7 @@ void check_clear(const Case& scene, const Group& group, const std::vector<Placed
     const Vec3& at = earlier.grid.center(hit);
     throw Error(fmt::format(
         "{}: body {} at {} overlaps body {} of groups.{} at {} by {:.3g} m; allowed_overlap = {} "
-        "of "
-        "the smaller radius, {} m",
+        "of the smaller radius, {} m",
         group.place, id, words(center), earlier.first + hit, scene.groups[earlier.group].name,
         words(at), radius + other - (at - center).norm(), scene.allowed_overlap, smaller));
   }
@@ -83,8 +93,7 @@ void check_clear(const Case& scene, const Group& group, const std::vector<Placed
 double mass_of_one(const Case& scene, const Group& group, std::int64_t count) {
   if (group.fixed) return infinity;
   if (group.total_mass) return *group.total_mass / static_cast<double>(count);
-  const double r = group.packing.radius;
-  return scene.materials[group.material].density * (4 * pi / 3 * r * r * r);
+  return scene.materials[group.material].density * ball_volume(group.packing.radius);
 }
 
 }  // namespace
@@ -121,11 +130,9 @@ Bodies make_bodies(const Case& scene, const Comm& comm) {
     const Group& group = scene.groups[g];
     const double mass = mass_of_one(scene, group, counts[g]);
     const bool random = group.packing.kind == PackingKind::random;
-    const auto is_later = [&](const Group& other) {
-      return &other > &group && may_touch(group, other);
-    };
     std::optional<SphereGrid> grid;
-    if (std::ranges::any_of(scene.groups, is_later))
+    if (std::any_of(scene.groups.begin() + g + 1, scene.groups.end(),
+                    [&](const Group& later) { return may_touch(group, later); }))
       grid.emplace(group.volume.center, reach(group), group.packing.radius, counts[g]);
     const BodyId first = id;
 
@@ -152,12 +159,7 @@ Bodies make_bodies(const Case& scene, const Comm& comm) {
       }
       ++id;
     };
-    try {
-      place_group(scene, g, is_free, place);
-    } catch (const Error& error) {
-      if (!random) throw;
-      throw Error(fmt::format("{}: {}", group.place, error.what()));
-    }
+    place_group(scene, g, is_free, place);
     if (grid) placed.push_back({g, first, std::move(*grid)});
   }
   return bodies;

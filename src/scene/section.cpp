@@ -79,7 +79,7 @@ std::string Section::reference(const Reader& read) {
 
 void Section::radius(std::string_view meaning, double& radius) {
   const bool by_diameter = has("diameter");
-  if (by_diameter && has("radius")) fail("diameter", "is given beside radius: give one of them");
+  check("diameter", !by_diameter || !has("radius"), "is given beside radius: give one of them");
   if (reads(!by_diameter)) read({"radius", meaning, true}, radius, positive(dimension::length));
   if (reads(by_diameter)) {
     std::optional<double> diameter;
@@ -142,17 +142,18 @@ std::string Section::place_of(const toml::source_region& source) const {
   return fmt::format("{}:{}:{}", file_, source.begin.line, source.begin.column);
 }
 
-std::string Section::place(std::string_view key) const {
-  const toml::node* node = table_->get(key);
-  return fmt::format("{}: {}", place_of(node ? node->source() : table_->source()), path_of(key));
-}
-
 std::string Section::place() const {
-  return fmt::format("{}: {}", place_of(table_->source()), path_);
+  return table_ ? fmt::format("{}: {}", place_of(table_->source()), path_) : "";
 }
 
 void Section::fail(std::string_view key, std::string_view what) const {
-  throw Error(fmt::format("{} {}", place(key), what));
+  const toml::node* node = table_->get(key);
+  throw Error(fmt::format("{}: {} {}", place_of(node ? node->source() : table_->source()),
+                          path_of(key), what));
+}
+
+void Section::check(std::string_view key, bool ok, std::string_view what) const {
+  if (!ok && !reference_) fail(key, what);
 }
 
 const toml::node* Section::find(const Key& key, const std::string& kind,
@@ -199,7 +200,8 @@ double Section::number(std::string_view key, const toml::node& node,
     fail(key, fmt::format("is {}; {} is wanted", type_name(node), describe(quantity.dimension)));
   }
   const auto bad = [&](std::string_view wanted) {
-    fail(key, fmt::format("= {}: {} is wanted", value, wanted));
+    const std::string unit = si_unit(quantity.dimension);
+    fail(key, fmt::format("= {}{}{}: {} is wanted", value, unit.empty() ? "" : " ", unit, wanted));
   };
   if (!std::isfinite(value)) bad("a finite value");
   if (value > quantity.high) bad(fmt::format("{} to {}", quantity.low, quantity.high));

@@ -73,11 +73,10 @@ class Section {
   bool has(std::string_view key) const { return table_ && table_->contains(key); }
   /// True also while the reference is written: then every key is asked for.
   bool reads(bool condition) const { return reference_ || condition; }
-  bool writes_reference() const { return reference_ != nullptr; }
-  /// "cases/x.toml:12:5: contact.friction"
-  std::string place(std::string_view key) const;
+  /// Throws Error, which says `what` is wrong with `key`, unless `ok`.
+  void check(std::string_view key, bool ok, std::string_view what) const;
+  /// Where this table is in the file: "cases/x.toml:12:5: groups.cloud".
   std::string place() const;
-  [[noreturn]] void fail(std::string_view key, std::string_view what) const;
 
  private:
   struct Key {
@@ -112,6 +111,7 @@ class Section {
   double number(std::string_view key, const toml::node& node, const Quantity& quantity) const;
   std::size_t choose(const Key& key, const std::vector<std::string_view>& names,
                      std::size_t by_default);
+  [[noreturn]] void fail(std::string_view key, std::string_view what) const;
   std::string path_of(std::string_view key) const;
   std::string place_of(const toml::source_region& source) const;
   void finish() const;

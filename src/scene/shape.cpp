@@ -9,23 +9,26 @@ namespace spall {
 namespace {
 
 /// Distance of `p` from the surface of the ellipsoid with half axes `a`; the nearest point is
-/// q_k = a_k^2 p_k / (t + a_k^2) with t from |q / a| = 1, found by bisection (Eberly 2013,
-/// "Distance from a point to an ellipse, an ellipsoid, or a hyperellipsoid").
+/// q_k = a_k^2 p_k / (s + a_k^2 - a_min^2) with s in (0, a_min^2] from |q / a| = 1, found by
+/// bisection (Eberly 2013, "Distance from a point to an ellipse, an ellipsoid, or a
+/// hyperellipsoid").
 double ellipsoid_depth(const Vec3& a, const Vec3& p) {
   const double outside = (p.array() / a.array()).matrix().squaredNorm() - 1;
   if (outside >= 0) return -outside;
   int shortest = 0;
-  a.minCoeff(&shortest);
+  const double a_min = a.minCoeff(&shortest);
   const Eigen::Array3d a2 = a.array().square();
-  const auto nearest = [&](double t) -> Vec3 { return a2 * p.array() / (t + a2); };
-  double low = -a2[shortest], high = 0;
+  const auto nearest = [&](double s) -> Vec3 {
+    return a2 * p.array() / (s + (a2 - a_min * a_min));
+  };
+  double low = 0, high = a_min * a_min;
   for (int k = 0; k < 60; ++k) {
-    const double t = (low + high) / 2;
-    ((nearest(t).array() / a.array()).matrix().squaredNorm() > 1 ? low : high) = t;
+    const double s = (low + high) / 2;
+    ((nearest(s).array() / a.array()).matrix().squaredNorm() > 1 ? low : high) = s;
   }
   Vec3 q = nearest(high);
   if (p[shortest] == 0) {
-    // On the plane across the shortest axis the nearest point may leave it, with t = -a^2 there.
+    // From the plane across the shortest axis the nearest point may lie off it, with s = 0.
     q[shortest] = 0;
     const double rest = 1 - (q.array() / a.array()).matrix().squaredNorm();
     q[shortest] = a[shortest] * std::sqrt(std::max(0.0, rest));
@@ -53,13 +56,16 @@ double depth(const Volume& volume, const Vec3& point) {
   return -infinity;
 }
 
+double ball_volume(double radius) {
+  return 4 * pi / 3 * radius * radius * radius;
+}
+
 double volume_of(const Volume& volume) {
-  const auto ball = [](double radius) { return 4 * pi / 3 * radius * radius * radius; };
   switch (volume.shape) {
     case Shape::sphere:
-      return ball(volume.radius);
+      return ball_volume(volume.radius);
     case Shape::hollow_sphere:
-      return ball(volume.radius) - ball(volume.inner_radius);
+      return ball_volume(volume.radius) - ball_volume(volume.inner_radius);
     case Shape::box:
       return volume.extents.prod();
     case Shape::ellipsoid:

@@ -162,7 +162,8 @@ double parse_quantity(std::string_view text, Dimension wanted) {
           describe(wanted));
   // The power of ten goes into the decimal text, so that the result is rounded once.
   const std::size_t e = number.find_first_of("eE");
-  const int exponent = e == number.npos ? 0 : std::stoi(std::string(number.substr(e + 1)));
+  const bool has_exponent = e != number.npos && value != 0;
+  const int exponent = has_exponent ? std::stoi(std::string(number.substr(e + 1))) : 0;
   const std::string decimal = fmt::format("{}e{}", number.substr(0, e), exponent + unit.exponent);
   std::from_chars(decimal.data(), decimal.data() + decimal.size(), value);
   return value * unit.factor;

@@ -2,11 +2,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "spall/solver/contact_blocks.hpp"
 
+#include <algorithm>
+
 namespace spall {
 namespace {
 
 std::size_t blocks_for(Index contacts) {
   return (static_cast<std::size_t>(contacts) + lanes - 1) / lanes;
+}
+
+std::size_t total_blocks(const ContactProblem& problem) {
+  return blocks_for(problem.boundary) + blocks_for(problem.contacts() - problem.boundary);
 }
 
 /// Calls f(contact, block, lane) for every contact.
@@ -20,42 +26,63 @@ void for_each_place(const ContactProblem& problem, F&& f) {
   }
 }
 
-std::size_t total_blocks(const ContactProblem& problem) {
-  return blocks_for(problem.boundary) + blocks_for(problem.contacts() - problem.boundary);
+/// Normal diagonal of the Delassus operator, 1/kg.
+double diagonal(const ContactProblem& problem, Index c) {
+  const Index j = problem.j[c];
+  return problem.inverse_mass[problem.i[c]] + (j == ground ? 0 : problem.inverse_mass[j]);
 }
 
 double inverse_or_zero(double a) {
   return a > 0 ? 1 / a : 0;
 }
 
+double power_of_two_below(double a) {
+  return a > 0 ? std::exp2(std::ilogb(a)) : 1;
+}
+
 }  // namespace
 
+PackedUnits choose_units(const ContactProblem& problem, const Comm& comm) {
+  double speed = 0, most_a = 0;
+  for (Index c = 0; c < problem.contacts(); ++c) {
+    const double a = diagonal(problem, c);
+    if (a == 0) continue;
+    speed = std::max(speed, problem.free_velocity[c].cwiseAbs().maxCoeff());
+    most_a = std::max(most_a, a);
+  }
+  const double velocity = power_of_two_below(comm.max(speed));
+  return {.impulse = velocity / power_of_two_below(comm.max(most_a)), .velocity = velocity};
+}
+
 template <int dimension>
-ContactBlocks<dimension> pack(const ContactProblem& problem, Index owned) {
-  ContactBlocks<dimension> packed;
+ContactBlocks<dimension, double> pack(const ContactProblem& problem, const PackedUnits& units,
+                                      Index owned) {
+  const double unit_of_inverse_mass = units.velocity / units.impulse;
+  ContactBlocks<dimension, double> packed;
   packed.owned = owned;
   packed.rows = static_cast<Index>(problem.inverse_mass.size()) + 1;
-  packed.inverse_mass.assign(problem.inverse_mass.begin(), problem.inverse_mass.begin() + owned);
   packed.boundary = blocks_for(problem.boundary);
+  for (Index b = 0; b < owned; ++b)
+    packed.inverse_mass.push_back(problem.inverse_mass[b] / unit_of_inverse_mass);
 
   const Index zero_row = packed.rows - 1;
-  ContactBlock<dimension> empty{};
-  for (int l = 0; l < lanes; ++l) empty.i[l] = empty.j[l] = zero_row;
+  ContactBlock<dimension, double> empty{};
+  std::fill_n(empty.i, lanes, zero_row);
+  std::fill_n(empty.j, lanes, zero_row);
   packed.blocks.assign(total_blocks(problem), empty);
 
   for_each_place(problem, [&](Index c, std::size_t at, int l) {
-    ContactBlock<dimension>& block = packed.blocks[at];
-    const Index i = problem.i[c], j = problem.j[c];
-    const double a_n = problem.inverse_mass[i] + (j == ground ? 0 : problem.inverse_mass[j]);
-    const Vec3 n = problem.normal[c], b = problem.free_velocity[c];
-    block.i[l] = i;
-    block.j[l] = j == ground ? zero_row : j;
+    ContactBlock<dimension, double>& block = packed.blocks[at];
+    const double a_n = diagonal(problem, c) / unit_of_inverse_mass;
+    const Vec3 n = problem.normal[c], b = problem.free_velocity[c] / units.velocity;
+    block.i[l] = problem.i[c];
+    block.j[l] = problem.j[c] == ground ? zero_row : problem.j[c];
     for (int d = 0; d < 3; ++d) block.normal[d][l] = n[d];
-    block.cohesion[l] = problem.cohesive_impulse[c];
+    block.cohesion[l] = problem.cohesive_impulse[c] / units.impulse;
     block.a_n[l] = static_cast<float>(a_n);
     block.inverse_a_n[l] = static_cast<float>(inverse_or_zero(a_n));
     if constexpr (dimension == 1) {
-      block.velocity[0][l] = block.inverse_a_n[l] * n.dot(b);
+      block.free_impulse[0][l] = block.inverse_a_n[l] * n.dot(b);
     } else {
       const double kappa = problem.kappa[c];
       const double a_t = (1 + 2.5 * kappa * kappa) * a_n;
@@ -66,49 +93,86 @@ ContactBlocks<dimension> pack(const ContactProblem& problem, Index owned) {
       const Vec3 b_n = n.dot(b) * n;
       const Vec3 scaled =
           double(block.inverse_a_n[l]) * b_n + double(block.inverse_a_t[l]) * (b - b_n);
-      for (int d = 0; d < 3; ++d) block.velocity[d][l] = scaled[d];
+      for (int d = 0; d < 3; ++d) block.free_impulse[d][l] = scaled[d];
     }
   });
   return packed;
 }
 
 template <int dimension>
-void add_centre(ContactBlocks<dimension>& contacts, const Impulses<dimension>& centre,
-                double prox) {
+void add_centre(ContactBlocks<dimension, double>& contacts,
+                const Impulses<dimension, double>& centre, double prox) {
   for (std::size_t at = 0; at < centre.size(); ++at)
-    for (int d = 0; d < dimension; ++d) contacts.blocks[at].velocity[d] -= prox * centre[at].at[d];
+    for (int d = 0; d < dimension; ++d)
+      contacts.blocks[at].free_impulse[d] -= prox * centre[at].at[d];
 }
 
 template <int dimension>
-Impulses<dimension> pack_impulses(const ContactProblem& problem, const std::vector<Vec3>& impulse) {
-  Impulses<dimension> packed(total_blocks(problem));
+ContactBlocks<dimension, float> round(const ContactBlocks<dimension, double>& contacts) {
+  ContactBlocks<dimension, float> rounded;
+  rounded.boundary = contacts.boundary;
+  rounded.owned = contacts.owned;
+  rounded.rows = contacts.rows;
+  rounded.inverse_mass.assign(contacts.inverse_mass.begin(), contacts.inverse_mass.end());
+  rounded.blocks.resize(contacts.blocks.size());
+  for (std::size_t at = 0; at < contacts.blocks.size(); ++at) {
+    const ContactBlock<dimension, double>& from = contacts.blocks[at];
+    ContactBlock<dimension, float>& to = rounded.blocks[at];
+    for (int d = 0; d < 3; ++d) to.normal[d] = convert<float>(from.normal[d]);
+    for (int d = 0; d < dimension; ++d) to.free_impulse[d] = convert<float>(from.free_impulse[d]);
+    to.cohesion = convert<float>(from.cohesion);
+    to.a_n = from.a_n;
+    to.inverse_a_n = from.inverse_a_n;
+    if constexpr (dimension == 3) {
+      to.kappa = convert<float>(from.kappa);
+      to.friction = convert<float>(from.friction);
+      to.a_t = from.a_t;
+      to.inverse_a_t = from.inverse_a_t;
+    }
+    std::copy_n(from.i, lanes, to.i);
+    std::copy_n(from.j, lanes, to.j);
+  }
+  return rounded;
+}
+
+template <int dimension>
+Impulses<dimension, double> pack_impulses(const ContactProblem& problem, const PackedUnits& units,
+                                          const std::vector<Vec3>& impulse) {
+  Impulses<dimension, double> packed(total_blocks(problem));
   for_each_place(problem, [&](Index c, std::size_t at, int l) {
+    if (diagonal(problem, c) == 0) return;
     if constexpr (dimension == 1)
-      packed[at].at[0][l] = problem.normal[c].dot(impulse[c]);
+      packed[at].at[0][l] = problem.normal[c].dot(impulse[c]) / units.impulse;
     else
-      for (int d = 0; d < 3; ++d) packed[at].at[d][l] = impulse[c][d];
+      for (int d = 0; d < 3; ++d) packed[at].at[d][l] = impulse[c][d] / units.impulse;
   });
   return packed;
 }
 
 template <int dimension>
-void unpack_impulses(const ContactProblem& problem, const Impulses<dimension>& packed,
-                     std::vector<Vec3>& impulse) {
+void unpack_impulses(const ContactProblem& problem, const PackedUnits& units,
+                     const Impulses<dimension, double>& packed, std::vector<Vec3>& impulse) {
   for_each_place(problem, [&](Index c, std::size_t at, int l) {
     if constexpr (dimension == 1)
-      impulse[c] = packed[at].at[0][l] * problem.normal[c];
+      impulse[c] = packed[at].at[0][l] * units.impulse * problem.normal[c];
     else
-      for (int d = 0; d < 3; ++d) impulse[c][d] = packed[at].at[d][l];
+      for (int d = 0; d < 3; ++d) impulse[c][d] = packed[at].at[d][l] * units.impulse;
   });
 }
 
-template ContactBlocks<1> pack<1>(const ContactProblem&, Index);
-template ContactBlocks<3> pack<3>(const ContactProblem&, Index);
-template void add_centre<1>(ContactBlocks<1>&, const Impulses<1>&, double);
-template void add_centre<3>(ContactBlocks<3>&, const Impulses<3>&, double);
-template Impulses<1> pack_impulses<1>(const ContactProblem&, const std::vector<Vec3>&);
-template Impulses<3> pack_impulses<3>(const ContactProblem&, const std::vector<Vec3>&);
-template void unpack_impulses<1>(const ContactProblem&, const Impulses<1>&, std::vector<Vec3>&);
-template void unpack_impulses<3>(const ContactProblem&, const Impulses<3>&, std::vector<Vec3>&);
+template ContactBlocks<1, double> pack<1>(const ContactProblem&, const PackedUnits&, Index);
+template ContactBlocks<3, double> pack<3>(const ContactProblem&, const PackedUnits&, Index);
+template ContactBlocks<1, float> round<1>(const ContactBlocks<1, double>&);
+template ContactBlocks<3, float> round<3>(const ContactBlocks<3, double>&);
+template void add_centre<1>(ContactBlocks<1, double>&, const Impulses<1, double>&, double);
+template void add_centre<3>(ContactBlocks<3, double>&, const Impulses<3, double>&, double);
+template Impulses<1, double> pack_impulses<1>(const ContactProblem&, const PackedUnits&,
+                                              const std::vector<Vec3>&);
+template Impulses<3, double> pack_impulses<3>(const ContactProblem&, const PackedUnits&,
+                                              const std::vector<Vec3>&);
+template void unpack_impulses<1>(const ContactProblem&, const PackedUnits&,
+                                 const Impulses<1, double>&, std::vector<Vec3>&);
+template void unpack_impulses<3>(const ContactProblem&, const PackedUnits&,
+                                 const Impulses<3, double>&, std::vector<Vec3>&);
 
 }  // namespace spall

@@ -3,37 +3,69 @@
 #include "spall/solver/contact_system.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace spall {
 
 template <int dimension>
-Rows<dimension> ContactSystem<dimension>::impulse_rows(const Impulses<dimension>& impulse) const {
-  Rows<dimension> rows = zero_rows();
+Rows<dimension, double> ContactSystem<dimension>::product(const DoubleImpulses& impulse) const {
+  DoubleRows rows(contacts.rows);
   add_contacts(contacts, impulse, rows.data());
+  for (Index b = 0; b < contacts.owned; ++b)
+    rows[b] = row_velocity(contacts.inverse_mass[b], rows[b]);
+  rows.back() = Row<dimension, double>();
+  gather_begin(ghosts, rows);
+  gather_end(ghosts, rows);
   return rows;
 }
 
 template <int dimension>
-Rows<dimension> ContactSystem<dimension>::velocity_rows(const Rows<dimension>& sums) const {
-  Rows<dimension> velocity = zero_rows();
-  for (Index b = 0; b < contacts.owned; ++b)
-    row_velocity(contacts.inverse_mass[b], sums[b], velocity[b]);
-  gather_begin(velocity);
-  gather_end(velocity);
-  return velocity;
+Impulses<dimension, double> ContactSystem<dimension>::gradient_change(
+    const DoubleRows& velocity) const {
+  DoubleImpulses result(contacts.blocks.size());
+  for (std::size_t at = 0; at < result.size(); ++at)
+    scaled_velocity(contacts.blocks[at], velocity.data(), result[at].at);
+  return result;
 }
 
 template <int dimension>
-Residual ContactSystem<dimension>::residual(const Impulses<dimension>& impulse,
-                                            const Rows<dimension>& velocity) const {
+Impulses<dimension, double> ContactSystem<dimension>::gradient(const DoubleRows& velocity) const {
+  DoubleImpulses result = gradient_change(velocity);
+  for (std::size_t at = 0; at < result.size(); ++at)
+    for (int d = 0; d < dimension; ++d) result[at].at[d] += contacts.blocks[at].free_impulse[d];
+  return result;
+}
+
+template <int dimension>
+double ContactSystem<dimension>::metric_product(const DoubleImpulses& a,
+                                                const DoubleImpulses& b) const {
+  DoublePack total{};
+  for (std::size_t at = 0; at < a.size(); ++at)
+    total += convert<double>(counted(contacts.blocks[at], contacts.owned)) *
+             spall::metric_product(contacts.blocks[at], a[at].at, b[at].at);
+  return ghosts.comm().sum(sum(total));
+}
+
+template <int dimension>
+Residual ContactSystem<dimension>::residual(const DoubleImpulses& impulse,
+                                            const DoubleRows& velocity) const {
   const ResidualSums local = with_friction(friction, [&](auto model) {
     return residual_sums<model()>(contacts, velocity.data(), impulse, centre, prox);
   });
-  double sums[3] = {local.energy, local.energy_prox, local.square};
+  double sums[4] = {local.energy, local.energy_prox, local.square, local.norm2};
   ghosts.comm().sum(sums);
-  return {std::sqrt(sums[0]) / scale, std::sqrt(sums[1]) / scale,
-          std::sqrt(ghosts.comm().max(local.largest)),
-          std::sqrt(sums[2] / std::max<double>(1, count))};
+  return {.relative = std::sqrt(sums[0]) / scale,
+          .relative_prox = std::sqrt(sums[1]) / scale,
+          .max = std::sqrt(ghosts.comm().max(local.largest)) * units.velocity,
+          .rms = std::sqrt(sums[2] / std::max<double>(1, count)) * units.velocity,
+          .norm = std::sqrt(sums[3]) / scale};
+}
+
+template <int dimension>
+Candidate<dimension> ContactSystem<dimension>::evaluate(DoubleImpulses impulse) const {
+  DoubleRows velocity = product(impulse);
+  const Residual left = residual(impulse, velocity);
+  return {std::move(impulse), std::move(velocity), left};
 }
 
 template struct ContactSystem<1>;

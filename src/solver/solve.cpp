@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "spall/base/require.hpp"
-#include "spall/solver/contact_system.hpp"
+#include "spall/solver/methods.hpp"
 
 namespace spall {
 namespace {
@@ -23,6 +23,12 @@ void check_shapes(const ContactProblem& problem, const Ghosts& ghosts,
   require(settings.tolerance > 0, "solver tolerance is {}, must be positive", settings.tolerance);
   require(settings.max_iterations >= 0, "solver's max_iterations is {}, must not be negative",
           settings.max_iterations);
+  const bool descends =
+      settings.method == SolverMethod::apgd || settings.method == SolverMethod::barzilai_borwein;
+  require(!descends || problem.dimension == 1 || settings.friction == FrictionModel::convex,
+          "solver methods apgd and barzilai_borwein minimise: they need friction \"convex\"");
+  require(settings.relaxation > 0 && settings.relaxation < 2,
+          "solver's relaxation is {}, must lie between 0 and 2", settings.relaxation);
   require(settings.prox >= 0 && settings.prox < infinity, "solver's prox is {}, must be 0 or more",
           settings.prox);
 }
@@ -47,9 +53,14 @@ Candidate<dimension> run_method(const ContactSystem<dimension>& system,
   switch (settings.method) {
     case SolverMethod::accelerated:
       return accelerated_gradient(system, settings, std::move(start), report);
-    default:
-      throw Error("solver method not available");
+    case SolverMethod::apgd:
+      return apgd(system, settings, std::move(start), report);
+    case SolverMethod::barzilai_borwein:
+      return spectral_gradient(system, settings, std::move(start), report);
+    case SolverMethod::sor:
+      return gauss_seidel(system, settings, std::move(start), report);
   }
+  throw Error("unknown solver method");
 }
 
 template <int dimension>
@@ -58,49 +69,49 @@ SolverResult solve_packed(const ContactProblem& problem, const Ghosts& ghosts,
                           std::vector<Vec3>& impulse) {
   SolverResult result;
   SolverReport& report = result.report;
+  const PackedUnits units = choose_units(problem, ghosts.comm());
   ContactSystem<dimension> system{.ghosts = ghosts,
                                   .friction = settings.friction,
-                                  .contacts = pack<dimension>(problem, ghosts.owned()),
+                                  .units = units,
+                                  .contacts = pack<dimension>(problem, units, ghosts.owned()),
                                   .centre = {},
                                   .count = count};
   system.centre.resize(system.contacts.blocks.size());
 
-  Candidate<dimension> start{
-      Impulses<dimension>(system.contacts.blocks.size()), system.zero_rows(), {}};
-  start.residual = system.residual(start.impulse, start.velocity);
-  if (start.residual.relative > 0) {
-    system.scale = start.residual.relative;
-    start.residual = system.residual(start.impulse, start.velocity);
+  Candidate<dimension> best{system.centre, Rows<dimension, double>(system.contacts.rows), {}};
+  best.residual = system.residual(best.impulse, best.velocity);
+  if (best.residual.relative > 0) {
+    system.scale = best.residual.relative;
+    best.residual.relative = best.residual.relative_prox = 1;
 
     // A warm start that is worse than none belongs to another state of motion: neither where to
     // start nor what to stay near.
-    Candidate<dimension> warm{pack_impulses<dimension>(problem, impulse), {}, {}};
-    warm.velocity = system.velocity_rows(system.impulse_rows(warm.impulse));
-    warm.residual = system.residual(warm.impulse, warm.velocity);
+    Candidate<dimension> warm = system.evaluate(pack_impulses<dimension>(problem, units, impulse));
     ++report.products;
-    if (warm.residual.relative <= 1) start = std::move(warm);
+    if (warm.residual.relative <= 1) best = std::move(warm);
 
     if (settings.method == SolverMethod::accelerated) {
       system.prox = settings.prox;
-      system.centre = start.impulse;
+      system.centre = best.impulse;
       add_centre(system.contacts, system.centre, system.prox);
     }
-    start = run_method(system, settings, std::move(start), report);
+    best = run_method(system, settings, std::move(best), report);
   }
 
-  report.residual = start.residual.relative;
-  report.residual_prox = start.residual.relative_prox;
-  report.residual_max = start.residual.max;
-  report.residual_rms = start.residual.rms;
-  report.converged = start.residual.relative_prox <= settings.tolerance;
+  report.residual = best.residual.relative;
+  report.residual_prox = best.residual.relative_prox;
+  report.residual_max = best.residual.max;
+  report.residual_rms = best.residual.rms;
+  report.converged = best.residual.relative_prox <= settings.tolerance;
 
-  unpack_impulses(problem, start.impulse, impulse);
+  unpack_impulses(problem, units, best.impulse, impulse);
   result.change.resize(problem.inverse_mass.size());
   for (std::size_t b = 0; b < result.change.size(); ++b)
-    std::copy_n(start.velocity[b].at, 3, result.change[b].linear);
-  if constexpr (dimension == 3)
-    for (std::size_t b = 0; b < result.change.size(); ++b)
-      std::copy_n(start.velocity[b].at + 4, 3, result.change[b].angular);
+    for (int d = 0; d < 3; ++d) {
+      result.change[b].linear[d] = units.velocity * best.velocity[b].at[d];
+      if constexpr (dimension == 3)
+        result.change[b].angular[d] = units.velocity * best.velocity[b].at[4 + d];
+    }
   return result;
 }
 

@@ -31,13 +31,28 @@ struct GravityField {
 };
 
 /// Owned bodies' rows in, owned bodies' field out. Coincident bodies exert no force on each other.
-/// Collective.
+/// Without velocities on any rank `rate` is left empty. Throws Error on every rank for masses that
+/// are negative or infinite: a body that never moves cannot take part. Collective.
 GravityField evaluate_gravity(const Comm& comm, const GravitySettings& settings,
                               std::span<const double> mass, std::span<const Vec3> position,
                               std::span<const Vec3> velocity);
 
+/// The field of all bodies at this rank's `places`; a body that lies there adds nothing. No rates.
+/// Collective.
+GravityField evaluate_gravity_at(const Comm& comm, const GravitySettings& settings,
+                                 std::span<const double> mass, std::span<const Vec3> position,
+                                 std::span<const Vec3> places);
+
+/// What `automatic` means for so many bodies (of all ranks): the tree where it takes less than half
+/// the time of the exact sum. Other methods are returned as they are.
+GravityMethod choose_gravity(const GravitySettings& settings, std::int64_t bodies);
+
+/// The chosen method in words, for the log of a run.
+std::string describe_gravity(const GravitySettings& settings, std::int64_t bodies);
+
 /// How long `field` may be held: until some force m_b |da_b| may have changed by `refresh` times
-/// the rms force m |a| over all bodies. Seconds; infinite without forces. Collective.
+/// the rms force m |a| over all bodies. Seconds; infinite without forces. It holds for the
+/// velocities at which the field was evaluated. Collective.
 double holding_time(const Comm& comm, const GravitySettings& settings, std::span<const double> mass,
                     const GravityField& field);
 

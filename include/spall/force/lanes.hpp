@@ -25,6 +25,25 @@ inline double sum_of_lanes(const Lanes& v) {
   return ((v[0] + v[1]) + (v[2] + v[3])) + ((v[4] + v[5]) + (v[6] + v[7]));
 }
 
+/// Row k of the result holds lane k of every row.
+inline void transpose(Lanes (&v)[lane_count]) {
+  Lanes a[8], b[8];
+  for (int k = 0; k < 8; k += 2) {
+    a[k] = __builtin_shufflevector(v[k], v[k + 1], 0, 8, 2, 10, 4, 12, 6, 14);
+    a[k + 1] = __builtin_shufflevector(v[k], v[k + 1], 1, 9, 3, 11, 5, 13, 7, 15);
+  }
+  for (int k = 0; k < 2; ++k)
+    for (int half = 0; half < 8; half += 4) {
+      b[half + k] = __builtin_shufflevector(a[half + k], a[half + k + 2], 0, 1, 8, 9, 4, 5, 12, 13);
+      b[half + k + 2] =
+          __builtin_shufflevector(a[half + k], a[half + k + 2], 2, 3, 10, 11, 6, 7, 14, 15);
+    }
+  for (int k = 0; k < 4; ++k) {
+    v[k] = __builtin_shufflevector(b[k], b[k + 4], 0, 1, 2, 3, 8, 9, 10, 11);
+    v[k + 4] = __builtin_shufflevector(b[k], b[k + 4], 4, 5, 6, 7, 12, 13, 14, 15);
+  }
+}
+
 #ifdef __AVX512F__
 /// 1/sqrt(v) to 2^-14; 0 where v is 0.
 inline Lanes estimate_inverse_sqrt(const Lanes& v) {

@@ -39,11 +39,11 @@ class SphereGrid {
 void place_lattice(const Volume& volume, const Packing& packing,
                    const std::function<void(const Vec3&)>& place);
 
-/// Exactly `packing.count` spheres at random, wholly inside the volume, clear of each other and of
-/// what `is_free` refuses: random sequential addition, which ends near 0.38 of the volume. The
-/// same on every machine. Throws Error, which tells how many fit, when places run out.
-void place_at_random(const Volume& volume, const Packing& packing, std::uint64_t seed,
-                     const std::function<bool(const Vec3&)>& is_free,
-                     const std::function<void(const Vec3&)>& place);
+/// `packing.count` spheres at random, wholly inside the volume, clear of each other and where
+/// `is_free`: random sequential addition, which ends near 0.38 of the volume. The same on every
+/// machine. Returns how many found a place before two million tries in a row failed.
+std::int64_t place_at_random(const Volume& volume, const Packing& packing, std::uint64_t seed,
+                             const std::function<bool(const Vec3&)>& is_free,
+                             const std::function<void(const Vec3&)>& place);
 
 }  // namespace spall

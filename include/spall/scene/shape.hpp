@@ -10,6 +10,7 @@ namespace spall {
 /// only the sign is meant). A sphere is wholly inside where its centre is a radius deep.
 double depth(const Volume& volume, const Vec3& point);
 
+double ball_volume(double radius);       ///< m^3, volume of a ball
 double volume_of(const Volume& volume);  ///< m^3
 
 /// Half widths of the smallest box about `volume.center` that holds it, along the axes.

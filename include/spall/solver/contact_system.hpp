@@ -11,55 +11,65 @@ namespace spall {
 struct Residual {
   double relative = 0;
   double relative_prox = 0;
-  double max = 0;  ///< m/s
-  double rms = 0;  ///< m/s
+  double max = 0;   ///< m/s
+  double rms = 0;   ///< m/s
+  double norm = 0;  ///< |p|_S over the residual at zero impulses
 };
 
 /// Impulses with their velocity changes (ghost rows current) and their residual.
 template <int dimension>
 struct Candidate {
-  Impulses<dimension> impulse;
-  Rows<dimension> velocity;
+  Impulses<dimension, double> impulse;
+  Rows<dimension, double> velocity;
   Residual residual;
 };
 
 template <int dimension>
 struct ContactSystem {
+  using DoubleRows = Rows<dimension, double>;
+  using DoubleImpulses = Impulses<dimension, double>;
+
   const Ghosts& ghosts;
   FrictionModel friction;
-  ContactBlocks<dimension> contacts;
-  Impulses<dimension> centre;  ///< p_c of the proximal problem
-  double prox = 0;             ///< its eps; 0: none
-  double scale = 1;            ///< sqrt(sum R^T S^-1 R) at zero impulses
-  std::int64_t count = 0;      ///< contacts over all ranks
+  PackedUnits units;
+  ContactBlocks<dimension, double> contacts;
+  DoubleImpulses centre;   ///< p_c of the proximal problem
+  double prox = 0;         ///< its eps; 0: none
+  double scale = 1;        ///< sqrt(sum R^T S^-1 R) at zero impulses, packed units
+  std::int64_t count = 0;  ///< contacts over all ranks
 
-  Rows<dimension> zero_rows() const { return Rows<dimension>(contacts.rows); }
   BlockRange boundary() const { return {0, contacts.boundary}; }
   BlockRange interior() const { return {contacts.boundary, contacts.blocks.size()}; }
 
-  void gather_begin(Rows<dimension>& rows) const {
-    ghosts.gather_begin(rows.data()->at, Row<dimension>::width);
-  }
-  void gather_end(Rows<dimension>& rows) const {
-    ghosts.gather_end(rows.data()->at, Row<dimension>::width);
-  }
+  /// Impulses with their velocities and residual. Collective.
+  Candidate<dimension> evaluate(DoubleImpulses impulse) const;
 
-  /// Sums of the impulses on owned rows, in impulse form; rows of other kinds hold anything.
-  Rows<dimension> impulse_rows(const Impulses<dimension>& impulse) const;
+  /// Velocities of all rows by impulses: the product with the Delassus operator, but for its last
+  /// step. Collective.
+  DoubleRows product(const DoubleImpulses& impulse) const;
 
-  /// Velocities from sums of impulses; all rows current. Collective.
-  Rows<dimension> velocity_rows(const Rows<dimension>& impulse_rows) const;
+  /// The last step: S^-1 D^T velocity, with S^-1 b (the gradient) or without.
+  DoubleImpulses gradient(const DoubleRows& velocity) const;
+  DoubleImpulses gradient_change(const DoubleRows& velocity) const;
 
-  /// Residual of impulses whose velocities are given. Collective.
-  Residual residual(const Impulses<dimension>& impulse, const Rows<dimension>& velocity) const;
+  /// a . S b over all contacts and ranks. Collective.
+  double metric_product(const DoubleImpulses& a, const DoubleImpulses& b) const;
+
+  /// Residual of impulses whose velocities are given: no product. Collective.
+  Residual residual(const DoubleImpulses& impulse, const DoubleRows& velocity) const;
 };
 
-/// Minimises from `start` until the (proximal) residual falls to the tolerance, with one product
-/// an iteration; gives back the best iterate seen. Collective.
-template <int dimension>
-Candidate<dimension> accelerated_gradient(const ContactSystem<dimension>& system,
-                                          const SolverSettings& settings,
-                                          Candidate<dimension> start, SolverReport& report);
+/// Starts or ends the exchange of ghost rows.
+template <int dimension, class Real>
+void gather_begin(const Ghosts& ghosts, Rows<dimension, Real>& rows) {
+  constexpr int width = sizeof(rows[0]) / sizeof(double);
+  ghosts.gather_begin(reinterpret_cast<double*>(rows.data()), width);
+}
+template <int dimension, class Real>
+void gather_end(const Ghosts& ghosts, Rows<dimension, Real>& rows) {
+  constexpr int width = sizeof(rows[0]) / sizeof(double);
+  ghosts.gather_end(reinterpret_cast<double*>(rows.data()), width);
+}
 
 /// Calls f with the friction model as a compile-time constant.
 template <class F>

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
+
 #include "spall/solver/contact_blocks.hpp"
 #include "spall/solver/projection.hpp"
 #include "spall/solver/transfer.hpp"
@@ -13,97 +15,106 @@ struct BlockRange {
   std::size_t first, last;
 };
 
-/// a . S b of eight contacts.
-inline Pack metric_product(const ContactBlock<1>& block, const Pack* a, const Pack* b) {
-  return widen(block.a_n) * a[0] * b[0];
+template <class P>
+P dot(const P* a, const P* b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
-inline Pack metric_product(const ContactBlock<3>& block, const Pack* a, const Pack* b) {
-  const Pack* n = block.normal;
-  const Pack a_n = a[0] * n[0] + a[1] * n[1] + a[2] * n[2];
-  const Pack b_n = b[0] * n[0] + b[1] * n[1] + b[2] * n[2];
-  const Pack ab = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-  return widen(block.a_t) * (ab - a_n * b_n) + widen(block.a_n) * a_n * b_n;
+
+/// a . S b of eight contacts.
+template <class Real>
+Pack<Real> metric_product(const ContactBlock<1, Real>& block, const Pack<Real>* a,
+                          const Pack<Real>* b) {
+  return convert<Real>(block.a_n) * a[0] * b[0];
+}
+template <class Real>
+Pack<Real> metric_product(const ContactBlock<3, Real>& block, const Pack<Real>* a,
+                          const Pack<Real>* b) {
+  const Pack<Real> normal = dot(a, block.normal) * dot(b, block.normal);
+  return convert<Real>(block.a_t) * (dot(a, b) - normal) + convert<Real>(block.a_n) * normal;
 }
 
 /// S^-1 u of eight contacts from the rows' velocities, without the free velocity:
 /// u = v_j - v_i - kappa (s_i + s_j) x n.
-[[gnu::always_inline]] inline void scaled_velocity(const ContactBlock<1>& block,
-                                                   const Row<1>* velocity, Pack* g) {
-  Pack v[3];
+template <class Real>
+[[gnu::always_inline]] inline void scaled_velocity(const ContactBlock<1, Real>& block,
+                                                   const Row<1, Real>* velocity, Pack<Real>* g) {
+  Pack<Real> v[3];
   load_relative(velocity, block.i, block.j, v);
-  const Pack* n = block.normal;
-  g[0] = widen(block.inverse_a_n) * (v[0] * n[0] + v[1] * n[1] + v[2] * n[2]);
+  g[0] = convert<Real>(block.inverse_a_n) * dot(v, block.normal);
 }
-[[gnu::always_inline]] inline void scaled_velocity(const ContactBlock<3>& block,
-                                                   const Row<3>* velocity, Pack* g) {
-  Pack v[6];
+template <class Real>
+[[gnu::always_inline]] inline void scaled_velocity(const ContactBlock<3, Real>& block,
+                                                   const Row<3, Real>* velocity, Pack<Real>* g) {
+  using P = Pack<Real>;
+  P v[6];
   load_relative(velocity, block.i, block.j, v);
-  const Pack* n = block.normal;
-  const Pack* s = v + 3;
-  const Pack u[3] = {v[0] - block.kappa * (s[1] * n[2] - s[2] * n[1]),
-                     v[1] - block.kappa * (s[2] * n[0] - s[0] * n[2]),
-                     v[2] - block.kappa * (s[0] * n[1] - s[1] * n[0])};
-  const Pack inverse_a_t = widen(block.inverse_a_t);
-  const Pack normal =
-      (widen(block.inverse_a_n) - inverse_a_t) * (u[0] * n[0] + u[1] * n[1] + u[2] * n[2]);
+  const P* n = block.normal;
+  const P* s = v + 3;
+  const P u[3] = {v[0] - block.kappa * (s[1] * n[2] - s[2] * n[1]),
+                  v[1] - block.kappa * (s[2] * n[0] - s[0] * n[2]),
+                  v[2] - block.kappa * (s[0] * n[1] - s[1] * n[0])};
+  const P inverse_a_t = convert<Real>(block.inverse_a_t);
+  const P normal = (convert<Real>(block.inverse_a_n) - inverse_a_t) * dot(u, n);
   for (int d = 0; d < 3; ++d) g[d] = inverse_a_t * u[d] + normal * n[d];
 }
 
 /// Adds eight contacts' impulses to their bodies' rows, in impulse form.
-[[gnu::always_inline]] inline void add_impulses(const ContactBlock<1>& block, const Pack* p,
-                                                Row<1>* rows) {
-  const Pack* n = block.normal;
-  const Pack impulse[3] = {p[0] * n[0], p[0] * n[1], p[0] * n[2]};
+template <class Real>
+[[gnu::always_inline]] inline void add_impulses(const ContactBlock<1, Real>& block,
+                                                const Pack<Real>* p, Row<1, Real>* rows) {
+  const Pack<Real>* n = block.normal;
+  const Pack<Real> impulse[3] = {p[0] * n[0], p[0] * n[1], p[0] * n[2]};
   add_opposite(rows, block.i, block.j, impulse);
 }
-[[gnu::always_inline]] inline void add_impulses(const ContactBlock<3>& block, const Pack* p,
-                                                Row<3>* rows) {
-  const Pack* n = block.normal;
-  const Pack impulse[6] = {p[0],
-                           p[1],
-                           p[2],
-                           block.kappa * (n[1] * p[2] - n[2] * p[1]),
-                           block.kappa * (n[2] * p[0] - n[0] * p[2]),
-                           block.kappa * (n[0] * p[1] - n[1] * p[0])};
+template <class Real>
+[[gnu::always_inline]] inline void add_impulses(const ContactBlock<3, Real>& block,
+                                                const Pack<Real>* p, Row<3, Real>* rows) {
+  const Pack<Real>* n = block.normal;
+  const Pack<Real> impulse[6] = {p[0],
+                                 p[1],
+                                 p[2],
+                                 block.kappa * (n[1] * p[2] - n[2] * p[1]),
+                                 block.kappa * (n[2] * p[0] - n[0] * p[2]),
+                                 block.kappa * (n[0] * p[1] - n[1] * p[0])};
   add_opposite(rows, block.i, block.j, impulse);
 }
 
 /// The admissible impulse that replaces z, by the named friction model.
-template <FrictionModel model>
-[[gnu::always_inline]] inline void project(const ContactBlock<1>& block, const Pack* z, Pack* p) {
+template <FrictionModel model, class Real>
+void project(const ContactBlock<1, Real>& block, const Pack<Real>* z, Pack<Real>* p) {
   p[0] = larger(z[0], -block.cohesion);
 }
-template <FrictionModel model>
-[[gnu::always_inline]] inline void project(const ContactBlock<3>& block, const Pack* z, Pack* p) {
-  const Pack* n = block.normal;
-  const Pack z_n = z[0] * n[0] + z[1] * n[1] + z[2] * n[2];
-  Pack t[3], length2{};
-  for (int d = 0; d < 3; ++d) {
-    t[d] = z[d] - z_n * n[d];
-    length2 += t[d] * t[d];
-  }
-  const Pack length = square_root(length2);
-  const Projected<Pack> to = model == FrictionModel::coulomb
-                                 ? project_coulomb(z_n, length, block.friction, block.cohesion)
-                                 : project_cone(z_n, length, block.friction, block.cohesion,
-                                                widen(block.a_t) * widen(block.inverse_a_n));
+template <FrictionModel model, class Real>
+[[gnu::always_inline]] inline void project(const ContactBlock<3, Real>& block, const Pack<Real>* z,
+                                           Pack<Real>* p) {
+  using P = Pack<Real>;
+  const P* n = block.normal;
+  const P z_n = dot(z, n);
+  const P t[3] = {z[0] - z_n * n[0], z[1] - z_n * n[1], z[2] - z_n * n[2]};
+  const P length = square_root(dot(t, t));
+  const Projected<P> to =
+      model == FrictionModel::coulomb
+          ? project_coulomb(z_n, length, block.friction, block.cohesion)
+          : project_cone(z_n, length, block.friction, block.cohesion,
+                         convert<Real>(block.a_t) * convert<Real>(block.inverse_a_n));
   for (int d = 0; d < 3; ++d) p[d] = to.tangent_factor * t[d] + to.normal * n[d];
 }
 
 /// 1 where the contact counts on this rank: the owner of row i.
-template <int dimension>
-Pack counted(const ContactBlock<dimension>& block, Index owned) {
-  Pack result;
+template <class Block>
+FloatPack counted(const Block& block, Index owned) {
+  FloatPack result;
   for (int l = 0; l < lanes; ++l) result[l] = block.i[l] < owned ? 1 : 0;
   return result;
 }
 
 /// One iteration's scalars: y = p + momentum (p - p_before);
 /// z = keep y - step (S^-1 (D^T velocity + b) - eps p_c).
+template <class Real>
 struct GradientStep {
-  double momentum;
-  double keep;
-  double step;
+  Real momentum;
+  Real keep;
+  Real step;
 };
 
 /// Sums over counted contacts of one iteration.
@@ -112,150 +123,179 @@ struct StepSums {
   double progress = 0;  ///< (p+ - y) . S (p+ - p): negative where momentum leads uphill
 };
 
+/// Blocks treated in three short loops (velocities, projections, sums) rather than one long one: a
+/// block's chain of dependent operations is longer than what a core can look ahead, so that one
+/// block would wait for the other.
+inline constexpr std::size_t batch = 8;
+
 /// One projected-gradient step of the contacts in `range`: reads p, the iterate before it and the
 /// velocities of y; writes the new iterate over the one before, and adds it to `impulse_rows`.
-template <FrictionModel model, bool boundary, int dimension>
-void step_contacts(const ContactBlocks<dimension>& contacts, BlockRange range,
-                   const GradientStep& with, const Row<dimension>* velocity,
-                   const ImpulseBlock<dimension>* iterate, ImpulseBlock<dimension>* before,
-                   Row<dimension>* impulse_rows, StepSums& sums) {
-  Pack length2{}, progress{};
-  for (std::size_t at = range.first; at < range.last; ++at) {
-    const ContactBlock<dimension>& block = contacts.blocks[at];
-    const Pack* p = iterate[at].at;
-    Pack y[dimension], g[dimension], z[dimension], next[dimension];
-    scaled_velocity(block, velocity, g);
-    for (int d = 0; d < dimension; ++d) {
-      y[d] = p[d] + with.momentum * (p[d] - before[at].at[d]);
-      z[d] = with.keep * y[d] - with.step * (g[d] + block.velocity[d]);
+template <FrictionModel model, bool boundary, int dimension, class Real>
+void step_contacts(const ContactBlocks<dimension, Real>& contacts, BlockRange range,
+                   const GradientStep<Real>& with, const Row<dimension, Real>* velocity,
+                   const ImpulseBlock<dimension, Real>* iterate,
+                   ImpulseBlock<dimension, Real>* before, Row<dimension, Real>* impulse_rows,
+                   StepSums& sums) {
+  using P = Pack<Real>;
+  const ContactBlock<dimension, Real>* blocks = contacts.blocks.data();
+  DoublePack length2{}, progress{};
+  for (std::size_t first = range.first; first < range.last; first += batch) {
+    const std::size_t last = std::min(first + batch, range.last);
+    P g[batch][dimension];
+    for (std::size_t at = first; at < last; ++at)
+      scaled_velocity(blocks[at], velocity, g[at - first]);
+    P batch_length2{}, batch_progress{};
+    for (std::size_t at = first; at < last; ++at) {
+      const ContactBlock<dimension, Real>& block = blocks[at];
+      P y[dimension], z[dimension], next[dimension], from_y[dimension], from_p[dimension];
+      for (int d = 0; d < dimension; ++d) {
+        const P p = iterate[at].at[d];
+        y[d] = p + with.momentum * (p - before[at].at[d]);
+        z[d] = with.keep * y[d] - with.step * (g[at - first][d] + block.free_impulse[d]);
+      }
+      project<model>(block, z, next);
+      for (int d = 0; d < dimension; ++d) {
+        before[at].at[d] = next[d];
+        from_y[d] = next[d] - y[d];
+        from_p[d] = next[d] - iterate[at].at[d];
+      }
+      P y2 = metric_product(block, from_y, from_y), yp = metric_product(block, from_y, from_p);
+      if (boundary) {
+        const P weight = convert<Real>(counted(block, contacts.owned));
+        y2 *= weight;
+        yp *= weight;
+      }
+      batch_length2 += y2;
+      batch_progress += yp;
     }
-    project<model>(block, z, next);
-    add_impulses(block, next, impulse_rows);
-    Pack from_y[dimension], from_p[dimension];
-    for (int d = 0; d < dimension; ++d) {
-      before[at].at[d] = next[d];
-      from_y[d] = next[d] - y[d];
-      from_p[d] = next[d] - p[d];
-    }
-    const Pack weight = boundary ? counted(block, contacts.owned) : Pack{} + 1.0;
-    length2 += weight * metric_product(block, from_y, from_y);
-    progress += weight * metric_product(block, from_y, from_p);
+    for (std::size_t at = first; at < last; ++at)
+      add_impulses(blocks[at], before[at].at, impulse_rows);
+    length2 += convert<double>(batch_length2);
+    progress += convert<double>(batch_progress);
   }
   sums.length2 += sum(length2);
   sums.progress += sum(progress);
 }
 
-/// Adds all impulses of `range` to the rows.
-template <int dimension>
-void add_contacts(const ContactBlocks<dimension>& contacts, const Impulses<dimension>& p,
-                  Row<dimension>* rows) {
+/// Adds all impulses to the rows.
+template <int dimension, class Real>
+void add_contacts(const ContactBlocks<dimension, Real>& contacts,
+                  const Impulses<dimension, Real>& p, Row<dimension, Real>* rows) {
   for (std::size_t at = 0; at < p.size(); ++at) add_impulses(contacts.blocks[at], p[at].at, rows);
 }
 
+/// [1 1 1 1 | c c c c], cut to the row's width.
+template <int dimension, class Real>
+constexpr typename Row<dimension, Real>::Vector halves(Real c) {
+  if constexpr (dimension == 1)
+    return HalfPack<Real>{1, 1, 1, 1};
+  else
+    return Pack<Real>{1, 1, 1, 1, c, c, c, c};
+}
+
 /// Velocity of an owned row from its impulse form.
-template <int dimension>
-void row_velocity(double inverse_mass, const Row<dimension>& impulse, Row<dimension>& velocity) {
-  for (int k = 0; k < Row<dimension>::width; ++k)
-    velocity.at[k] = (k < 4 ? inverse_mass : -2.5 * inverse_mass) * impulse.at[k];
+template <int dimension, class Real>
+Row<dimension, Real> row_velocity(Real inverse_mass, const Row<dimension, Real>& impulse) {
+  return {inverse_mass * halves<dimension, Real>(-2.5) * impulse.at};
 }
 
 /// Velocities of y = p + momentum (p - p_before) for all owned rows, from the impulse forms of p
 /// and of the iterate before, which is cleared for the next sum. Returns |V(p) - V(y_before)|_M^2,
 /// with V(y_before) what `velocity` held: twice the kinetic energy of the difference.
-template <int dimension>
-double extrapolate_rows(const ContactBlocks<dimension>& contacts, double momentum,
-                        const Row<dimension>* iterate, Row<dimension>* before,
-                        Row<dimension>* velocity) {
-  constexpr int width = Row<dimension>::width;
-  double curvature[width] = {};
+template <int dimension, class Real>
+double extrapolate_rows(const ContactBlocks<dimension, Real>& contacts, Real momentum,
+                        const Row<dimension, Real>* iterate, Row<dimension, Real>* before,
+                        Row<dimension, Real>* velocity) {
+  using Vector = typename Row<dimension, Real>::Vector;
+  Row<dimension, double> curvature{};
   for (Index b = 0; b < contacts.owned; ++b) {
-    const double w = contacts.inverse_mass[b];
-    const double mass = w > 0 ? 1 / w : 0;
-    Row<dimension> now, next;
-    row_velocity(w, iterate[b], now);
-    row_velocity(w, before[b], next);
-    for (int k = 0; k < width; ++k) {
-      const double change = now.at[k] - velocity[b].at[k];
-      curvature[k] += (k < 4 ? mass : 0.4 * mass) * change * change;
-      velocity[b].at[k] = now.at[k] + momentum * (now.at[k] - next.at[k]);
-      before[b].at[k] = 0;
-    }
+    const Real w = contacts.inverse_mass[b];
+    const Real mass = w > 0 ? 1 / w : 0;
+    const Vector now = row_velocity(w, iterate[b]).at;
+    const Vector change = now - velocity[b].at;
+    const Vector energy = mass * halves<dimension, Real>(0.4) * change * change;
+    curvature.at += __builtin_convertvector(energy, typename Row<dimension, double>::Vector);
+    velocity[b].at = now + momentum * (now - row_velocity(w, before[b]).at);
+    before[b] = Row<dimension, Real>();
   }
   double total = 0;
-  for (double c : curvature) total += c;
+  for (int k = 0; k < Row<dimension, Real>::width; ++k) total += curvature.at[k];
   return total;
 }
 
-/// What the natural map leaves, summed over counted contacts.
+/// What the natural map leaves, summed over counted contacts, in packed units.
 struct ResidualSums {
   double energy = 0;       ///< R^T S^-1 R of the problem as asked
   double energy_prox = 0;  ///< the same of the proximal problem
-  double square = 0;       ///< |R|^2, m^2/s^2
+  double square = 0;       ///< |R|^2
+  double norm2 = 0;        ///< |p|_S^2
   double largest = 0;      ///< |R|^2
 };
 
 /// d = p - P(p - g), g = S^-1 u~, with De Saxcé's mu |u_t| n for exact Coulomb: R = S d.
 template <FrictionModel model>
-void natural_map(const ContactBlock<1>& block, const Pack* p, const Pack* g, Pack* d) {
-  const Pack z[1] = {p[0] - g[0]};
+void natural_map(const ContactBlock<1, double>& block, const DoublePack* p, const DoublePack* g,
+                 DoublePack* d) {
+  const DoublePack z[1] = {p[0] - g[0]};
   project<model>(block, z, d);
   d[0] = p[0] - d[0];
 }
 template <FrictionModel model>
-void natural_map(const ContactBlock<3>& block, const Pack* p, const Pack* g, Pack* d) {
-  Pack de_saxce{};
-  const Pack* n = block.normal;
+void natural_map(const ContactBlock<3, double>& block, const DoublePack* p, const DoublePack* g,
+                 DoublePack* d) {
+  const DoublePack* n = block.normal;
+  DoublePack de_saxce{};
   if constexpr (model == FrictionModel::coulomb) {
-    const Pack g_n = g[0] * n[0] + g[1] * n[1] + g[2] * n[2];
-    const Pack t[3] = {g[0] - g_n * n[0], g[1] - g_n * n[1], g[2] - g_n * n[2]};
-    de_saxce = widen(block.a_t) * widen(block.inverse_a_n) * block.friction *
-               square_root(t[0] * t[0] + t[1] * t[1] + t[2] * t[2]);
+    const DoublePack g_n = dot(g, n);
+    const DoublePack t[3] = {g[0] - g_n * n[0], g[1] - g_n * n[1], g[2] - g_n * n[2]};
+    const DoublePack theta2 = convert<double>(block.a_t) * convert<double>(block.inverse_a_n);
+    de_saxce = theta2 * block.friction * square_root(dot(t, t));
   }
-  Pack z[3];
+  DoublePack z[3];
   for (int k = 0; k < 3; ++k) z[k] = p[k] - g[k] - de_saxce * n[k];
   project<FrictionModel::convex>(block, z, d);
   for (int k = 0; k < 3; ++k) d[k] = p[k] - d[k];
 }
 
 /// |S d|^2 of eight contacts.
-inline Pack velocity_square(const ContactBlock<1>& block, const Pack* d) {
-  const Pack r = widen(block.a_n) * d[0];
+inline DoublePack velocity_square(const ContactBlock<1, double>& block, const DoublePack* d) {
+  const DoublePack r = convert<double>(block.a_n) * d[0];
   return r * r;
 }
-inline Pack velocity_square(const ContactBlock<3>& block, const Pack* d) {
-  const Pack* n = block.normal;
-  const Pack a_n = widen(block.a_n), a_t = widen(block.a_t);
-  const Pack d_n = d[0] * n[0] + d[1] * n[1] + d[2] * n[2];
-  const Pack d2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-  return a_t * a_t * (d2 - d_n * d_n) + a_n * a_n * d_n * d_n;
+inline DoublePack velocity_square(const ContactBlock<3, double>& block, const DoublePack* d) {
+  const DoublePack a_n = convert<double>(block.a_n), a_t = convert<double>(block.a_t);
+  const DoublePack d_n = dot(d, block.normal);
+  return a_t * a_t * (dot(d, d) - d_n * d_n) + a_n * a_n * d_n * d_n;
 }
 
 /// Residuals of impulses p whose velocities (owned and ghost rows) are given; `centre` is p_c.
 template <FrictionModel model, int dimension>
-ResidualSums residual_sums(const ContactBlocks<dimension>& contacts, const Row<dimension>* velocity,
-                           const Impulses<dimension>& iterate, const Impulses<dimension>& centre,
-                           double prox) {
-  Pack energy{}, energy_prox{}, square{}, most{};
+ResidualSums residual_sums(const ContactBlocks<dimension, double>& contacts,
+                           const Row<dimension, double>* velocity,
+                           const Impulses<dimension, double>& iterate,
+                           const Impulses<dimension, double>& centre, double prox) {
+  DoublePack energy{}, energy_prox{}, square{}, norm2{}, most{};
   for (std::size_t at = 0; at < iterate.size(); ++at) {
-    const ContactBlock<dimension>& block = contacts.blocks[at];
-    const Pack* p = iterate[at].at;
-    Pack g[dimension], g_prox[dimension], d[dimension];
+    const ContactBlock<dimension, double>& block = contacts.blocks[at];
+    const DoublePack* p = iterate[at].at;
+    DoublePack g[dimension], g_prox[dimension], d[dimension];
     scaled_velocity(block, velocity, g);
     for (int k = 0; k < dimension; ++k) {
-      g[k] += block.velocity[k];
+      g[k] += block.free_impulse[k];
       g_prox[k] = g[k] + prox * p[k];
       g[k] += prox * centre[at].at[k];
     }
-    const Pack weight = counted(block, contacts.owned);
+    const DoublePack weight = convert<double>(counted(block, contacts.owned));
     natural_map<model>(block, p, g, d);
     energy += weight * metric_product(block, d, d);
-    const Pack r2 = weight * velocity_square(block, d);
+    const DoublePack r2 = weight * velocity_square(block, d);
     square += r2;
     most = larger(most, r2);
     natural_map<model>(block, p, g_prox, d);
     energy_prox += weight * metric_product(block, d, d);
+    norm2 += weight * metric_product(block, p, p);
   }
-  return {sum(energy), sum(energy_prox), sum(square), largest(most)};
+  return {sum(energy), sum(energy_prox), sum(square), sum(norm2), largest(most)};
 }
 
 }  // namespace spall

@@ -1,4 +1,4 @@
-// Nearest points of a contact's admissible impulses, for one contact (double) or eight (Pack).
+// Nearest points of a contact's admissible impulses, for one contact (a number) or eight (a pack).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -20,7 +20,7 @@ template <class T>
 Projected<T> project_coulomb(T z_n, T tangent, T mu, T s) {
   const T normal = larger(z_n, -s);
   const T bound = mu * (normal + s);
-  return {normal, select(tangent > bound, bound / tangent, T{} + 1.0)};
+  return {normal, tangent > bound ? bound / tangent : T{} + 1};
 }
 
 /// Nearest point of the cone |p_t| <= mu (p_n + s), apex at -s n, in the metric
@@ -29,11 +29,15 @@ template <class T>
 Projected<T> project_cone(T z_n, T tangent, T mu, T s, T theta2) {
   const T height = z_n + s;
   const T polar = theta2 * mu * tangent;
-  const T surface = (height + polar) / (theta2 * mu * mu + 1.0);
+  const T surface = (height + polar) / (theta2 * mu * mu + 1);
   const auto inside = tangent <= mu * height;
   const auto apex = polar <= -height;
-  return {select(inside, z_n, select(apex, -s, surface - s)),
-          select(inside, T{} + 1.0, select(apex, T{}, mu * surface / tangent))};
+  return {inside ? z_n
+          : apex ? -s
+                 : surface - s,
+          inside ? T{} + 1
+          : apex ? T{}
+                 : mu * surface / tangent};
 }
 
 }  // namespace spall

@@ -1,0 +1,69 @@
+// The tree of gravity: cells along one space-filling curve, the same on any number of ranks.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "spall/base/comm.hpp"
+#include "spall/base/types.hpp"
+#include "spall/force/attract.hpp"
+
+namespace spall {
+
+/// A cell halves space along one axis after another: every third cell is one of the octree, and
+/// leaves are evenly filled. Halves without bodies are no cells.
+struct Cell {
+  Vec3 center = Vec3::Zero();  ///< of mass
+  double radius = 0;           ///< all bodies lie within it about the centre
+  double mass = 0;
+  double pull = 0;        ///< the smallest acceleration of its bodies, roughly and without G
+  std::uint64_t key = 0;  ///< of the first body: no other separate cell has it
+  std::array<Index, 2> children = {none, none};
+  Index first = none;  ///< of a leaf: its place in `Octree::eights`
+  Index count = 0;     ///< of a leaf: how many eights
+  enum class Holder : std::int8_t { here, elsewhere, both } holder = Holder::here;
+
+  static constexpr Index none = -1;
+  bool inner() const { return children[0] != none; }
+};
+
+/// A box around bodies, not around space.
+struct Box {
+  Vec3 low = Vec3::Constant(infinity);
+  Vec3 high = Vec3::Constant(-infinity);
+  double squared_distance(const Vec3& x) const {
+    return (low - x).cwiseMax(x - high).cwiseMax(0.0).squaredNorm();
+  }
+};
+
+/// The bodies of this rank's part of the curve in their leaves, and how they came here. Positions
+/// are relative to `origin`.
+struct Octree {
+  Vec3 origin = Vec3::Zero();
+  std::vector<Cell> cells;  ///< parents before children; the first `top` are on every rank
+  Index top = 0;
+  std::vector<int> owner;     ///< of the top cells without children there; -1 of the others
+  std::vector<Eight> eights;  ///< bodies of own leaves
+  /// Sum over `eights` of what bodies feel, back at the rows they came from. Collective.
+  struct Felt {
+    Vec3 pull;
+    double potential, rate;
+  };
+  std::vector<Felt> felt(const Comm& comm) const;
+
+  std::vector<Index> place;     ///< of each body that came: 8 * eight + lane
+  std::vector<int> came, went;  ///< bodies from and to each rank
+  std::vector<Index> went_row;  ///< rows in the order in which they went
+};
+
+/// Bodies go to the ranks that hold their part of the curve, about equal numbers to each.
+/// `leaf_size` is the largest number of bodies in a leaf; leaves too light to matter to the field
+/// about them, ejecta, are also smaller than `reach` times the distance over which it changes.
+/// Collective; no bodies, no cells.
+Octree grow_octree(const Comm& comm, std::span<const double> mass, std::span<const Vec3> position,
+                   std::span<const Vec3> velocity, int leaf_size, double reach);
+
+}  // namespace spall

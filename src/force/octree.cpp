@@ -1,0 +1,408 @@
+// Keys, sorting, the cells that all ranks know, and the cells below them.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "spall/force/octree.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numeric>
+
+#include "spall/base/require.hpp"
+
+namespace spall {
+namespace {
+
+constexpr int key_bits_per_axis = 21;
+constexpr int key_bits = 3 * key_bits_per_axis;
+constexpr std::uint64_t key_end = std::uint64_t{1} << key_bits;
+constexpr int body_width = 7;  // doubles: position, velocity, mass
+constexpr int felt_width = 5;
+
+/// The cube that the curve fills. Bodies beyond it, ejecta, lie on its faces as far as the curve is
+/// concerned; cells know their true sizes.
+struct Cube {
+  Vec3 center;
+  double half;
+};
+
+Cube bounding_cube(const Comm& comm, std::span<const double> mass, std::span<const Vec3> position) {
+  std::array<double, 4> first{};  // sums of m, m x
+  for (std::size_t b = 0; b < mass.size(); ++b) {
+    first[0] += mass[b];
+    for (int k = 0; k < 3; ++k) first[k + 1] += mass[b] * position[b][k];
+  }
+  comm.sum(first);
+  Cube cube{Vec3::Zero(), 0};
+  if (first[0] > 0) cube.center = Vec3::Map(&first[1]) / first[0];
+  double squares = 0, farthest = 0;
+  for (std::size_t b = 0; b < mass.size(); ++b) {
+    const Vec3 d = position[b] - cube.center;
+    squares += mass[b] * d.squaredNorm();
+    farthest = std::max(farthest, d.cwiseAbs().maxCoeff());
+  }
+  squares = comm.sum(squares);
+  cube.half = comm.max(farthest);
+  // 2^21 steps across 2000 rms distances still part neighbours in a pile of a million bodies.
+  if (squares > 0) cube.half = std::min(cube.half, 1000 * std::sqrt(squares / first[0]));
+  return cube;
+}
+
+/// Bit k of `v` to bit 3k.
+std::uint64_t every_third_bit(std::uint64_t v) {
+  v = (v | v << 32) & 0x001f00000000ffff;
+  v = (v | v << 16) & 0x001f0000ff0000ff;
+  v = (v | v << 8) & 0x100f00f00f00f00f;
+  v = (v | v << 4) & 0x10c30c30c30c30c3;
+  return (v | v << 2) & 0x1249249249249249;
+}
+
+/// Place along the Morton curve; `x` is relative to the cube's centre.
+std::uint64_t morton_key(const Vec3& x, double half) {
+  constexpr double steps = 1 << key_bits_per_axis;
+  std::uint64_t key = 0;
+  for (int k = 0; k < 3; ++k) {
+    const double q = half > 0 ? (x[k] + half) / (2 * half) * steps : 0;
+    key |= every_third_bit(static_cast<std::uint64_t>(std::clamp(q, 0.0, steps - 1))) << (2 - k);
+  }
+  return key;
+}
+
+struct KeyedRow {
+  std::uint64_t key;
+  Index row;
+};
+
+/// Stable, so that equal keys keep their order.
+void radix_sort(std::vector<KeyedRow>& rows) {
+  constexpr int digit_bits = 11;
+  constexpr std::uint64_t mask = (1 << digit_bits) - 1;
+  std::vector<KeyedRow> other(rows.size());
+  for (int shift = 0; shift < key_bits; shift += digit_bits) {
+    std::array<std::size_t, mask + 1> start{};
+    for (const KeyedRow& r : rows) ++start[r.key >> shift & mask];
+    if (std::ranges::max(start) == rows.size()) continue;
+    std::exclusive_scan(start.begin(), start.end(), start.begin(), std::size_t{0});
+    for (const KeyedRow& r : rows) other[start[r.key >> shift & mask]++] = r;
+    rows.swap(other);
+  }
+}
+
+std::vector<KeyedRow> sorted_keys(std::size_t count, auto&& position_of, double half) {
+  std::vector<KeyedRow> rows(count);
+  for (std::size_t b = 0; b < count; ++b)
+    rows[b] = {morton_key(position_of(b), half), static_cast<Index>(b)};
+  radix_sort(rows);
+  return rows;
+}
+
+std::size_t first_at(std::span<const KeyedRow> rows, std::uint64_t key) {
+  return std::ranges::lower_bound(rows, key, {}, &KeyedRow::key) - rows.begin();
+}
+
+/// Keys [low, high) whose bits above `bit` agree.
+struct Stretch {
+  std::uint64_t low = 0, high = key_end;
+  int bit = key_bits - 1;
+  double bodies = 0;  // over all ranks
+  std::array<Index, 2> children = {Cell::none, Cell::none};
+  std::uint64_t middle() const { return low + (std::uint64_t{1} << bit); }
+};
+
+/// Halves the curve until no stretch holds more than `grain` bodies: the same on every rank.
+std::vector<Stretch> divide_curve(const Comm& comm, std::span<const KeyedRow> rows, double bodies,
+                                  double grain) {
+  std::vector<Stretch> all(1);
+  all[0].bodies = bodies;
+  for (std::vector<Index> large{0}; !large.empty();) {
+    std::erase_if(large, [&](Index s) { return all[s].bodies <= grain || all[s].bit < 0; });
+    std::vector<double> lower(large.size());
+    for (std::size_t k = 0; k < large.size(); ++k)
+      lower[k] = static_cast<double>(first_at(rows, all[large[k]].middle()) -
+                                     first_at(rows, all[large[k]].low));
+    comm.sum(lower);
+    std::vector<Index> next;
+    for (std::size_t k = 0; k < large.size(); ++k) {
+      Stretch& s = all[large[k]];
+      Stretch low{s.low, s.middle(), s.bit - 1, lower[k]};
+      Stretch high{s.middle(), s.high, s.bit - 1, s.bodies - lower[k]};
+      if (low.bodies == 0 || high.bodies == 0) {
+        s = low.bodies == 0 ? high : low;
+        next.push_back(large[k]);
+        continue;
+      }
+      const auto at = static_cast<Index>(all.size());
+      s.children = {at, at + 1};
+      next.insert(next.end(), {at, at + 1});
+      all.push_back(low);
+      all.push_back(high);
+    }
+    large = std::move(next);
+  }
+  return all;
+}
+
+/// Equal numbers of bodies to each rank, along the curve.
+std::vector<int> deal_out(const Comm& comm, std::span<const Stretch> all) {
+  std::vector<int> owner(all.size(), -1);
+  double before = 0;
+  const auto deal = [&](auto&& self, Index s) -> void {
+    if (all[s].children[0] == Cell::none) {
+      owner[s] = static_cast<int>((before + all[s].bodies / 2) / all[0].bodies * comm.size);
+      before += all[s].bodies;
+    } else {
+      for (Index child : all[s].children) self(self, child);
+    }
+  };
+  deal(deal, 0);
+  return owner;
+}
+
+/// Rows of `width` doubles, `counts[r]` of them to rank r; returns those that come.
+std::vector<double> exchange_rows(const Comm& comm, std::span<const double> rows,
+                                  std::span<const int> counts, std::span<const int> coming,
+                                  int width) {
+  const auto scaled = [&](std::span<const int> c) {
+    std::vector<int> n(c.begin(), c.end());
+    for (int& v : n) v *= width;
+    return n;
+  };
+  const auto starts = [](const std::vector<int>& n) {
+    std::vector<int> at(n.size());
+    std::exclusive_scan(n.begin(), n.end(), at.begin(), 0);
+    return at;
+  };
+  const std::vector<int> send = scaled(counts), receive = scaled(coming);
+  const std::vector<int> send_at = starts(send), receive_at = starts(receive);
+  std::vector<double> result(receive_at.back() + receive.back());
+  check_mpi(MPI_Alltoallv(rows.data(), send.data(), send_at.data(), MPI_DOUBLE, result.data(),
+                          receive.data(), receive_at.data(), MPI_DOUBLE, comm.raw),
+            "MPI_Alltoallv");
+  return result;
+}
+
+/// A rough field, without G, enough to tell which errors are small: that of the stretches of the
+/// curve, as points softened by their radii.
+class RoughField {
+ public:
+  RoughField(const Comm& comm, std::span<const Stretch> stretches, std::span<const KeyedRow> rows,
+             std::span<const double> mass, std::span<const Vec3> position, const Vec3& origin) {
+    std::vector<std::array<double, 4>> sums;  // m x, m
+    std::vector<double> radii;
+    const auto for_each = [&](auto&& visit) {
+      std::size_t at = 0;
+      for (const Stretch& s : stretches) {
+        if (s.children[0] != Cell::none) continue;
+        for (std::size_t k = first_at(rows, s.low); k < rows.size() && rows[k].key < s.high; ++k)
+          visit(at, position[rows[k].row] - origin, mass[rows[k].row]);
+        ++at;
+      }
+      return at;
+    };
+    sums.resize(stretches.size());
+    const std::size_t count = for_each([&](std::size_t s, const Vec3& x, double m) {
+      for (int k = 0; k < 3; ++k) sums[s][k] += m * x[k];
+      sums[s][3] += m;
+    });
+    comm.sum(std::span(sums[0].data(), 4 * count));
+    for (std::size_t s = 0; s < count; ++s)
+      if (sums[s][3] > 0)
+        for (int k = 0; k < 3; ++k) sums[s][k] /= sums[s][3];
+    radii.resize(count);
+    for_each([&](std::size_t s, const Vec3& x, double) {
+      radii[s] = std::max(radii[s], (x - Vec3::Map(sums[s].data())).squaredNorm());
+    });
+    check_mpi(MPI_Allreduce(MPI_IN_PLACE, radii.data(), static_cast<int>(count), MPI_DOUBLE,
+                            MPI_MAX, comm.raw),
+              "MPI_Allreduce");
+    pullers_.resize((count + lane_count - 1) / lane_count);
+    for (std::size_t s = 0; s < count; ++s) {
+      Puller& p = pullers_[s / lane_count];
+      const std::size_t lane = s % lane_count;
+      p.x[lane] = sums[s][0];
+      p.y[lane] = sums[s][1];
+      p.z[lane] = sums[s][2];
+      p.mass[lane] = sums[s][3];
+      p.softening[lane] = radii[s];
+    }
+  }
+
+  struct Sample {
+    double pull;      ///< where pulls cancel, a tenth of their sum, or all would be opened there
+    double gradient;  ///< sum of mass / distance^3
+  };
+  Sample at(const Vec3& place) const {
+    Lanes x{}, y{}, z{}, sum{}, gradient{};
+    for (const Puller& p : pullers_) {
+      const Lanes dx = p.x - place.x(), dy = p.y - place.y(), dz = p.z - place.z();
+      const Lanes inverse = inverse_sqrt(dx * dx + (dy * dy + (dz * dz + p.softening)));
+      const Lanes weight = p.mass * inverse * inverse;
+      sum += weight;
+      const Lanes cubed = weight * inverse;
+      gradient += cubed;
+      x += cubed * dx;
+      y += cubed * dy;
+      z += cubed * dz;
+    }
+    const Vec3 total(sum_of_lanes(x), sum_of_lanes(y), sum_of_lanes(z));
+    return {std::max(total.norm(), 0.1 * sum_of_lanes(sum)), sum_of_lanes(gradient)};
+  }
+
+ private:
+  struct Puller {
+    Lanes x{}, y{}, z{}, mass{}, softening{};  // softening: m^2
+  };
+  std::vector<Puller> pullers_;
+};
+
+/// Cells below one stretch of the curve.
+struct Builder {
+  Octree& tree;
+  std::span<const KeyedRow> rows;
+  std::span<const double> bodies;  // body_width each
+  const RoughField& rough;
+  std::size_t leaf_size;
+  double reach;
+
+  void grow(Index cell, std::size_t begin, std::size_t end) {
+    tree.cells[cell].key = rows[begin].key;
+    if (is_leaf(tree.cells[cell], begin, end)) {
+      fill_leaf(tree.cells[cell], begin, end);
+      return;
+    }
+    // The highest bit in which the first and last key differ is where the cell has two halves.
+    const int bit = std::bit_width(rows[begin].key ^ rows[end - 1].key) - 1;
+    const std::uint64_t middle = rows[end - 1].key >> bit << bit;
+    const std::size_t split = begin + first_at(rows.subspan(begin, end - begin), middle);
+    const std::array<std::size_t, 3> edges = {begin, split, end};
+    for (int k = 0; k < 2; ++k) {
+      const auto child = static_cast<Index>(tree.cells.size());
+      tree.cells[cell].children[k] = child;
+      tree.cells.emplace_back();
+      grow(child, edges[k], edges[k + 1]);
+    }
+  }
+
+  /// Few bodies, and close together unless they weigh something in the field there.
+  bool is_leaf(Cell& cell, std::size_t begin, std::size_t end) {
+    const bool divisible = rows[begin].key != rows[end - 1].key;
+    if (divisible && end - begin > leaf_size) return false;
+    Vec3 low = Vec3::Constant(infinity), high = -low;
+    double mass = 0;
+    for (std::size_t k = begin; k < end; ++k) {
+      const double* body = bodies.data() + std::size_t{body_width} * rows[k].row;
+      low = low.cwiseMin(Vec3::Map(body));
+      high = high.cwiseMax(Vec3::Map(body));
+      mass += body[6];
+    }
+    const RoughField::Sample field = rough.at((low + high) / 2);
+    cell.pull = field.pull;
+    const double radius = (high - low).norm() / 2;
+    constexpr double thin = 0.01;  // in a pile of equal bodies it is at least 0.05
+    return !divisible || radius * field.gradient <= reach * field.pull ||
+           mass >= thin * field.gradient * radius * radius * radius;
+  }
+
+  void fill_leaf(Cell& cell, std::size_t begin, std::size_t end) {
+    cell.first = static_cast<Index>(tree.eights.size());
+    cell.count = static_cast<Index>((end - begin + lane_count - 1) / lane_count);
+    tree.eights.resize(cell.first + cell.count);
+    for (std::size_t k = 0; k < cell.count * lane_count; ++k) {
+      const Index b = rows[std::min(begin + k, end - 1)].row;
+      const double* body = bodies.data() + std::size_t{body_width} * b;
+      Eight& eight = tree.eights[cell.first + k / lane_count];
+      const std::size_t lane = k % lane_count;
+      eight.x[lane] = body[0];
+      eight.y[lane] = body[1];
+      eight.z[lane] = body[2];
+      eight.vx[lane] = body[3];
+      eight.vy[lane] = body[4];
+      eight.vz[lane] = body[5];
+      eight.mass[lane] = begin + k < end ? body[6] : 0.0;
+      if (begin + k < end)
+        tree.place[b] = static_cast<Index>((cell.first + k / lane_count) * lane_count + lane);
+    }
+  }
+};
+
+}  // namespace
+
+Octree grow_octree(const Comm& comm, std::span<const double> mass, std::span<const Vec3> position,
+                   std::span<const Vec3> velocity, int leaf_size, double reach) {
+  Octree tree;
+  const double bodies = comm.sum(static_cast<double>(mass.size()));
+  if (bodies == 0) return tree;
+  const Cube cube = bounding_cube(comm, mass, position);
+  tree.origin = cube.center;
+
+  // Where the curve is cut, and who gets which part.
+  const auto rows = sorted_keys(
+      mass.size(), [&](std::size_t b) -> Vec3 { return position[b] - cube.center; }, cube.half);
+  // Known to all: enough cells for a rough field, and shares that are equal to 1/16.
+  const double grain = bodies / std::max(512, 8 * comm.size);
+  const std::vector<Stretch> top =
+      divide_curve(comm, rows, bodies, std::max<double>(grain, leaf_size));
+  tree.owner = deal_out(comm, top);
+  tree.top = static_cast<Index>(top.size());
+  tree.cells.resize(top.size());
+  for (std::size_t s = 0; s < top.size(); ++s) tree.cells[s].children = top[s].children;
+
+  const RoughField rough(comm, top, rows, mass, position, cube.center);
+
+  // Bodies go there.
+  tree.went.assign(comm.size, 0);
+  tree.came.assign(comm.size, 0);
+  for (std::size_t s = 0; s < top.size(); ++s)
+    if (tree.owner[s] >= 0)
+      tree.went[tree.owner[s]] +=
+          static_cast<int>(first_at(rows, top[s].high) - first_at(rows, top[s].low));
+  check_mpi(MPI_Alltoall(tree.went.data(), 1, MPI_INT, tree.came.data(), 1, MPI_INT, comm.raw),
+            "MPI_Alltoall");
+  std::vector<double> going(rows.size() * body_width);
+  tree.went_row.resize(rows.size());
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const Index b = tree.went_row[k] = rows[k].row;
+    double* row = going.data() + k * body_width;
+    Vec3::Map(row) = position[b] - cube.center;
+    Vec3::Map(row + 3) = velocity.empty() ? Vec3::Zero() : velocity[b];
+    row[6] = mass[b];
+  }
+  const std::vector<double> here = exchange_rows(comm, going, tree.went, tree.came, body_width);
+  going = {};
+
+  // Cells below the stretches that are this rank's.
+  const std::size_t count = here.size() / body_width;
+  const auto own = sorted_keys(
+      count, [&](std::size_t b) -> Vec3 { return Vec3::Map(here.data() + b * body_width); },
+      cube.half);
+  tree.place.resize(count);
+  tree.cells.reserve(top.size() + 4 * count / leaf_size);
+  tree.eights.reserve(count / lane_count + count / lane_count / 4);
+  Builder builder{tree, own, here, rough, static_cast<std::size_t>(leaf_size), reach};
+  for (std::size_t s = 0; s < top.size(); ++s)
+    if (tree.owner[s] == comm.rank)
+      builder.grow(static_cast<Index>(s), first_at(own, top[s].low), first_at(own, top[s].high));
+  return tree;
+}
+
+std::vector<Octree::Felt> Octree::felt(const Comm& comm) const {
+  std::vector<double> rows(place.size() * felt_width);
+  for (std::size_t b = 0; b < place.size(); ++b) {
+    const Pull& pull = eights[place[b] / lane_count].pull;
+    const std::size_t lane = place[b] % lane_count;
+    double* row = rows.data() + b * felt_width;
+    row[0] = pull.x[lane];
+    row[1] = pull.y[lane];
+    row[2] = pull.z[lane];
+    row[3] = pull.potential[lane];
+    row[4] = pull.rate[lane];
+  }
+  rows = exchange_rows(comm, rows, came, went, felt_width);
+  std::vector<Felt> result(went_row.size());
+  for (std::size_t k = 0; k < went_row.size(); ++k) {
+    const double* row = rows.data() + k * felt_width;
+    result[went_row[k]] = {Vec3::Map(row), row[3], row[4]};
+  }
+  return result;
+}
+
+}  // namespace spall
