@@ -90,6 +90,7 @@ BeforeImpact before_impact(const Comm& comm, const Bodies& bodies, BodyId impact
       sums[0] += bodies.mass[b];
       continue;
     }
+    if (!std::isfinite(bodies.mass[b])) continue;
     sums[1] += bodies.mass[b];
     for (int d = 0; d < 3; ++d) sums[2 + d] += bodies.mass[b] * bodies.velocity[b][d];
   }
@@ -112,7 +113,7 @@ Deflection measure_deflection(const Comm& comm, const Ghosts& ghosts, const Bodi
     }
   std::vector<BodyId> name = find_clumps(comm, ghosts, bodies, within);
   for (Index b = 0; b < bodies.owned; ++b)
-    if (bodies.id[b] == before.impactor) name[b] = -1;
+    if (bodies.id[b] == before.impactor || !std::isfinite(bodies.mass[b])) name[b] = -1;
 
   Deflection result;
   result.since_impact = since_impact;

@@ -47,7 +47,7 @@ double shared_volume(double radius_a, double radius_b, double distance) {
 Interior measure_interior(const Comm& comm, const Bodies& bodies, std::span<const char> chosen) {
   std::vector<Index> rows;
   for (Index b = 0; b < bodies.owned; ++b)
-    if (chosen[b]) rows.push_back(b);
+    if (chosen[b] && std::isfinite(bodies.mass[b])) rows.push_back(b);
 
   Interior pile;
   std::array<double, 4> first{};

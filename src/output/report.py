@@ -133,8 +133,6 @@ class Run:
     def series_parts(self):
         """Name, x, label of x, whether x is logarithmic, and rows: up to the impact, and since."""
         time = self.series["time"]
-        if len(time) == 0:
-            sys.exit(f"spall report: '{self.folder}/series.csv' has no rows yet")
         split = self.before.time if self.has_impact else np.inf
         first = time < split * (1 - 1e-12)
         unit, name = (3600, "h") if time[first].max(initial=0) > 7200 else (1, "s")
@@ -262,10 +260,11 @@ def main(folder):
             "deflection", figures.read_outs(run.results["read_out"], lines),
             "Velocity change of the largest clump along the flight of the impactor. It goes on "
             "changing while ejecta leave, so it is given with its time."))
-    body.append("<h2>The run in time</h2>" + figure(
-        "series", figures.series(run),
-        "Energy (dissipated and freed: since the start of the column), drift of momentum, residual "
-        "of the contact problem in each step, contacts."))
+    if parts := run.series_parts():
+        body.append("<h2>The run in time</h2>" + figure(
+            "series", figures.series(run, parts),
+            "Energy (dissipated and freed: since the start of the column), drift of momentum, "
+            "residual of the contact problem in each step, contacts."))
     seconds = {key[:-2]: value for key, value in run.results.get("time", {}).items()
                if key.endswith("_s") and key != "total_s" and value > 0}
     if seconds:

@@ -81,7 +81,7 @@ def before_and_after(run):
             x, y, _ = camera.project(center - run.flight * size * np.array([[0.95], [0.62]]))
             panel.annotate("", (x[1], y[1]), (x[0], y[0]),
                            arrowprops={"arrowstyle": "-|>", "color": "#ffb454", "lw": 2})
-            panel.text(-0.69 * size, y[0] + 0.04 * size, run.impactor_text, color="#ffb454",
+            panel.text(-0.69 * size, y[1] + 0.05 * size, run.impactor_text, color="#ffb454",
                        va="bottom", fontsize=9)
     figure.subplots_adjust(0.005, 0.01, 0.995, 0.93, wspace=0.01)
     return figure
@@ -127,7 +127,7 @@ def velocities(run):
                        arrowprops={"arrowstyle": "-|>", "color": "#ffb454", "lw": 2})
     panel.set_title(f"Cut along the flight of the impactor, {run.name_of(run.after)}"
                     if run.has_impact else f"Cut through the middle, {run.name_of(run.after)}")
-    bar = figure.colorbar(plt.cm.ScalarMappable(norm, colors), ax=panel, fraction=0.03, pad=0.0,
+    bar = figure.colorbar(plt.cm.ScalarMappable(norm, colors), ax=panel, fraction=0.03, pad=0.02,
                           shrink=0.75)
     bar.set_label("speed (m/s)")
     bar.outline.set_visible(False)
@@ -158,9 +158,8 @@ def velocities(run):
     return figure
 
 
-def series(run):
-    """Energy, momentum, residual and contacts: up to the impact, and since."""
-    parts = run.series_parts()
+def series(run, parts):
+    """Energy, momentum, residual and contacts: a column for each part of the run."""
     figure, axes = plt.subplots(4, len(parts), figsize=(12, 10.5), squeeze=False,
                                 layout="constrained")
     for column, (name, x, label, log, rows) in enumerate(parts):

@@ -103,7 +103,7 @@ def render(camera, position, radius, color, background, soft=False):
         around = blurred(filled, max(int(factor * reach / pixel), 1))[hit]
         sky *= 1 - np.clip((around - depth[hit]) / (3 * factor * reach), 0, 0.6)
     facing = normal @ fine.toward
-    brightness = (0.62 + 0.38 * facing) * sky if soft else (0.13 + 0.15 * facing) * sky**2 + 0.95 * sun * sky
+    brightness = (0.62 + 0.38 * facing) * sky if soft else (0.17 + 0.17 * facing) * sky**2 + 0.95 * sun * sky
 
     image = np.empty((fine.rows, fine.columns, 3))
     image[:] = background

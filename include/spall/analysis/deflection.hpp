@@ -11,7 +11,7 @@
 
 namespace spall {
 
-/// The instant at which the impactor was added. All bodies but the impactor are the target.
+/// The instant at which the impactor was added. All other bodies of finite mass are the target.
 struct BeforeImpact {
   BodyId impactor = -1;
   double impactor_mass = 0;               ///< kg, m

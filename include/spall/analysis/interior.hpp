@@ -25,8 +25,9 @@ struct Interior {
                                 ///< moments of mass, largest first
 };
 
-/// Of the owned bodies with `chosen[b]`, over all ranks. Overlaps count twice. Extent and mean
-/// diameter are taken over 2000 directions (error of the extent below 0.1 %). Collective.
+/// Of the owned bodies with `chosen[b]` and finite mass, over all ranks. Overlaps count twice.
+/// Extent and mean diameter are taken over 2000 directions (error of the extent below 0.1 %).
+/// Collective.
 Interior measure_interior(const Comm& comm, const Bodies& bodies, std::span<const char> chosen);
 
 }  // namespace spall
