@@ -1,8 +1,110 @@
-// The program: one catch, one exit.
+// The program: reads the command line, calls one function, catches once.
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <filesystem>
+#include <optional>
+
+#include <unistd.h>
+
 #include "spall/base/comm.hpp"
+#include "spall/base/require.hpp"
+#include "spall/run/run.hpp"
+#include "spall/scene/case.hpp"
+#include "spall/scene/scene.hpp"
+
+namespace {
+
+using namespace spall;
+
+constexpr int exit_bad_input = 2;
+constexpr int exit_interrupted = 3;
+
+struct Options {
+  std::string file;
+  std::string out;
+  std::vector<std::string> overrides;
+};
+
+/// The folder of a run without --out: out/ and the name of the case's file or folder.
+std::string default_folder(const std::string& file) {
+  const std::filesystem::path path(file);
+  const bool named_case = path.stem() == "case" && path.has_parent_path();
+  return "out/" + (named_case ? path.parent_path().filename() : path.stem()).string();
+}
+
+void list_cases() {
+  for (const auto& entry : std::filesystem::recursive_directory_iterator("cases")) {
+    if (entry.path().extension() != ".toml") continue;
+    fmt::print("{:<36} {}\n", entry.path().string(), read_case(entry.path().string()).title);
+  }
+}
+
+int report(const std::string& folder) {
+  const std::string command = fmt::format("python3 '{}' '{}'", SPALL_REPORT_SCRIPT, folder);
+  return std::system(command.c_str()) == 0 ? 0 : 1;
+}
+
+int dispatch(const Comm& comm, int argc, char** argv) {
+  CLI::App app{
+      "Spall simulates hypervelocity impacts of bodies made of many spheres, on MPI ranks.\n"
+      "  mpirun -n 2 spall run cases/didymoon/case.toml --out out/didymoon"};
+  app.require_subcommand(1);
+  app.set_version_flag("--version", std::string("spall ") + SPALL_VERSION);
+  Options options;
+
+  auto* run = app.add_subcommand("run", "run a case; results go to --out");
+  run->add_option("case", options.file, "case file (TOML)")->required();
+  run->add_option("--out", options.out, "folder for results; default: out/<case>");
+  run->add_option("--set", options.overrides, "change one key, as in --set phases.impact.step=50us")
+      ->take_all();
+  auto* resume = app.add_subcommand("resume", "go on with a run from its restart file");
+  resume->add_option("restart", options.file, "<out>/restart.h5")->required();
+  auto* check = app.add_subcommand("check", "read a case, print bodies, memory, steps; run nothing");
+  check->add_option("case", options.file, "case file (TOML)")->required();
+  check->add_option("--set", options.overrides, "change one key")->take_all();
+  auto* page = app.add_subcommand("report", "make a page with pictures of a run");
+  page->add_option("folder", options.file, "folder that a run wrote")->required();
+  auto* list = app.add_subcommand("list", "list the cases under ./cases");
+  auto* keys = app.add_subcommand("keys", "print every key of a case file with unit and default");
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return comm.rank == 0 ? app.exit(error) : error.get_exit_code();
+  }
+  if (*run) {
+    const Case scene = read_case(options.file, options.overrides);
+    const auto folder = options.out.empty() ? default_folder(options.file) : options.out;
+    return run_case(comm, scene, folder) ? 0 : exit_interrupted;
+  }
+  if (*resume) return resume_case(comm, options.file) ? 0 : exit_interrupted;
+  if (comm.rank != 0) return 0;  // what follows needs no second rank
+  if (*check) fmt::print("{}", describe(read_case(options.file, options.overrides)));
+  if (*page) return report(options.file);
+  if (*list) list_cases();
+  if (*keys) fmt::print("{}", case_reference());
+  return 0;
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
   spall::Session session(argc, argv);
-  return 0;
+  const spall::Comm comm = session.world();
+  try {
+    return dispatch(comm, argc, argv);
+  } catch (const std::exception& error) {
+    // Ranks that fail alike say it once; the first to fail ends all.
+    if (comm.rank == 0 || comm.size == 1) {
+      fmt::print(stderr, "spall: {}\n", error.what());
+    } else {
+      usleep(300000);  // rank 0, if it fails too, speaks first
+      fmt::print(stderr, "spall: rank {}: {}\n", comm.rank, error.what());
+    }
+    std::fflush(stderr);
+    spall::Session::abort_all(exit_bad_input);
+  }
 }

@@ -3,8 +3,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cstdint>
 #include <limits>
+#include <vector>
 
 namespace spall {
 
@@ -18,5 +20,10 @@ using BodyId = std::int64_t;
 
 inline constexpr double pi = 3.14159265358979323846;
 inline constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// The doubles of an array of vectors, three a row.
+inline double* flat(std::vector<Vec3>& rows) {
+  return reinterpret_cast<double*>(rows.data());
+}
 
 }  // namespace spall

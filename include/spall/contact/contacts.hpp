@@ -24,8 +24,16 @@ struct Contacts {
   std::vector<double> gap;          ///< m; negative: overlap
   std::vector<double> kappa;        ///< distance of the centres over the sum of radii; 1 at a plane
   std::vector<Vec3> impulse;        ///< N s, world frame, acts on j (and with opposite sign on i)
+  std::vector<Index> pair;          ///< the pair that this contact came from
 
   Index size() const { return static_cast<Index>(i.size()); }
+};
+
+/// What contacts leave to the next step and to restarts: impulses by name, since rows die.
+struct ContactMemory {
+  std::vector<BodyId> i;      ///< the lower id
+  std::vector<BodyId> j;      ///< the other id, or -1 - plane
+  std::vector<Vec3> impulse;  ///< N s, acts on j
 };
 
 }  // namespace spall

@@ -21,6 +21,7 @@ struct Bodies {
   std::vector<Vec3> position;          ///< m
   std::vector<Vec3> velocity;          ///< m/s
   std::vector<Vec3> angular_velocity;  ///< rad/s, world frame
+  std::vector<Vec3> kick;              ///< m/s, what gravity gave at the start of this step
 
   Index size() const { return static_cast<Index>(id.size()); }
   Index ghosts() const { return size() - owned; }
@@ -38,6 +39,7 @@ void for_each_field(BodiesLike& bodies, F&& f) {
   f("position", bodies.position);
   f("velocity", bodies.velocity);
   f("angular_velocity", bodies.angular_velocity);
+  f("kick", bodies.kick);
 }
 
 }  // namespace spall

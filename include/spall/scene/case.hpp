@@ -42,15 +42,17 @@ enum class PackingKind { single, random, simple_cubic, fcc, hcp };
 
 struct Packing {
   PackingKind kind = PackingKind::single;
-  double radius = 0;                  ///< of the spheres
-  std::optional<double> spacing;      ///< of lattices, nearest neighbours; 2 radius where left out
-  std::optional<std::int64_t> count;  ///< of random packings
-  Vec3 rotation = Vec3::Zero();       ///< of lattices: rotation vector, rad
+  double radius = 0;  ///< of the spheres
+  std::optional<double> spacing =
+      std::nullopt;  ///< of lattices, nearest neighbours; 2 radius where left out
+  std::optional<std::int64_t> count = std::nullopt;  ///< of random packings
+  Vec3 rotation = Vec3::Zero();                      ///< of lattices: rotation vector, rad
 };
 
 /// One recipe: a volume filled with spheres of one material.
 struct Group {
   std::string name;
+  std::string place;  ///< where the case asks for it, for messages: "x.toml:12:1: groups.cloud"
   int material = 0;
   Volume volume;
   Packing packing;
@@ -71,9 +73,10 @@ struct Plane {
 struct Impactor {
   double mass = 0;
   double radius = 0;
-  double speed = 0;                ///< m/s
+  int material = 0;                ///< read_case adds one of its density, named "impactor"
+  double speed = 0;                ///< m/s, relative to the target's centre of mass
   Vec3 direction = Vec3::UnitX();  ///< of flight, unit vector
-  double distance = 0;         ///< m, gap between the surfaces at the start; along the direction
+  double distance = 0;         ///< m flown before the first contact; head-on: the gap at the start
   Vec3 offset = Vec3::Zero();  ///< m, of the aiming line from the target's centre of mass
   /// The line is shifted to pass through the centre of the first sphere that it meets: a head-on
   /// hit.
@@ -107,12 +110,14 @@ struct Binary {
 };
 
 struct Case {
-  std::string file;  ///< where it was read
-  std::string text;  ///< the file as read, for the record in outputs
+  std::string file;                    ///< where it was read
+  std::string text;                    ///< the file as read: with `overrides` gives the case again
+  std::vector<std::string> overrides;  ///< "key.path=value"
   std::string title;
   std::uint64_t seed = 1;
   std::vector<Material> materials;
   ContactLaw contact;
+  double allowed_overlap = 1e-3;  ///< of two bodies at the start, in units of the smaller radius
   std::vector<Group> groups;
   std::vector<Plane> planes;
   GravitySettings gravity;
@@ -124,8 +129,16 @@ struct Case {
   std::vector<double> read_out;  ///< s after the impactor was added: where dv is tabulated
 };
 
-/// Reads and checks a case. `overrides` are "key.path=value" as given to --set. Throws Error with
+/// Reads and checks a case. `overrides` are "key.path=value" as given to --set; elements of arrays
+/// go by place or by name ("phases.0.step=1e-4", "phases.impact.step=1e-4"). Throws Error with
 /// file, line, key and what would be right.
 Case read_case(const std::string& file, const std::vector<std::string>& overrides = {});
+
+/// The same from the text of a file: how a restart gets its case back.
+Case parse_case(const std::string& text, const std::string& file,
+                const std::vector<std::string>& overrides = {});
+
+/// Every key of a case file with its unit, default and meaning: written by the reader itself.
+std::string case_reference();
 
 }  // namespace spall

@@ -1,0 +1,34 @@
+// From pairs to contacts: gaps, normals, and which of them can close within the step.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "spall/contact/broad_phase.hpp"
+#include "spall/contact/contacts.hpp"
+
+namespace spall {
+
+/// A contact's geometry; the same bits on every rank that has both bodies.
+struct Separation {
+  Vec3 normal;   ///< from i to j
+  double gap;    ///< m
+  double kappa;  ///< distance of the centres over the sum of radii
+};
+
+/// Spheres at the same centre have no normal: they part along x.
+Separation separation(const Bodies& bodies, const std::vector<Plane>& planes, Index i, Index j,
+                      std::int32_t plane);
+
+/// Relative velocity of j against i at the contact, u = v_j - v_i - kappa (r_i omega_i + r_j
+/// omega_j) x n, m/s.
+Vec3 contact_velocity(const Bodies& bodies, Index i, Index j, double kappa, const Vec3& normal);
+
+/// Gaps up to this part of the smaller radius are contacts even at rest: what pushes one contact
+/// may close its neighbour in the same step.
+inline constexpr double near_contact = 0.01;
+
+/// All pairs whose gap can close within a step `h` (s) at their present approach speed, or is no
+/// wider than the range of cohesion or than `near_contact`. Impulses are the pairs'.
+Contacts find_contacts(const Bodies& bodies, const std::vector<Plane>& planes, const Pairs& pairs,
+                       double h, double cohesion_range);
+
+}  // namespace spall

@@ -1,0 +1,36 @@
+// Morton keys: a space-filling curve on which bodies that are near in space are near in memory.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "spall/base/types.hpp"
+
+namespace spall {
+
+/// Spreads the low 21 bits of `x` to every third bit.
+inline std::uint64_t spread_bits(std::uint64_t x) {
+  x &= 0x1fffff;
+  x = (x | x << 32) & 0x1f00000000ffff;
+  x = (x | x << 16) & 0x1f0000ff0000ff;
+  x = (x | x << 8) & 0x100f00f00f00f00f;
+  x = (x | x << 4) & 0x10c30c30c30c30c3;
+  x = (x | x << 2) & 0x1249249249249249;
+  return x;
+}
+
+/// Key of the cell of width `edge` around the origin that holds `position`; positions beyond 2^20
+/// cells share the outermost ones.
+inline std::uint64_t morton_key(const Vec3& position, double edge) {
+  constexpr double half = 1 << 20;
+  std::uint64_t key = 0;
+  for (int k = 0; k < 3; ++k) {
+    const double cell = std::clamp(std::floor(position[k] / edge) + half, 0.0, 2 * half - 1);
+    key |= spread_bits(static_cast<std::uint64_t>(cell)) << k;
+  }
+  return key;
+}
+
+}  // namespace spall

@@ -1,0 +1,56 @@
+// All that a step changes: bodies, their neighbours, gravity's pending kick, and the energy ledger.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "spall/base/comm.hpp"
+#include "spall/base/timer.hpp"
+#include "spall/contact/neighbours.hpp"
+#include "spall/force/gravity.hpp"
+#include "spall/scene/bodies.hpp"
+#include "spall/scene/case.hpp"
+
+namespace spall {
+
+/// Gravity acts in kicks at the instants when its field is evaluated (leapfrog; r-RESPA where
+/// contact steps are shorter than the interval between kicks).
+struct GravityKick {
+  GravityField field;          ///< at the owned bodies, until bodies migrate
+  bool evaluated = false;      ///< the field is that of the present positions
+  int steps_left = 0;          ///< until the next kick
+  double interval = 0;         ///< s, from the last kick to the next
+  double closed = 0;           ///< s, the interval that ended with the last kick
+  double load = 0;             ///< s, of the kick that the coming step's contacts carry; 0: none
+  double remembered_load = 0;  ///< s, of the kick that the pairs' impulses carried
+  double largest = 0;          ///< m/s^2, largest acceleration of a body
+  double longest = 0;          ///< s, that the field may be held whatever its rate
+  double potential = 0;        ///< J over all ranks, at the last evaluation; uniform field too
+  std::int64_t evaluations = 0;
+};
+
+/// Energy that went somewhere since the start, J; sums over this rank's part.
+struct Ledger {
+  double dissipated = 0;     ///< by contacts: impact and friction
+  double cohesion_work = 0;  ///< by cohesion on the bodies
+  double corrections = 0;    ///< gained by the bodies where overlaps were taken apart
+};
+
+struct World {
+  Comm comm;
+  std::vector<Plane> planes;
+  ContactLaw law;
+  GravitySettings gravity;
+  Vec3 uniform_gravity = Vec3::Zero();
+  Bodies bodies;
+  Neighbours neighbours;
+  GravityKick kick;
+  Ledger ledger;
+  StageTimes times;
+
+  bool has_gravity() const {
+    return gravity.method != GravityMethod::none || !uniform_gravity.isZero(0);
+  }
+};
+
+}  // namespace spall

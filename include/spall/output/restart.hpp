@@ -1,0 +1,45 @@
+// Restart files: the whole state of a run between two steps, bit for bit.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "spall/base/comm.hpp"
+#include "spall/contact/contacts.hpp"
+#include "spall/scene/bodies.hpp"
+
+namespace spall {
+
+/// Where a run stands: so many steps are done.
+struct Clock {
+  std::int64_t step = 0;           ///< since the start
+  std::int64_t phase = 0;          ///< index into the case's phases
+  std::int64_t step_in_phase = 0;  ///< done in this phase
+  double time = 0;                 ///< s since the start
+  double time_in_phase = 0;        ///< s
+  double since_impact = -1;        ///< s since the impactor was added; negative: not yet
+};
+
+/// Everything that a run needs to go on. Bodies and contacts are this rank's, in its own order.
+struct RestartState {
+  std::string case_file;               ///< where the case was read
+  std::string case_text;               ///< as it was read
+  std::vector<std::string> overrides;  ///< "key.path=value", as given to --set
+  Clock clock;
+  std::map<std::string, double> scalars;  ///< booked energies and whatever else must go on
+  Bodies bodies;                          ///< owned rows only
+  ContactMemory contacts;                 ///< at least once on some rank
+};
+
+/// Replaces `path` as a whole: a run killed meanwhile leaves the former file. Collective.
+void write_restart(const Comm& comm, const std::string& path, const RestartState& state);
+
+/// On as many ranks as wrote it each rank gets its own rows back in their order; otherwise equal
+/// parts of all rows, to be moved to where they belong. An Error says what is wrong with the file.
+/// Collective.
+RestartState read_restart(const Comm& comm, const std::string& path);
+
+}  // namespace spall

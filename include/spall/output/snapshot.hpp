@@ -1,0 +1,51 @@
+// Snapshots of all bodies for pictures and analysis: H5MD files that ParaView, VisIt and h5py open.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "spall/base/comm.hpp"
+#include "spall/scene/bodies.hpp"
+#include "spall/scene/case.hpp"
+
+namespace spall {
+
+/// Writes, into `folder`,
+///   snapshots/000000.h5 …   one H5MD 1.1 file a snapshot, written by all ranks together; row k of
+///                           every dataset is body k on any number of ranks
+///   trajectory.h5           all of them as one H5MD file, by virtual datasets; a body that is not
+///                           there yet has NaN
+///   trajectory.xdmf         the same for ParaView and VisIt
+///
+/// HDF5 cannot promise a readable file to a process that dies while it writes, so each snapshot is
+/// a file of its own that takes its name only when it is complete; the other two are small, and
+/// replaced whole after each snapshot.
+class SnapshotWriter {
+ public:
+  /// Removes snapshots of an earlier run in the same folder, on resuming only those that follow
+  /// `resume_step`. Collective.
+  SnapshotWriter(Comm comm, std::string folder, const Case& scene, std::int64_t resume_step = -1);
+
+  /// Ids of the owned bodies of all ranks are 0 … N-1, in any distribution. Collective.
+  void write(const Bodies& bodies, std::int64_t step, double time);
+
+ private:
+  struct Written {
+    std::int64_t step;
+    double time;  // s
+    std::int64_t rows;
+  };
+  void find_written(std::int64_t resume_step);
+  void write_trajectory() const;
+  void write_xdmf() const;
+
+  Comm comm_;
+  std::string folder_;
+  std::string case_text_;
+  std::string title_;
+  std::vector<Written> written_;  // the same on all ranks
+};
+
+}  // namespace spall

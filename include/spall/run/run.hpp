@@ -1,0 +1,22 @@
+// A run: the phases of a case, from bodies to results.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "spall/base/comm.hpp"
+#include "spall/output/restart.hpp"
+#include "spall/scene/case.hpp"
+
+namespace spall {
+
+/// Runs a case from its start and writes snapshots, series, restarts and results into `folder`,
+/// which is made where it is missing. Returns false where a signal ended the run early, after its
+/// restart file was written. Collective.
+bool run_case(const Comm& comm, const Case& scene, const std::string& folder);
+
+/// Goes on with the run whose restart file is `file`, in the folder of that file. Collective.
+bool resume_case(const Comm& comm, const std::string& file);
+
+}  // namespace spall

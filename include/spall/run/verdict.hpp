@@ -1,0 +1,57 @@
+// What a run says in the end: the pile, the deflection at each read-out, beside what momentum
+// demands. SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "spall/analysis/deflection.hpp"
+#include "spall/analysis/interior.hpp"
+#include "spall/motion/world.hpp"
+#include "spall/output/results.hpp"
+
+namespace spall {
+
+class Verdict {
+ public:
+  /// Looks at the pile as it is before the impactor is added, or at the end where there is none.
+  /// Collective.
+  void look_at_pile(const World& world);
+  /// Called when the impactor is in the world with this id. Collective.
+  void impactor_added(const World& world, BodyId impactor, double restitution);
+  /// Measures the deflection at this instant, `since_impact` seconds after the impactor was added;
+  /// velocities and positions synchronous, pairs and ghosts of the step just done. Returns a line
+  /// to show. Collective.
+  std::string read_out(const World& world, double since_impact);
+
+  /// Adds its sections: [pile], [deflection], [orbit], [ejecta], [read_out].
+  void add_to(ResultTable& table, const std::optional<Binary>& binary) const;
+
+  bool has_impact() const { return before_.impactor >= 0; }
+  /// kg m/s; the unit in which drifts are judged.
+  double impactor_momentum() const { return before_.impactor_mass * before_.speed(); }
+  double pile_radius() const { return pile_.extent / 2; }  ///< m
+
+  void save(std::map<std::string, double>& scalars) const;
+  void load(const std::map<std::string, double>& scalars);
+
+ private:
+  /// What is kept of each read-out.
+  struct Row {
+    double since_impact, dv, beta, beta_along, clump_mass, clump_count, ejecta_count, ejecta_mass,
+        v_ejecta, back_momentum, fastest, cone_half, cone_most, dv_impactor, dv_rebound, dv_ejecta,
+        closure;
+  };
+  template <class Self, class F>
+  static void for_each(Self& self, F&& f);
+
+  BeforeImpact before_;
+  Interior pile_;
+  double restitution_ = 0;
+  double closure_ = 0;  // largest of the read-outs
+  std::vector<Row> rows_;
+};
+
+}  // namespace spall

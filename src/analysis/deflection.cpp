@@ -1,0 +1,166 @@
+// Every sum runs over disjoint sets: clump, ejecta, impactor.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "spall/analysis/deflection.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "spall/base/require.hpp"
+
+namespace spall {
+
+namespace {
+
+/// Half-apertures, in steps of 0.1 degrees, of the cones about `axis` with 50 and 90 % of sum m
+/// |v|.
+std::array<double, 2> cone_angles(const Comm& comm, std::span<const Vec3> velocity,
+                                  std::span<const double> mass, const Vec3& axis) {
+  constexpr int bins = 1800;
+  std::vector<double> weight(bins, 0.0);
+  for (std::size_t k = 0; k < velocity.size(); ++k) {
+    // atan2 keeps small angles exact where acos would not.
+    const double angle = std::atan2(velocity[k].cross(axis).norm(), velocity[k].dot(axis));
+    const int bin = std::min(static_cast<int>(angle / pi * bins), bins - 1);
+    weight[bin] += mass[k] * velocity[k].norm();
+  }
+  comm.sum(weight);
+  double total = 0;
+  for (double w : weight) total += w;
+  const auto reached = [&](double part) {
+    double sum = 0;
+    int bin = 0;
+    while (bin < bins && sum < part * total) sum += weight[bin++];
+    return bin * 180.0 / bins;
+  };
+  return {reached(0.5), reached(0.9)};
+}
+
+Ejecta measure_ejecta(const Comm& comm, std::span<const Vec3> velocity,
+                      std::span<const double> mass, const Vec3& flight) {
+  std::array<double, 7> sums{};
+  double fastest = 0;
+  for (std::size_t k = 0; k < velocity.size(); ++k) {
+    const double back = std::max(0.0, -velocity[k].dot(flight));
+    sums[0] += 1;
+    sums[1] += mass[k];
+    for (int d = 0; d < 3; ++d) sums[2 + d] += mass[k] * velocity[k][d];
+    sums[5] += back;
+    sums[6] += mass[k] * back;
+    fastest = std::max(fastest, velocity[k].norm());
+  }
+  comm.sum(sums);
+  Ejecta ejecta;
+  ejecta.count = static_cast<std::int64_t>(sums[0]);
+  ejecta.mass = sums[1];
+  ejecta.momentum = {sums[2], sums[3], sums[4]};
+  ejecta.v_ejecta = sums[5];
+  ejecta.back_momentum = sums[6];
+  ejecta.fastest = comm.max(fastest);
+  const auto angles = cone_angles(comm, velocity, mass, ejecta.momentum.normalized());
+  ejecta.cone_half = angles[0];
+  ejecta.cone_most = angles[1];
+  return ejecta;
+}
+
+/// The impactor's position and velocity, from the rank that owns it.
+std::array<Vec3, 2> find_impactor(const Comm& comm, const Bodies& bodies, BodyId impactor) {
+  std::array<double, 7> found{};
+  for (Index b = 0; b < bodies.owned; ++b)
+    if (bodies.id[b] == impactor) {
+      Eigen::Map<Vec3>(found.data()) = bodies.position[b];
+      Eigen::Map<Vec3>(found.data() + 3) = bodies.velocity[b];
+      found[6] = 1;
+    }
+  comm.sum(found);
+  require(found[6] == 1, "the impactor (body {}) is there {} times", impactor, found[6]);
+  return {Eigen::Map<Vec3>(found.data()), Eigen::Map<Vec3>(found.data() + 3)};
+}
+
+}  // namespace
+
+BeforeImpact before_impact(const Comm& comm, const Bodies& bodies, BodyId impactor) {
+  BeforeImpact before;
+  before.impactor = impactor;
+  std::array<double, 5> sums{};  // impactor's mass; target's mass and momentum
+  for (Index b = 0; b < bodies.owned; ++b) {
+    if (bodies.id[b] == impactor) {
+      sums[0] += bodies.mass[b];
+      continue;
+    }
+    sums[1] += bodies.mass[b];
+    for (int d = 0; d < 3; ++d) sums[2 + d] += bodies.mass[b] * bodies.velocity[b][d];
+  }
+  comm.sum(sums);
+  before.impactor_mass = sums[0];
+  before.target_mass = sums[1];
+  before.target_velocity = Vec3(sums[2], sums[3], sums[4]) / sums[1];
+  before.relative_velocity = find_impactor(comm, bodies, impactor)[1] - before.target_velocity;
+  return before;
+}
+
+Deflection measure_deflection(const Comm& comm, const Ghosts& ghosts, const Bodies& bodies,
+                              const Links& links, double gravity_constant,
+                              const BeforeImpact& before, double since_impact) {
+  Links within;  // the target
+  for (std::size_t k = 0; k < links.i.size(); ++k)
+    if (bodies.id[links.i[k]] != before.impactor && bodies.id[links.j[k]] != before.impactor) {
+      within.i.push_back(links.i[k]);
+      within.j.push_back(links.j[k]);
+    }
+  std::vector<BodyId> name = find_clumps(comm, ghosts, bodies, within);
+  for (Index b = 0; b < bodies.owned; ++b)
+    if (bodies.id[b] == before.impactor) name[b] = -1;
+
+  Deflection result;
+  result.since_impact = since_impact;
+  const ClumpList list = weigh_clumps(comm, bodies, name, 1);
+  require(!list.largest.empty(), "no target to measure: the impactor is alone");
+  result.clumps = list.clumps;
+  result.clump = add_bound_bodies(comm, bodies, gravity_constant, list.largest[0], name);
+
+  std::vector<Vec3> velocity;  // of the ejecta
+  std::vector<double> mass;
+  for (Index b = 0; b < bodies.owned; ++b)
+    if (name[b] >= 0 && name[b] != result.clump.name) {
+      velocity.push_back(bodies.velocity[b] - before.target_velocity);
+      mass.push_back(bodies.mass[b]);
+    }
+  const Vec3 flight = before.direction();
+  result.ejecta = measure_ejecta(comm, velocity, mass, flight);
+
+  const auto [position, impactor_velocity] = find_impactor(comm, bodies, before.impactor);
+  result.impactor_velocity = impactor_velocity - before.target_velocity;
+  result.impactor_bound =
+      is_bound(position, impactor_velocity, before.impactor_mass, result.clump, gravity_constant);
+
+  const double M = result.clump.mass, m = before.impactor_mass;
+  const Vec3 U = before.relative_velocity, kept = m * result.impactor_velocity;
+  result.dv_vector = result.clump.velocity - before.target_velocity;
+  result.dv = result.dv_vector.dot(flight);
+  result.beta_along = M * result.dv / (m * before.speed());
+  const Vec3 left = kept + result.ejecta.momentum;
+  result.beta = left.isZero(0) ? 1 : M * result.dv_vector.dot(left) / (m * U.dot(left));
+  result.dv_impactor = m * before.speed() / M;
+  result.dv_rebound = -kept.dot(flight) / M;
+  result.dv_ejecta = -result.ejecta.momentum.dot(flight) / M;
+  result.closure = (M * result.dv_vector + left - m * U).norm() / (m * before.speed());
+  return result;
+}
+
+Orbit new_orbit(const Binary& binary, double dv) {
+  const double mu = binary.parameter, v = binary.speed + dv;
+  Orbit orbit;
+  orbit.a_new = -(mu / 2) / (v * v / 2 - mu / binary.separation);
+  orbit.T_new = orbit_period(orbit.a_new, mu);
+  orbit.dT = orbit.T_new - binary.period;
+  return orbit;
+}
+
+double orbit_period(double a, double mu) {
+  return 2 * pi * std::sqrt(a * a * a / mu);
+}
+
+}  // namespace spall

@@ -1,0 +1,60 @@
+// One pass over the pairs.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "spall/contact/narrow_phase.hpp"
+
+#include <cmath>
+
+namespace spall {
+
+Separation separation(const Bodies& bodies, const std::vector<Plane>& planes, Index i, Index j,
+                      std::int32_t plane) {
+  if (j == ground) {
+    const Plane& wall = planes[plane];
+    const double height = wall.normal.dot(bodies.position[i] - wall.point);
+    return {-wall.normal, height - bodies.radius[i], 1};
+  }
+  const Vec3 apart = bodies.position[j] - bodies.position[i];
+  const double distance = apart.norm(), radii = bodies.radius[i] + bodies.radius[j];
+  if (distance == 0) return {Vec3::UnitX(), -radii, 0};
+  return {apart / distance, distance - radii, distance / radii};
+}
+
+Vec3 contact_velocity(const Bodies& bodies, Index i, Index j, double kappa, const Vec3& normal) {
+  Vec3 u = -bodies.velocity[i];
+  Vec3 surface = bodies.radius[i] * bodies.angular_velocity[i];
+  if (j != ground) {
+    u += bodies.velocity[j];
+    surface += bodies.radius[j] * bodies.angular_velocity[j];
+  }
+  return u - kappa * surface.cross(normal);
+}
+
+Contacts find_contacts(const Bodies& bodies, const std::vector<Plane>& planes, const Pairs& pairs,
+                       double h, double cohesion_range) {
+  Contacts contacts;
+  contacts.i.reserve(pairs.size());
+  for (Index p = 0; p < pairs.size(); ++p) {
+    const Index i = pairs.i[p], j = pairs.j[p];
+    const Separation s = separation(bodies, planes, i, j, pairs.plane[p]);
+    Vec3 u = -bodies.velocity[i];
+    double small = bodies.radius[i];
+    if (j != ground) {
+      u += bodies.velocity[j];
+      small = std::min(small, bodies.radius[j]);
+    }
+    const double closing = std::max(0.0, -s.normal.dot(u));
+    if (s.gap > std::max(h * closing + near_contact * small, cohesion_range)) continue;
+    contacts.i.push_back(i);
+    contacts.j.push_back(j);
+    contacts.plane.push_back(pairs.plane[p]);
+    contacts.normal.push_back(s.normal);
+    contacts.gap.push_back(s.gap);
+    contacts.kappa.push_back(s.kappa);
+    contacts.impulse.push_back(pairs.impulse[p]);
+    contacts.pair.push_back(p);
+    if (p < pairs.boundary) contacts.boundary = contacts.size();
+  }
+  return contacts;
+}
+
+}  // namespace spall

@@ -1,0 +1,106 @@
+// Pairs are found for several steps at once: a body's reach covers this step and some more.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "spall/contact/neighbours.hpp"
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+
+#include "spall/contact/narrow_phase.hpp"
+#include "spall/domain/halo.hpp"
+#include "spall/domain/migration.hpp"
+#include "spall/domain/partition.hpp"
+
+namespace spall {
+namespace {
+
+constexpr double imbalance_limit = 1.1;   // against the state just after the last cut
+constexpr double ghost_limit = 1.5;       // beyond it the bodies of two ranks have mixed
+constexpr int longest_without_cut = 100;  // searches: bodies' order in memory ages as they move
+constexpr double steps_ahead = 8;         // for which a moving body's reach is meant to last
+constexpr double least_skin = 0.02, most_skin = 0.3;  // of the radius
+
+/// What a body needs this step beyond its motion since the pairs were found: see `find_contacts`.
+double needed(const Bodies& bodies, Index b, double h, double cohesion_range) {
+  return h * bodies.velocity[b].norm() +
+         std::max(near_contact * bodies.radius[b], cohesion_range) / 2;
+}
+
+bool still_valid(const Comm& comm, const Bodies& bodies, double h, double cohesion_range,
+                 const Neighbours& neighbours) {
+  bool left = !neighbours.valid;
+  for (Index b = 0; b < bodies.owned && !left; ++b)
+    left = (bodies.position[b] - neighbours.found_at[b]).norm() +
+               needed(bodies, b, h, cohesion_range) >
+           neighbours.reach[b];
+  return !comm.any(left);
+}
+
+/// Contacts and bodies are what a step costs; a pair with a ghost is work on both ranks.
+std::vector<double> work_of(const Bodies& bodies, const Pairs& pairs) {
+  std::vector<double> work(bodies.owned, 1.0);
+  for (Index p = 0; p < pairs.size(); ++p)
+    for (Index b : {pairs.i[p], pairs.j[p]})
+      if (b != ground && b < bodies.owned) work[b] += 0.5;
+  return work;
+}
+
+double total(const std::vector<double>& work) {
+  return std::accumulate(work.begin(), work.end(), 0.0);
+}
+
+bool needs_cut(const Comm& comm, double work, const Neighbours& neighbours) {
+  const bool mixed = neighbours.ghosts.ghosts() >
+                     ghost_limit * neighbours.ghosts_after_cut + 0.1 * neighbours.ghosts.owned();
+  const double now = imbalance(comm, work);
+  return neighbours.balance == 0 || now > imbalance_limit * neighbours.balance || comm.any(mixed) ||
+         neighbours.searches_since_cut >= longest_without_cut;
+}
+
+}  // namespace
+
+void update_neighbours(const Comm& comm, Bodies& bodies, const std::vector<Plane>& planes, double h,
+                       double cohesion_range, Neighbours& neighbours) {
+  if (still_valid(comm, bodies, h, cohesion_range, neighbours)) {
+    refresh_ghosts(neighbours.ghosts, bodies);
+    return;
+  }
+  const auto work = work_of(bodies, neighbours.pairs);
+  const bool cut = needs_cut(comm, total(work), neighbours);
+  ContactMemory memory = remember(bodies, neighbours.pairs, cut);
+  for (std::size_t m = 0; m < neighbours.carried.i.size(); ++m) {
+    memory.i.push_back(neighbours.carried.i[m]);
+    memory.j.push_back(neighbours.carried.j[m]);
+    memory.impulse.push_back(neighbours.carried.impulse[m]);
+  }
+  neighbours.carried = {};
+  if (cut) migrate(comm, bodies, memory, partition(comm, bodies, work));
+
+  // A small fast body may have a wide skin: it meets few others all the same.
+  std::array<double, 2> sums{static_cast<double>(bodies.owned), 0};
+  for (Index b = 0; b < bodies.owned; ++b) sums[1] += bodies.radius[b];
+  comm.sum(sums);
+  const double mean_radius = sums[1] / sums[0];
+  neighbours.reach.resize(bodies.owned);
+  for (Index b = 0; b < bodies.owned; ++b) {
+    const double motion = h * bodies.velocity[b].norm();
+    neighbours.reach[b] = needed(bodies, b, h, cohesion_range) +
+                          std::clamp(steps_ahead * motion, least_skin * bodies.radius[b],
+                                     most_skin * std::max(bodies.radius[b], mean_radius));
+  }
+  neighbours.found_at.assign(bodies.position.begin(), bodies.position.begin() + bodies.owned);
+  neighbours.ghosts = make_halo(comm, bodies, neighbours.reach);
+  neighbours.pairs = find_pairs(bodies, neighbours.reach, planes);
+  recall(bodies, memory, neighbours.pairs);
+  neighbours.valid = true;
+  ++neighbours.searches_since_cut;
+  if (cut) {
+    // The first cut knows bodies only; its contacts may call for a second one.
+    const bool first = neighbours.balance == 0;
+    neighbours.balance = first ? 1 : imbalance(comm, total(work_of(bodies, neighbours.pairs)));
+    neighbours.ghosts_after_cut = neighbours.ghosts.ghosts();
+    neighbours.searches_since_cut = 0;
+  }
+}
+
+}  // namespace spall

@@ -1,0 +1,132 @@
+// Ranks publish boxes around small clusters of their bodies; a body goes where it touches a box.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "spall/domain/halo.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "spall/base/require.hpp"
+#include "spall/domain/pack.hpp"
+
+namespace spall {
+namespace {
+
+constexpr Index bodies_a_box = 16;  // along the space-filling curve: boxes are compact
+constexpr double large = 4;         // a body this many times the mean radius gets a box of its own
+
+struct Box {
+  Vec3 low = Vec3::Constant(infinity), high = Vec3::Constant(-infinity);
+  void add(const Vec3& center, double radius) {
+    low = low.cwiseMin(center - Vec3::Constant(radius));
+    high = high.cwiseMax(center + Vec3::Constant(radius));
+  }
+  void add(const Box& other) {
+    low = low.cwiseMin(other.low);
+    high = high.cwiseMax(other.high);
+  }
+  bool meets(const Box& other) const {
+    return (low.array() <= other.high.array()).all() && (other.low.array() <= high.array()).all();
+  }
+};
+
+struct Cluster {
+  Box box;
+  Index first, last;  // rows
+};
+
+struct RemoteBox {
+  Box box;
+  int rank;
+};
+
+std::vector<Cluster> cluster_bodies(const Bodies& bodies, std::span<const double> reach) {
+  double mean = 0;
+  for (Index b = 0; b < bodies.owned; ++b) mean += bodies.radius[b] + reach[b];
+  mean /= std::max<Index>(bodies.owned, 1);
+  std::vector<Cluster> clusters;
+  bool open = false;
+  for (Index b = 0; b < bodies.owned; ++b) {
+    const double radius = bodies.radius[b] + reach[b];
+    const bool alone = radius > large * mean;
+    if (alone || !open || clusters.back().last - clusters.back().first == bodies_a_box)
+      clusters.push_back({{}, b, b});
+    clusters.back().box.add(bodies.position[b], radius);
+    clusters.back().last = b + 1;
+    open = !alone;
+  }
+  return clusters;
+}
+
+}  // namespace
+
+Ghosts make_halo(const Comm& comm, Bodies& bodies, std::vector<double>& reach) {
+  resize(bodies, bodies.owned);
+  reach.resize(bodies.owned);
+  const auto clusters = cluster_bodies(bodies, reach);
+  std::vector<double> packed;
+  for (const auto& cluster : clusters) {
+    packed.push_back(comm.rank);
+    packed.insert(packed.end(), cluster.box.low.data(), cluster.box.low.data() + 3);
+    packed.insert(packed.end(), cluster.box.high.data(), cluster.box.high.data() + 3);
+  }
+  const auto all = comm.all_gather(std::span<const double>(packed));
+
+  // Boxes of other ranks that meet anything of ours; then those that meet a cluster; then a body.
+  Box whole;
+  for (const auto& cluster : clusters) whole.add(cluster.box);
+  std::vector<RemoteBox> around, near;
+  for (std::size_t k = 0; k < all.size(); k += 7) {
+    const RemoteBox box{
+        {Vec3(all[k + 1], all[k + 2], all[k + 3]), Vec3(all[k + 4], all[k + 5], all[k + 6])},
+        static_cast<int>(all[k])};
+    if (box.rank != comm.rank && whole.meets(box.box)) around.push_back(box);
+  }
+  // needed_by[b]: ranks that hold a copy of b, each once, in ascending order.
+  std::vector<std::vector<int>> needed_by(bodies.owned);
+  for (const auto& cluster : clusters) {
+    near.clear();
+    std::copy_if(around.begin(), around.end(), std::back_inserter(near),
+                 [&](const RemoteBox& remote) { return remote.box.meets(cluster.box); });
+    for (Index b = cluster.first; b < cluster.last && !near.empty(); ++b) {
+      Box own;
+      own.add(bodies.position[b], bodies.radius[b] + reach[b]);
+      for (const auto& remote : near)
+        if ((needed_by[b].empty() || needed_by[b].back() != remote.rank) && own.meets(remote.box))
+          needed_by[b].push_back(remote.rank);
+    }
+  }
+
+  std::vector<std::vector<double>> outgoing(comm.size);
+  for (Index b = 0; b < bodies.owned; ++b) {
+    for (int rank : needed_by[b]) {
+      auto& row = outgoing[rank];
+      row.push_back(b);
+      row.push_back(reach[b]);
+      pack_row(bodies, b, row);
+    }
+  }
+  const auto incoming = comm.exchange(outgoing);
+  std::vector<double> one_row;
+  if (bodies.owned > 0) pack_row(bodies, 0, one_row);
+  std::vector<Origin> origins;
+  for (int rank = 0; rank < comm.size; ++rank) {
+    const auto& rows = incoming[rank];
+    const std::size_t width = 2 + one_row.size();
+    require(one_row.size() > 0 || rows.empty(), "a rank without bodies was sent ghosts");
+    for (std::size_t k = 0; k < rows.size(); k += width) {
+      origins.push_back({rank, static_cast<Index>(rows[k])});
+      reach.push_back(rows[k + 1]);
+      unpack_rows(bodies, std::span(rows).subspan(k + 2, width - 2));
+    }
+  }
+  return Ghosts(comm, bodies.owned, origins);
+}
+
+void refresh_ghosts(const Ghosts& ghosts, Bodies& bodies) {
+  for (auto* field : {&bodies.position, &bodies.velocity, &bodies.angular_velocity, &bodies.kick})
+    ghosts.gather_begin(flat(*field), 3);
+  for (auto* field : {&bodies.position, &bodies.velocity, &bodies.angular_velocity, &bodies.kick})
+    ghosts.gather_end(flat(*field), 3);
+}
+
+}  // namespace spall

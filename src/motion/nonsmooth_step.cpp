@@ -1,0 +1,280 @@
+// The algorithm, stage by stage; formulas beside their stages.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "spall/motion/nonsmooth_step.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "spall/contact/narrow_phase.hpp"
+#include "spall/motion/gravity_kick.hpp"
+
+namespace spall {
+namespace {
+
+constexpr double tolerated_overlap = 1e-4;  // of the smaller radius
+constexpr double most_correction = 0.1;     // of the smaller radius, in a step
+
+double smaller_radius(const Bodies& bodies, Index i, Index j) {
+  return j == ground ? bodies.radius[i] : std::min(bodies.radius[i], bodies.radius[j]);
+}
+
+double inverse(double mass) {
+  return std::isfinite(mass) ? 1 / mass : 0;
+}
+
+std::vector<double> inverse_masses(const Bodies& bodies) {
+  std::vector<double> w(bodies.size());
+  std::transform(bodies.mass.begin(), bodies.mass.end(), w.begin(), inverse);
+  return w;
+}
+
+/// How long of a step `h` a pair with gap `g` that separates at `u` is within `range`.
+double time_in_range(double g, double u, double h, double range) {
+  const double enters = g > range ? (u < 0 ? (range - g) / u : h) : 0;
+  const double leaves = u > 0 ? (range - g) / u : h;
+  return std::clamp(std::min(leaves, h) - enters, 0.0, h);
+}
+
+/// The problem's vectors; `ContactProblem` looks at them.
+struct ProblemData {
+  std::vector<double> inverse_mass;
+  std::vector<Vec3> free_velocity;
+  std::vector<double> friction, cohesive_impulse;
+
+  ContactProblem view(const Contacts& contacts, int dimension) const {
+    return {.dimension = dimension,
+            .boundary = contacts.boundary,
+            .inverse_mass = inverse_mass,
+            .i = contacts.i,
+            .j = contacts.j,
+            .normal = contacts.normal,
+            .kappa = contacts.kappa,
+            .free_velocity = free_velocity,
+            .friction = friction,
+            .cohesive_impulse = cohesive_impulse};
+  }
+};
+
+/// Signorini with restitution on velocity level: u_n+ >= -g/h before contact, u_n+ >= 0 in it,
+/// u_n+ >= -e u_n- where the pair would close within the step faster than gravity or cohesion alone
+/// can drive a resting contact.
+ProblemData pose(const World& world, const Contacts& contacts, double h) {
+  const Bodies& bodies = world.bodies;
+  const ContactLaw& law = world.law;
+  ProblemData data;
+  data.inverse_mass = inverse_masses(bodies);
+  data.free_velocity.resize(contacts.size());
+  data.friction.assign(contacts.size(), law.friction);
+  data.cohesive_impulse.assign(contacts.size(), 0);
+  const double driven = world.has_gravity() ? 2 * world.kick.interval * world.kick.largest : 0;
+  for (Index c = 0; c < contacts.size(); ++c) {
+    const Index i = contacts.i[c], j = contacts.j[c];
+    const Vec3& n = contacts.normal[c];
+    const double gap = contacts.gap[c];
+    const Vec3 u = contact_velocity(bodies, i, j, contacts.kappa[c], n);
+    const double closing = u.dot(n);
+    const double w = data.inverse_mass[i] + (j == ground ? 0 : data.inverse_mass[j]);
+    double& cohesive = data.cohesive_impulse[c];
+    if (law.cohesion > 0)
+      cohesive = law.cohesion_is_impulse
+                     ? (gap <= law.cohesion_range ? law.cohesion : 0)
+                     : law.cohesion * time_in_range(gap, closing, h, law.cohesion_range);
+    double bias = std::max(gap, 0.0) / h;
+    if (law.restitution > 0 && gap + h * closing < 0 && -closing > driven + 2 * cohesive * w)
+      bias = law.restitution * closing;
+    data.free_velocity[c] = u + bias * n;
+  }
+  return data;
+}
+
+/// Adds the impulses' velocities to all rows; books the work of contacts, cohesion and gravity.
+/// With v the velocity before the kick k and v' after the impulses' dv, the kinetic energy changes
+/// by
+///
+///   m (v' - v).(v' + v)/2 = m k.(v + v')/2 + m dv.(v + v')/2,
+///
+/// so a pile at rest (v = v' = 0) dissipates nothing, whatever its load.
+void kick_by_impulses(World& world, const Contacts& contacts, const ProblemData& data,
+                      const std::vector<VelocityChange>& change, StepReport& report) {
+  Bodies& bodies = world.bodies;
+  std::vector<double> closing_before;
+  const bool cohesive = world.law.cohesion > 0;
+  auto closing = [&](Index c) {
+    const Index i = contacts.i[c], j = contacts.j[c];
+    Vec3 v = -bodies.velocity[i];
+    if (j != ground) v += bodies.velocity[j];
+    return contacts.normal[c].dot(v);
+  };
+  if (cohesive)
+    for (Index c = 0; c < contacts.size(); ++c) {
+      const Index i = contacts.i[c], j = contacts.j[c];
+      Vec3 k = -bodies.kick[i];
+      if (j != ground) k += bodies.kick[j];
+      closing_before.push_back(closing(c) - contacts.normal[c].dot(k));
+    }
+
+  double by_impulses = 0, by_gravity = 0;
+  for (Index b = 0; b < bodies.size(); ++b) {
+    const Eigen::Map<const Vec3> dv(change[b].linear), ds(change[b].angular);
+    if (b < bodies.owned && std::isfinite(bodies.mass[b])) {
+      const Vec3 s = bodies.radius[b] * bodies.angular_velocity[b];
+      const Vec3 mean = bodies.velocity[b] + (dv - bodies.kick[b]) / 2;
+      by_impulses += bodies.mass[b] * (dv.dot(mean) + 0.4 * ds.dot(s + ds / 2));
+      by_gravity += bodies.mass[b] * bodies.kick[b].dot(mean);
+    }
+    bodies.velocity[b] += dv;
+    bodies.angular_velocity[b] += ds / bodies.radius[b];
+  }
+
+  double by_cohesion = 0;
+  if (cohesive)
+    for (Index c = 0; c < contacts.size(); ++c)
+      if (contacts.i[c] < bodies.owned)
+        by_cohesion -= data.cohesive_impulse[c] * (closing_before[c] + closing(c)) / 2;
+  world.ledger.cohesion_work += by_cohesion;
+  world.ledger.dissipated -= by_impulses - by_cohesion;
+  report.gravity_work = by_gravity;
+}
+
+double sum_of_bonds(const World& world, const Contacts& contacts) {
+  double sum = 0;
+  for (Index c = 0; c < contacts.size(); ++c)
+    if (contacts.i[c] < world.bodies.owned)
+      sum += std::max(world.law.cohesion_range - contacts.gap[c], 0.0);
+  return sum;
+}
+
+/// Displacement velocities that take apart what would overlap at the end of the step, and nothing
+/// more: a frictionless problem whose impulses never enter the velocities. Empty where nothing
+/// overlaps.
+struct Correction {
+  std::vector<VelocityChange> change;
+  std::vector<Vec3> impulse;
+};
+
+Correction correct_overlaps(const World& world, const Contacts& contacts, double h,
+                            StepReport& report) {
+  const Bodies& bodies = world.bodies;
+  ProblemData data;
+  data.free_velocity.resize(contacts.size());
+  double worst = 0;
+  for (Index c = 0; c < contacts.size(); ++c) {
+    const Index i = contacts.i[c], j = contacts.j[c];
+    const Vec3 end_i = bodies.position[i] + h * bodies.velocity[i];
+    double gap;
+    if (j == ground) {
+      const Plane& plane = world.planes[contacts.plane[c]];
+      gap = plane.normal.dot(end_i - plane.point) - bodies.radius[i];
+    } else {
+      gap = (bodies.position[j] + h * bodies.velocity[j] - end_i).norm() - bodies.radius[i] -
+            bodies.radius[j];
+    }
+    const double small = smaller_radius(bodies, i, j);
+    worst = std::max(worst, -gap / small);
+    data.free_velocity[c] = std::max(gap, -most_correction * small) / h * contacts.normal[c];
+  }
+  report.overlap = std::max(report.overlap, worst);
+  if (!world.comm.any(worst > tolerated_overlap)) return {};
+  data.inverse_mass = inverse_masses(bodies);
+  data.friction.assign(contacts.size(), 0);
+  data.cohesive_impulse.assign(contacts.size(), 0);
+  const SolverSettings settings{
+      .friction = FrictionModel::convex, .tolerance = 0.1, .max_iterations = 50, .prox = 0};
+  Correction correction;
+  correction.impulse.assign(contacts.size(), Vec3::Zero());
+  auto result =
+      solve(data.view(contacts, 1), world.neighbours.ghosts, settings, correction.impulse);
+  report.correction_products = result.report.products;
+  correction.change = std::move(result.change);
+  return correction;
+}
+
+void drift(Bodies& bodies, const Correction& correction, double h) {
+  for (Index b = 0; b < bodies.size(); ++b) {
+    Vec3 v = bodies.velocity[b];
+    if (!correction.change.empty()) v += Eigen::Map<const Vec3>(correction.change[b].linear);
+    bodies.position[b] += h * v;
+  }
+}
+
+/// A correction is an impulse pair given along the old normal and taken back along the new one:
+/// neither exerts a torque, so angular momentum stays exact, as a displacement alone would not
+/// leave it.
+void take_back(World& world, const Contacts& contacts, const Correction& correction) {
+  Bodies& bodies = world.bodies;
+  double gained = 0;
+  auto add = [&](Index b, const Vec3& impulse) {
+    if (b >= bodies.owned || !std::isfinite(bodies.mass[b])) return;
+    const Vec3 dv = impulse / bodies.mass[b];
+    gained += impulse.dot(bodies.velocity[b] + dv / 2);
+    bodies.velocity[b] += dv;
+  };
+  for (Index c = 0; c < static_cast<Index>(correction.impulse.size()); ++c) {
+    if (correction.impulse[c].isZero(0) || contacts.j[c] == ground) continue;
+    const double size = correction.impulse[c].dot(contacts.normal[c]);
+    const Vec3 normal =
+        separation(bodies, world.planes, contacts.i[c], contacts.j[c], contacts.plane[c]).normal;
+    const Vec3 rest = size * (contacts.normal[c] - normal);
+    add(contacts.i[c], -rest);
+    add(contacts.j[c], rest);
+  }
+  world.ledger.corrections += gained;
+}
+
+}  // namespace
+
+StepReport nonsmooth_step(World& world, double h, const SolverSettings& solver, int most_steps) {
+  StepReport report;
+  Bodies& bodies = world.bodies;
+  GravityKick& kick = world.kick;
+
+  if (kick.steps_left == 0) {
+    evaluate_field(world);
+    give_kick(world, h, most_steps);
+  }
+  Contacts contacts;
+  {
+    StageTimer timer(world.times, "neighbours");
+    update_neighbours(world.comm, bodies, world.planes, h, world.law.cohesion_range,
+                      world.neighbours);
+  }
+  Pairs& pairs = world.neighbours.pairs;
+  {
+    StageTimer timer(world.times, "contacts");
+    contacts = find_contacts(bodies, world.planes, pairs, h, world.law.cohesion_range);
+  }
+  report.bonds = sum_of_bonds(world, contacts);
+  report.contacts = std::count_if(contacts.i.begin(), contacts.i.end(),
+                                  [&](Index i) { return i < bodies.owned; });
+  {
+    StageTimer timer(world.times, "solver");
+    // Between kicks nothing loads a resting pile: what the contacts carried at the last kick says
+    // nothing about such a step, and all about the next kick.
+    const double scale = kick.remembered_load > 0 ? kick.load / kick.remembered_load : 0;
+    for (Vec3& impulse : contacts.impulse) impulse *= scale;
+    const ProblemData data = pose(world, contacts, h);
+    const int dimension = world.law.friction > 0 ? 3 : 1;
+    const SolverResult result =
+        solve(data.view(contacts, dimension), world.neighbours.ghosts, solver, contacts.impulse);
+    report.solver = result.report;
+    kick_by_impulses(world, contacts, data, result.change, report);
+    if (kick.load > 0) {
+      std::fill(pairs.impulse.begin(), pairs.impulse.end(), Vec3::Zero());
+      for (Index c = 0; c < contacts.size(); ++c)
+        pairs.impulse[contacts.pair[c]] = contacts.impulse[c];
+      kick.remembered_load = kick.load;
+    }
+  }
+  {
+    StageTimer timer(world.times, "motion");
+    const Correction correction = correct_overlaps(world, contacts, h, report);
+    drift(bodies, correction, h);
+    take_back(world, contacts, correction);
+  }
+  if (kick.load > 0) std::fill(bodies.kick.begin(), bodies.kick.end(), Vec3::Zero());
+  kick.load = 0;
+  --kick.steps_left;
+  return report;
+}
+
+}  // namespace spall

@@ -1,0 +1,61 @@
+// One pass over the owned bodies and one reduction.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "spall/output/diagnostics.hpp"
+
+#include <array>
+#include <cmath>
+
+namespace spall {
+
+Diagnostics diagnose(const World& world) {
+  const Bodies& bodies = world.bodies;
+  Diagnostics d;
+  double translation = 0, rotation = 0;
+  Vec3 moment = Vec3::Zero();
+  for (Index b = 0; b < bodies.owned; ++b) {
+    const double m = bodies.mass[b];
+    if (!std::isfinite(m)) continue;
+    const Vec3 &x = bodies.position[b], &v = bodies.velocity[b];
+    const double inertia = 0.4 * m * bodies.radius[b] * bodies.radius[b];
+    d.mass += m;
+    moment += m * x;
+    d.momentum += m * v;
+    d.angular_momentum += m * x.cross(v) + inertia * bodies.angular_velocity[b];
+    d.momentum_scale += m * v.norm();
+    d.angular_momentum_scale += m * x.norm() * v.norm();
+    translation += m * v.squaredNorm() / 2;
+    rotation += inertia * bodies.angular_velocity[b].squaredNorm() / 2;
+  }
+  std::array<double, 17> sums{d.mass,
+                              moment[0],
+                              moment[1],
+                              moment[2],
+                              d.momentum[0],
+                              d.momentum[1],
+                              d.momentum[2],
+                              d.angular_momentum[0],
+                              d.angular_momentum[1],
+                              d.angular_momentum[2],
+                              d.momentum_scale,
+                              d.angular_momentum_scale,
+                              translation,
+                              rotation,
+                              world.ledger.dissipated,
+                              world.ledger.cohesion_work,
+                              world.ledger.corrections};
+  world.comm.sum(sums);
+  d.mass = sums[0];
+  d.centre = d.mass > 0 ? Vec3(Vec3(sums[1], sums[2], sums[3]) / d.mass) : Vec3::Zero();
+  d.momentum = {sums[4], sums[5], sums[6]};
+  d.angular_momentum = {sums[7], sums[8], sums[9]};
+  d.momentum_scale = sums[10];
+  d.angular_momentum_scale = sums[11];
+  d.kinetic = sums[12] + sums[13];
+  d.rms_speed = d.mass > 0 ? std::sqrt(2 * sums[12] / d.mass) : 0;
+  d.dissipated = sums[14];
+  d.cohesion_work = sums[15];
+  d.corrections = sums[16];
+  return d;
+}
+
+}  // namespace spall

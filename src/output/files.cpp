@@ -1,0 +1,86 @@
+// POSIX: only fsync of the file, rename, fsync of the folder survives a crash between any two
+// calls. SPDX-License-Identifier: BSD-3-Clause
+#include "files.hpp"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "spall/base/require.hpp"
+
+namespace spall {
+
+namespace {
+
+void sync(const std::string& path) {
+  const int descriptor = open(path.c_str(), O_RDONLY);
+  require(descriptor >= 0, "cannot open '{}': {}", path, std::strerror(errno));
+  const int code = fsync(descriptor);
+  const int reason = errno;
+  close(descriptor);
+  // A few network file systems refuse to sync a folder: nothing more can be done there.
+  require(code == 0 || reason == EINVAL, "cannot sync '{}': {}", path, std::strerror(reason));
+}
+
+void barrier(const Comm& comm) {
+  check_mpi(MPI_Barrier(comm.raw), "MPI_Barrier");
+}
+
+}  // namespace
+
+std::string unfinished(const std::string& path) {
+  return path + ".unfinished";
+}
+
+void put_in_place(const std::string& path) {
+  sync(unfinished(path));
+  require(std::rename(unfinished(path).c_str(), path.c_str()) == 0, "cannot write '{}': {}", path,
+          std::strerror(errno));
+  const auto folder = std::filesystem::path(path).parent_path();
+  sync(folder.empty() ? "." : folder.string());
+}
+
+void put_in_place(const Comm& comm, const std::string& path) {
+  barrier(comm);  // every rank has closed the file
+  if (comm.rank == 0) put_in_place(path);
+  barrier(comm);
+}
+
+void write_whole(const std::string& path, const std::string& text) {
+  std::ofstream file(unfinished(path), std::ios::binary | std::ios::trunc);
+  file << text;
+  file.close();
+  require(file.good(), "cannot write '{}': {}", path, std::strerror(errno));
+  put_in_place(path);
+}
+
+std::string read_whole(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  require(file.good(), "cannot read '{}': {}", path, std::strerror(errno));
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+std::vector<std::string> complete_lines(const std::string& text) {
+  std::vector<std::string> lines;
+  for (std::size_t at = 0, end; (end = text.find('\n', at)) != std::string::npos; at = end + 1)
+    lines.push_back(text.substr(at, end - at));
+  return lines;
+}
+
+void make_folder(const Comm& comm, const std::string& folder) {
+  if (comm.rank == 0) {
+    std::error_code error;
+    std::filesystem::create_directories(folder, error);
+    require(!error, "cannot make the folder '{}': {}", folder, error.message());
+    require(access(folder.c_str(), W_OK) == 0, "cannot write into the folder '{}': {}", folder,
+            std::strerror(errno));
+  }
+  barrier(comm);
+}
+
+}  // namespace spall

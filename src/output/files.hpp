@@ -1,0 +1,31 @@
+// Files that appear whole or not at all: written beside their place, synced, then renamed.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "spall/base/comm.hpp"
+
+namespace spall {
+
+/// Where a file is written before it takes its place.
+std::string unfinished(const std::string& path);
+
+/// Moves the closed file `unfinished(path)` to `path`, data on the disk first: whenever the run is
+/// killed, `path` is the old file or the new one. This rank alone.
+void put_in_place(const std::string& path);
+/// The same by rank 0 for all ranks, which see the file afterwards. Collective.
+void put_in_place(const Comm& comm, const std::string& path);
+
+/// A text file that appears whole. This rank alone.
+void write_whole(const std::string& path, const std::string& text);
+std::string read_whole(const std::string& path);
+
+/// The lines of a text that have an end, without it.
+std::vector<std::string> complete_lines(const std::string& text);
+
+/// Makes a folder and those above it by rank 0; an Error names the folder. Collective.
+void make_folder(const Comm& comm, const std::string& folder);
+
+}  // namespace spall

@@ -1,0 +1,291 @@
+// Every HDF5 return code is checked here; HDF5's own printing is off, its words go into the Error.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "h5.hpp"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+
+#include "spall/base/require.hpp"
+
+namespace spall::h5 {
+
+namespace {
+
+Handle make(hid_t id, Handle::Close close, const char* call, const std::string& name) {
+  return Handle(check(id, call, name), close);
+}
+
+void silence() {
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+}
+
+/// Opens through MPI-IO where there is a communicator.
+Handle access(const Comm* comm, const std::string& path) {
+  silence();
+  Handle list = make(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "H5Pcreate", path);
+  if (comm) {
+    check(H5Pset_fapl_mpio(list, comm->raw, MPI_INFO_NULL), "H5Pset_fapl_mpio", path);
+    check(H5Pset_all_coll_metadata_ops(list, true), "H5Pset_all_coll_metadata_ops", path);
+    check(H5Pset_coll_metadata_write(list, true), "H5Pset_coll_metadata_write", path);
+  }
+  return list;
+}
+
+Handle create_any(const std::string& path, const Comm* comm) {
+  Handle list = access(comm, path);
+  return make(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, list), H5Fclose, "H5Fcreate",
+              path);
+}
+
+Handle open_any(const std::string& path, const Comm* comm) {
+  Handle list = access(comm, path);
+  return make(H5Fopen(path.c_str(), H5F_ACC_RDONLY, list), H5Fclose, "H5Fopen", path);
+}
+
+/// Link creation that makes missing groups on the way.
+Handle with_parents(const std::string& name) {
+  Handle list = make(H5Pcreate(H5P_LINK_CREATE), H5Pclose, "H5Pcreate", name);
+  check(H5Pset_create_intermediate_group(list, 1), "H5Pset_create_intermediate_group", name);
+  return list;
+}
+
+Handle text_type(std::size_t length, const std::string& name) {
+  Handle type = make(H5Tcopy(H5T_C_S1), H5Tclose, "H5Tcopy", name);
+  check(H5Tset_size(type, std::max<std::size_t>(length, 1)), "H5Tset_size", name);
+  check(H5Tset_cset(type, H5T_CSET_UTF8), "H5Tset_cset", name);
+  check(H5Tset_strpad(type, H5T_STR_NULLPAD), "H5Tset_strpad", name);
+  return type;
+}
+
+void add_attribute(hid_t object, const char* key, hid_t type, hid_t space, const void* value,
+                   const std::string& name) {
+  Handle attribute = make(H5Acreate2(object, key, type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose,
+                          "H5Acreate2", name);
+  check(H5Awrite(attribute, type, value), "H5Awrite", name);
+}
+
+/// Memory and file selections of `rows`; a rank without rows takes part with none.
+void select(hid_t memory, hid_t file, const Rows& rows, bool as_frame, hsize_t width,
+            const std::string& name) {
+  if (rows.count == 0) {
+    check(H5Sselect_none(memory), "H5Sselect_none", name);
+    check(H5Sselect_none(file), "H5Sselect_none", name);
+    return;
+  }
+  std::array<hsize_t, 3> start{}, count{1, width, width};
+  const int along = as_frame ? 1 : 0;  // the dimension of the rows
+  start[along] = rows.begin;
+  count[along] = rows.count;
+  check(H5Sselect_hyperslab(file, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr),
+        "H5Sselect_hyperslab", name);
+}
+
+Handle memory_space(const Rows& rows, hsize_t width, const std::string& name) {
+  const hsize_t size = std::max<hsize_t>(rows.count * width, 1);
+  return make(H5Screate_simple(1, &size, nullptr), H5Sclose, "H5Screate_simple", name);
+}
+
+}  // namespace
+
+void fail(const char* call, const std::string& name) {
+  std::string reason = "no reason given";
+  H5Ewalk2(
+      H5E_DEFAULT, H5E_WALK_UPWARD,
+      [](unsigned depth, const H5E_error2_t* error, void* text) -> herr_t {
+        if (depth == 0 && error->desc) *static_cast<std::string*>(text) = error->desc;
+        return 0;
+      },
+      &reason);
+  throw Error(fmt::format("{} of '{}' failed: {}", call, name, reason));
+}
+
+Rows rows_in_rank_order(const Comm& comm, std::size_t count) {
+  const auto mine = static_cast<std::int64_t>(count);
+  return {static_cast<hsize_t>(comm.sum_before(mine)), count, static_cast<hsize_t>(comm.sum(mine))};
+}
+
+Rows equal_rows(const Comm& comm, hsize_t total) {
+  const hsize_t begin = total * comm.rank / comm.size;
+  return {begin, total * (comm.rank + 1) / comm.size - begin, total};
+}
+
+File::File(Handle file, const Comm* comm, std::string path)
+    : file_(std::move(file)), leader_(!comm || comm->rank == 0), path_(std::move(path)) {
+  transfer_ = make(H5Pcreate(H5P_DATASET_XFER), H5Pclose, "H5Pcreate", path_);
+  if (comm) check(H5Pset_dxpl_mpio(transfer_, H5FD_MPIO_COLLECTIVE), "H5Pset_dxpl_mpio", path_);
+}
+
+File File::create(const std::string& path) {
+  return {create_any(path, nullptr), nullptr, path};
+}
+File File::create(const std::string& path, const Comm& comm) {
+  return {create_any(path, &comm), &comm, path};
+}
+File File::open(const std::string& path) {
+  return {open_any(path, nullptr), nullptr, path};
+}
+File File::open(const std::string& path, const Comm& comm) {
+  return {open_any(path, &comm), &comm, path};
+}
+
+void File::close() {
+  check(H5Fclose(file_.release()), "H5Fclose", path_);
+}
+
+void File::group(const std::string& name) {
+  make(H5Gcreate2(file_, name.c_str(), with_parents(place(name)), H5P_DEFAULT, H5P_DEFAULT),
+       H5Gclose, "H5Gcreate2", place(name));
+}
+
+void File::attribute(const std::string& name, const char* key, const std::string& text) {
+  Handle object = make(H5Oopen(file_, name.c_str(), H5P_DEFAULT), H5Oclose, "H5Oopen", place(name));
+  Handle space = make(H5Screate(H5S_SCALAR), H5Sclose, "H5Screate", place(name));
+  // One byte at least: HDF5 has no empty strings of fixed length.
+  add_attribute(object, key, text_type(text.size(), place(name)), space, text.c_str(), place(name));
+}
+
+void File::attribute(const std::string& name, const char* key, std::span<const int> values) {
+  Handle object = make(H5Oopen(file_, name.c_str(), H5P_DEFAULT), H5Oclose, "H5Oopen", place(name));
+  const hsize_t size = values.size();
+  Handle space =
+      make(H5Screate_simple(1, &size, nullptr), H5Sclose, "H5Screate_simple", place(name));
+  add_attribute(object, key, H5T_NATIVE_INT, space, values.data(), place(name));
+}
+
+void File::attribute(const std::string& name, const char* key, std::span<const std::string> texts) {
+  std::size_t width = 1;
+  for (const auto& text : texts) width = std::max(width, text.size());
+  std::string padded;
+  for (const auto& text : texts) padded += text + std::string(width - text.size(), '\0');
+  Handle object = make(H5Oopen(file_, name.c_str(), H5P_DEFAULT), H5Oclose, "H5Oopen", place(name));
+  const hsize_t size = texts.size();
+  Handle space =
+      make(H5Screate_simple(1, &size, nullptr), H5Sclose, "H5Screate_simple", place(name));
+  add_attribute(object, key, text_type(width, place(name)), space, padded.data(), place(name));
+}
+
+void File::link(const std::string& object, const std::string& name) {
+  check(H5Lcreate_hard(file_, object.c_str(), file_, name.c_str(), with_parents(place(name)),
+                       H5P_DEFAULT),
+        "H5Lcreate_hard", place(name));
+}
+
+void File::link_outside(const std::string& file, const std::string& object,
+                        const std::string& name) {
+  check(H5Lcreate_external(file.c_str(), object.c_str(), file_, name.c_str(),
+                           with_parents(place(name)), H5P_DEFAULT),
+        "H5Lcreate_external", place(name));
+}
+
+void File::write_text(const std::string& name, const std::string& text) {
+  Handle type = text_type(text.size(), place(name));
+  Handle space = make(H5Screate(H5S_SCALAR), H5Sclose, "H5Screate", place(name));
+  Handle set = make(H5Dcreate2(file_, name.c_str(), type, space, with_parents(place(name)),
+                               H5P_DEFAULT, H5P_DEFAULT),
+                    H5Dclose, "H5Dcreate2", place(name));
+  if (!leader_) check(H5Sselect_none(space), "H5Sselect_none", place(name));
+  check(H5Dwrite(set, type, space, space, transfer_, text.c_str()), "H5Dwrite", place(name));
+}
+
+std::string File::read_text(const std::string& name) const {
+  Handle set = make(H5Dopen2(file_, name.c_str(), H5P_DEFAULT), H5Dclose, "H5Dopen2", place(name));
+  Handle type = make(H5Dget_type(set), H5Tclose, "H5Dget_type", place(name));
+  std::string text(H5Tget_size(type), '\0');
+  check(H5Dread(set, type, H5S_ALL, H5S_ALL, transfer_, text.data()), "H5Dread", place(name));
+  text.resize(std::min(text.find('\0'), text.size()));
+  return text;
+}
+
+void File::write_raw(const std::string& name, hid_t type, hsize_t width, const void* values,
+                     const Rows& rows, bool as_frame) {
+  std::vector<hsize_t> dimensions;
+  if (as_frame) dimensions.push_back(1);
+  dimensions.push_back(rows.total);
+  if (width > 1) dimensions.push_back(width);
+  Handle space =
+      make(H5Screate_simple(static_cast<int>(dimensions.size()), dimensions.data(), nullptr),
+           H5Sclose, "H5Screate_simple", place(name));
+  Handle set = make(H5Dcreate2(file_, name.c_str(), type, space, with_parents(place(name)),
+                               H5P_DEFAULT, H5P_DEFAULT),
+                    H5Dclose, "H5Dcreate2", place(name));
+  if (rows.total == 0) return;
+  Handle memory = memory_space(rows, width, place(name));
+  select(memory, space, rows, as_frame, width, place(name));
+  check(H5Dwrite(set, type, memory, space, transfer_, values), "H5Dwrite", place(name));
+}
+
+void File::write_view_raw(const std::string& name, hid_t type, hsize_t width,
+                          std::span<const Source> sources, hsize_t total, bool as_frames) {
+  std::vector<hsize_t> dimensions;
+  if (as_frames) dimensions.push_back(sources.size());
+  dimensions.push_back(total);
+  if (width > 1) dimensions.push_back(width);
+  const auto rank = static_cast<int>(dimensions.size());
+  Handle space =
+      make(H5Screate_simple(rank, dimensions.data(), nullptr), H5Sclose, "H5Screate_simple", name);
+  Handle list = make(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, "H5Pcreate", name);
+  const double absent = std::numeric_limits<double>::quiet_NaN();
+  if (H5Tget_class(type) == H5T_FLOAT)
+    check(H5Pset_fill_value(list, type, &absent), "H5Pset_fill_value", name);
+  for (std::size_t k = 0; k < sources.size(); ++k) {
+    std::vector<hsize_t> start(rank, 0), count = dimensions;
+    if (as_frames) {
+      start[0] = k;
+      count[0] = 1;
+    }
+    count[as_frames] = sources[k].rows;
+    check(H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr),
+          "H5Sselect_hyperslab", name);
+    Handle source =
+        make(H5Screate_simple(rank, count.data(), nullptr), H5Sclose, "H5Screate_simple", name);
+    check(H5Pset_virtual(list, space, sources[k].file.c_str(), name.c_str(), source),
+          "H5Pset_virtual", place(name));
+  }
+  make(H5Dcreate2(file_, name.c_str(), type, space, with_parents(place(name)), list, H5P_DEFAULT),
+       H5Dclose, "H5Dcreate2", place(name));
+}
+
+hsize_t File::total_rows(const std::string& name) const {
+  Handle set = make(H5Dopen2(file_, name.c_str(), H5P_DEFAULT), H5Dclose, "H5Dopen2", place(name));
+  Handle space = make(H5Dget_space(set), H5Sclose, "H5Dget_space", place(name));
+  hsize_t dimensions[H5S_MAX_RANK] = {0};
+  check(H5Sget_simple_extent_dims(space, dimensions, nullptr), "H5Sget_simple_extent_dims",
+        place(name));
+  return dimensions[0];
+}
+
+hsize_t File::total_values(const std::string& name) const {
+  Handle set = make(H5Dopen2(file_, name.c_str(), H5P_DEFAULT), H5Dclose, "H5Dopen2", place(name));
+  Handle space = make(H5Dget_space(set), H5Sclose, "H5Dget_space", place(name));
+  return check(H5Sget_simple_extent_npoints(space), "H5Sget_simple_extent_npoints", place(name));
+}
+
+void File::read_raw(const std::string& name, hid_t type, hsize_t width, void* values,
+                    const std::optional<Rows>& rows) const {
+  const hsize_t stored = total_values(name);
+  require(!rows || stored == rows->total * width, "'{}' holds {} values, not {} rows of {}",
+          place(name), stored, rows ? rows->total : 0, width);
+  if (stored == 0) return;
+  Handle set = make(H5Dopen2(file_, name.c_str(), H5P_DEFAULT), H5Dclose, "H5Dopen2", place(name));
+  Handle space = make(H5Dget_space(set), H5Sclose, "H5Dget_space", place(name));
+  Handle memory;
+  if (rows) {
+    memory = memory_space(*rows, width, place(name));
+    select(memory, space, *rows, false, width, place(name));
+  }
+  check(H5Dread(set, type, rows ? hid_t(memory) : H5S_ALL, rows ? hid_t(space) : H5S_ALL, transfer_,
+                values),
+        "H5Dread", place(name));
+}
+
+void write_h5md(File& file) {
+  file.group("/h5md/author");
+  file.group("/h5md/creator");
+  file.attribute("/h5md", "version", std::array{1, 1});
+  file.attribute("/h5md/author", "name", "unknown");
+  file.attribute("/h5md/creator", "name", "spall");
+  file.attribute("/h5md/creator", "version", SPALL_VERSION);
+}
+
+}  // namespace spall::h5

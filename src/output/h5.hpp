@@ -1,0 +1,169 @@
+// HDF5 as three verbs: a file that closes itself, rows written and rows read by all ranks.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <hdf5.h>
+
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "spall/base/comm.hpp"
+#include "spall/base/types.hpp"
+
+namespace spall::h5 {
+
+/// Throws `Error` with the innermost message of HDF5's error stack.
+[[noreturn]] void fail(const char* call, const std::string& name);
+
+/// Passes a return code or identifier on unless it says failure.
+template <class Code>
+Code check(Code code, const char* call, const std::string& name) {
+  if (code < 0) fail(call, name);
+  return code;
+}
+
+/// An HDF5 identifier that closes itself.
+class Handle {
+ public:
+  using Close = herr_t (*)(hid_t);
+  Handle() = default;
+  Handle(hid_t id, Close close) : id_(id), close_(close) {}
+  ~Handle() { reset(); }
+  Handle(Handle&& other) noexcept : id_(std::exchange(other.id_, -1)), close_(other.close_) {}
+  Handle& operator=(Handle&& other) noexcept {
+    reset();
+    id_ = std::exchange(other.id_, -1);
+    close_ = other.close_;
+    return *this;
+  }
+  operator hid_t() const { return id_; }
+  hid_t release() { return std::exchange(id_, -1); }
+
+ private:
+  void reset() {
+    if (id_ >= 0) close_(std::exchange(id_, -1));
+  }
+  hid_t id_ = -1;
+  Close close_ = nullptr;
+};
+
+/// How a C++ value lies in a file: its HDF5 type and how many of them make one row.
+template <class T>
+struct Layout;
+template <>
+struct Layout<double> {
+  static hid_t type() { return H5T_NATIVE_DOUBLE; }
+  static constexpr hsize_t width = 1;
+};
+template <>
+struct Layout<std::int32_t> {
+  static hid_t type() { return H5T_NATIVE_INT32; }
+  static constexpr hsize_t width = 1;
+};
+template <>
+struct Layout<std::int64_t> {
+  static hid_t type() { return H5T_NATIVE_INT64; }
+  static constexpr hsize_t width = 1;
+};
+template <>
+struct Layout<Vec3> {
+  static hid_t type() { return H5T_NATIVE_DOUBLE; }
+  static constexpr hsize_t width = 3;
+};
+
+/// This rank's rows [begin, begin + count) of a dataset with `total` rows.
+struct Rows {
+  hsize_t begin = 0, count = 0, total = 0;
+};
+/// Ranks write one after another, `count` rows each. Collective.
+Rows rows_in_rank_order(const Comm& comm, std::size_t count);
+/// Rank r gets the r-th of `comm.size` nearly equal parts.
+Rows equal_rows(const Comm& comm, hsize_t total);
+
+/// The first `rows` rows of the dataset of the same name in `file`, beside the viewing file.
+struct Source {
+  std::string file;
+  hsize_t rows;
+};
+
+/// A file of all ranks of a communicator, or of this rank alone. Names are paths inside the file;
+/// missing groups are made. On a file of all ranks every call is collective.
+class File {
+ public:
+  static File create(const std::string& path);
+  static File create(const std::string& path, const Comm& comm);
+  static File open(const std::string& path);
+  static File open(const std::string& path, const Comm& comm);
+  void close();  ///< reports what the destructor would swallow
+
+  hid_t id() const { return file_; }
+
+  void group(const std::string& name);
+  /// Attributes of the object `name`.
+  void attribute(const std::string& name, const char* key, const std::string& text);
+  void attribute(const std::string& name, const char* key, std::span<const int> values);
+  void attribute(const std::string& name, const char* key, std::span<const std::string> texts);
+  /// A second name for an object of this file, and one for an object of another file.
+  void link(const std::string& object, const std::string& name);
+  void link_outside(const std::string& file, const std::string& object, const std::string& name);
+  /// A scalar string; the same on all ranks.
+  void write_text(const std::string& name, const std::string& text);
+  std::string read_text(const std::string& name) const;
+
+  /// Writes this rank's rows; the dataset is (total) or (total, 3), with `as_frame` (1, total, …).
+  template <class T>
+  void write(const std::string& name, std::span<const T> values, const Rows& rows,
+             bool as_frame = false) {
+    write_raw(name, Layout<T>::type(), Layout<T>::width, values.data(), rows, as_frame);
+  }
+  /// A small array that is the same on all ranks.
+  template <class T>
+  void write(const std::string& name, std::span<const T> values) {
+    write<T>(name, values, {0, leader_ ? values.size() : 0, values.size()});
+  }
+  /// A dataset (`total` rows) whose rows lie in other files; with `as_frames` (one frame a source,
+  /// `total`, …). Rows that a source lacks read as NaN. For files of this rank alone.
+  template <class T>
+  void write_view(const std::string& name, std::span<const Source> sources, hsize_t total,
+                  bool as_frames) {
+    write_view_raw(name, Layout<T>::type(), Layout<T>::width, sources, total, as_frames);
+  }
+  hsize_t total_rows(const std::string& name) const;
+  template <class T>
+  std::vector<T> read(const std::string& name, const Rows& rows) const {
+    std::vector<T> values(rows.count);
+    read_raw(name, Layout<T>::type(), Layout<T>::width, values.data(), rows);
+    return values;
+  }
+  /// All values in a row, on every rank.
+  template <class T>
+  std::vector<T> read(const std::string& name) const {
+    std::vector<T> values(total_values(name) / Layout<T>::width);
+    read_raw(name, Layout<T>::type(), Layout<T>::width, values.data(), {});
+    return values;
+  }
+
+ private:
+  File(Handle file, const Comm* comm, std::string path);
+  void write_raw(const std::string& name, hid_t type, hsize_t width, const void* values,
+                 const Rows& rows, bool as_frame);
+  void write_view_raw(const std::string& name, hid_t type, hsize_t width,
+                      std::span<const Source> sources, hsize_t total, bool as_frames);
+  void read_raw(const std::string& name, hid_t type, hsize_t width, void* values,
+                const std::optional<Rows>& rows) const;
+  hsize_t total_values(const std::string& name) const;
+  std::string place(const std::string& name) const { return path_ + ":" + name; }
+
+  Handle file_;
+  Handle transfer_;     // collective where the file is of all ranks
+  bool leader_ = true;  // this rank writes what is the same on all ranks
+  std::string path_;
+};
+
+/// The group that makes a file H5MD 1.1 (de Buyl, Colberg & Hoefling 2014).
+void write_h5md(File& file);
+
+}  // namespace spall::h5

@@ -1,0 +1,173 @@
+// One HDF5 file of all ranks: rows as they are distributed, with a checksum for each dataset.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "spall/output/restart.hpp"
+
+#include <array>
+#include <bit>
+#include <filesystem>
+#include <type_traits>
+
+#include "files.hpp"
+#include "h5.hpp"
+#include "spall/base/require.hpp"
+
+namespace spall {
+
+namespace {
+
+constexpr int format_version = 1;
+
+/// Bijective mixing of 64 bits (splitmix64's, Steele et al. 2014).
+std::uint64_t mix(std::uint64_t x) {
+  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
+  x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
+  return x ^ (x >> 31);
+}
+
+std::uint64_t word(double value) {
+  return std::bit_cast<std::uint64_t>(value);
+}
+std::uint64_t word(std::int32_t value) {
+  return static_cast<std::uint64_t>(value);
+}
+std::uint64_t word(std::int64_t value) {
+  return static_cast<std::uint64_t>(value);
+}
+
+/// A sum over all values of their mixed bits and places: the same for any distribution of rows.
+template <class T>
+std::int64_t checksum(const Comm& comm, std::span<const T> values, const h5::Rows& rows) {
+  std::uint64_t sum = 0;
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    std::uint64_t bits = mix(rows.begin + k + 1);
+    if constexpr (std::is_same_v<T, Vec3>)
+      for (double x : values[k]) bits = mix(bits ^ word(x));
+    else
+      bits = mix(bits ^ word(values[k]));
+    sum += bits;
+  }
+  return comm.sum(std::bit_cast<std::int64_t>(sum));
+}
+
+template <class T>
+void write_checked(h5::File& file, const Comm& comm, const std::string& name,
+                   const std::vector<T>& values, const h5::Rows& rows) {
+  file.write<T>(name, values, rows);
+  file.write<std::int64_t>("/checksum" + name, std::array{checksum<T>(comm, values, rows)});
+}
+
+template <class T>
+void read_checked(const h5::File& file, const Comm& comm, const std::string& name,
+                  std::vector<T>& values, const h5::Rows& rows) {
+  values = file.read<T>(name, rows);
+  require(file.read<std::int64_t>("/checksum" + name).at(0) == checksum<T>(comm, values, rows),
+          "'{}' does not match its checksum", name);
+}
+
+/// `f(name, field)` for every field of the contacts.
+template <class Memory, class F>
+void for_each_contact_field(Memory& contacts, F&& f) {
+  f("i", contacts.i);
+  f("j", contacts.j);
+  f("impulse", contacts.impulse);
+}
+
+/// The clock as two short arrays.
+std::array<std::int64_t, 3> counts(const Clock& clock) {
+  return {clock.step, clock.phase, clock.step_in_phase};
+}
+std::array<double, 3> times(const Clock& clock) {
+  return {clock.time, clock.time_in_phase, clock.since_impact};
+}
+
+std::string joined(const std::vector<std::string>& lines) {
+  std::string text;
+  for (const auto& line : lines) text += line + "\n";
+  return text;
+}
+
+/// This rank's rows, from the number of rows on every rank that wrote.
+h5::Rows rows_to_read(const Comm& comm, const std::vector<std::int64_t>& written) {
+  h5::Rows rows;
+  for (std::int64_t count : written) rows.total += count;
+  if (static_cast<int>(written.size()) != comm.size) return h5::equal_rows(comm, rows.total);
+  for (int r = 0; r < comm.rank; ++r) rows.begin += written[r];
+  rows.count = written[comm.rank];
+  return rows;
+}
+
+RestartState read_state(const Comm& comm, const std::string& path) {
+  const auto file = h5::File::open(path, comm);
+  const auto version = file.read<std::int32_t>("/format").at(0);
+  require(version == format_version, "its format is {}, not {}", version, format_version);
+  RestartState state;
+  state.case_file = file.read_text("/case/file");
+  state.case_text = file.read_text("/case/text");
+  state.overrides = complete_lines(file.read_text("/case/overrides"));
+  const auto count = file.read<std::int64_t>("/clock/counts");
+  const auto time = file.read<double>("/clock/times");
+  state.clock = {count.at(0), count.at(1), count.at(2), time.at(0), time.at(1), time.at(2)};
+  const auto names = complete_lines(file.read_text("/scalars/names"));
+  const auto values = file.read<double>("/scalars/values");
+  for (std::size_t k = 0; k < names.size(); ++k) state.scalars[names[k]] = values.at(k);
+
+  auto rows = rows_to_read(comm, file.read<std::int64_t>("/layout/bodies"));
+  state.bodies.owned = static_cast<Index>(rows.count);
+  for_each_field(state.bodies, [&](const std::string& name, auto& field) {
+    read_checked(file, comm, "/bodies/" + name, field, rows);
+  });
+  rows = rows_to_read(comm, file.read<std::int64_t>("/layout/contacts"));
+  for_each_contact_field(state.contacts, [&](const std::string& name, auto& field) {
+    read_checked(file, comm, "/contacts/" + name, field, rows);
+  });
+  return state;
+}
+
+}  // namespace
+
+void write_restart(const Comm& comm, const std::string& path, const RestartState& state) {
+  auto file = h5::File::create(unfinished(path), comm);
+  file.write<std::int32_t>("/format", std::array{format_version});
+  file.write_text("/version", SPALL_VERSION);
+  file.write_text("/case/file", state.case_file);
+  file.write_text("/case/text", state.case_text);
+  file.write_text("/case/overrides", joined(state.overrides));
+  file.write<std::int64_t>("/clock/counts", counts(state.clock));
+  file.write<double>("/clock/times", times(state.clock));
+  std::vector<std::string> names;
+  std::vector<double> values;
+  for (const auto& [name, value] : state.scalars) {
+    names.push_back(name);
+    values.push_back(value);
+  }
+  file.write_text("/scalars/names", joined(names));
+  file.write<double>("/scalars/values", values);
+
+  const auto layout = [&](const std::string& name, std::int64_t count) {
+    file.write<std::int64_t>(name, comm.all_gather(std::span<const std::int64_t>(&count, 1)));
+    return h5::rows_in_rank_order(comm, count);
+  };
+  auto rows = layout("/layout/bodies", state.bodies.owned);
+  for_each_field(state.bodies, [&](const std::string& name, const auto& field) {
+    using Value = typename std::decay_t<decltype(field)>::value_type;
+    const std::vector<Value> owned(field.begin(), field.begin() + state.bodies.owned);
+    write_checked(file, comm, "/bodies/" + name, owned, rows);
+  });
+  rows = layout("/layout/contacts", std::ssize(state.contacts.i));
+  for_each_contact_field(state.contacts, [&](const std::string& name, const auto& field) {
+    write_checked(file, comm, "/contacts/" + name, field, rows);
+  });
+  file.close();
+  put_in_place(comm, path);
+}
+
+RestartState read_restart(const Comm& comm, const std::string& path) {
+  require(std::filesystem::exists(path), "no restart file '{}'", path);
+  try {
+    return read_state(comm, path);
+  } catch (const std::exception& error) {
+    throw Error(fmt::format("'{}' is not a whole restart file: {}", path, error.what()));
+  }
+}
+
+}  // namespace spall

@@ -1,0 +1,121 @@
+// One list of rows, two ways to write it.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "spall/output/results.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "files.hpp"
+#include "spall/base/require.hpp"
+
+namespace spall {
+
+namespace {
+
+/// All digits; a TOML float needs a point, an exponent, or to be inf or nan.
+std::string toml_number(double value) {
+  std::string text = fmt::format("{}", value);
+  if (text.find_first_of(".en") == std::string::npos) text += ".0";
+  return text;
+}
+
+std::string toml_string(const std::string& text) {
+  std::string quoted = "\"";
+  for (char c : text) {
+    if (c == '"' || c == '\\')
+      quoted += {'\\', c};
+    else if (static_cast<unsigned char>(c) < 0x20)
+      quoted += fmt::format("\\u{:04x}", c);
+    else
+      quoted += c;
+  }
+  return quoted + "\"";
+}
+
+template <class Number>
+std::string list(const std::vector<double>& values, Number&& number) {
+  std::string text = "[";
+  for (std::size_t k = 0; k < values.size(); ++k) text += (k ? ", " : "") + number(values[k]);
+  return text + "]";
+}
+
+struct ToToml {
+  std::string operator()(double value) const { return toml_number(value); }
+  std::string operator()(std::int64_t value) const { return fmt::format("{}", value); }
+  std::string operator()(bool value) const { return value ? "true" : "false"; }
+  std::string operator()(const std::string& value) const { return toml_string(value); }
+  std::string operator()(const std::vector<double>& values) const {
+    return list(values, toml_number);
+  }
+};
+
+struct ToText {
+  std::string operator()(double value) const { return fmt::format("{:.6g}", value); }
+  std::string operator()(std::int64_t value) const { return fmt::format("{}", value); }
+  std::string operator()(bool value) const { return value ? "yes" : "no"; }
+  std::string operator()(const std::string& value) const { return value; }
+  std::string operator()(const std::vector<double>& values) const {
+    return list(values, [this](double value) { return (*this)(value); });
+  }
+};
+
+}  // namespace
+
+void ResultTable::add(const std::string& section, const std::string& key, Value value,
+                      const std::string& unit, const std::string& note) {
+  auto s = std::find_if(sections_.begin(), sections_.end(),
+                        [&](const Section& one) { return one.name == section; });
+  if (s == sections_.end()) s = sections_.insert(s, {section, {}});
+  const auto r =
+      std::find_if(s->rows.begin(), s->rows.end(), [&](const Row& one) { return one.key == key; });
+  Row row{key, std::move(value), unit, note};
+  if (r == s->rows.end())
+    s->rows.push_back(std::move(row));
+  else
+    *r = std::move(row);
+}
+
+std::string ResultTable::text() const {
+  std::size_t keys = 0, values = 0, units = 0;
+  for (const Section& section : sections_)
+    for (const Row& row : section.rows) {
+      keys = std::max(keys, row.key.size());
+      units = std::max(units, row.unit.size());
+      // A long list or text may stand out instead of widening every row.
+      values = std::max(values, std::min<std::size_t>(std::visit(ToText{}, row.value).size(), 14));
+    }
+  std::string text;
+  for (const Section& section : sections_) {
+    text += section.name + "\n";
+    for (const Row& row : section.rows) {
+      std::string line =
+          fmt::format("  {:<{}}  {:>{}}  {:<{}}  {}", row.key, keys,
+                      std::visit(ToText{}, row.value), values, row.unit, units, row.note);
+      line.erase(line.find_last_not_of(' ') + 1);
+      text += line + "\n";
+    }
+  }
+  return text;
+}
+
+std::string ResultTable::toml() const {
+  std::string text;
+  for (const Section& section : sections_) {
+    text += fmt::format("{}[{}]\n", text.empty() ? "" : "\n", section.name);
+    for (const Row& row : section.rows) {
+      text += fmt::format("{} = {}", row.key, std::visit(ToToml{}, row.value));
+      const bool both = !row.unit.empty() && !row.note.empty();
+      if (!row.unit.empty() || !row.note.empty())
+        text += fmt::format("  # {}{}{}", row.unit, both ? "; " : "", row.note);
+      text += "\n";
+    }
+  }
+  return text;
+}
+
+void write_results(const Comm& comm, const std::string& folder, const ResultTable& table) {
+  make_folder(comm, folder);
+  if (comm.rank == 0) write_whole(folder + "/results.toml", table.toml());
+}
+
+}  // namespace spall

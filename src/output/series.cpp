@@ -1,0 +1,73 @@
+// The CSV is the record; the HDF5 file is made from it, so it never disagrees.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "spall/output/series.hpp"
+
+#include <array>
+#include <cstdlib>
+#include <filesystem>
+
+#include "files.hpp"
+#include "h5.hpp"
+#include "spall/base/require.hpp"
+
+namespace spall {
+
+Series::Series(const Comm& comm, const std::string& folder, std::vector<std::string> columns,
+               std::int64_t resume_step)
+    : path_(folder + "/series.csv"), columns_(std::move(columns)), writes_(comm.rank == 0) {
+  make_folder(comm, folder);
+  if (!writes_) return;
+  std::string heading = "step,time";
+  for (const auto& column : columns_) heading += "," + column;
+  std::string text = heading + "\n";
+  if (resume_step >= 0 && std::filesystem::exists(path_)) {
+    const auto lines = complete_lines(read_whole(path_));
+    require(!lines.empty() && lines[0] == heading,
+            "'{}' has other columns than this run: move it away to resume", path_);
+    for (std::size_t k = 1; k < lines.size(); ++k)
+      if (std::strtoll(lines[k].c_str(), nullptr, 10) <= resume_step) text += lines[k] + "\n";
+  }
+  write_whole(path_, text);
+  file_.open(path_, std::ios::app);
+  require(file_.good(), "cannot write '{}'", path_);
+}
+
+void Series::append(std::int64_t step, double time, std::span<const double> values) {
+  require(values.size() == columns_.size(), "a row of {} values for {} columns", values.size(),
+          columns_.size());
+  if (!writes_) return;
+  std::string line = fmt::format("{},{}", step, time);
+  for (double value : values) line += fmt::format(",{}", value);
+  file_ << line << '\n' << std::flush;
+  require(file_.good(), "cannot write '{}': is the disk full?", path_);
+}
+
+void Series::write_hdf5() const {
+  if (!writes_) return;
+  const auto lines = complete_lines(read_whole(path_));
+  std::vector<std::int64_t> steps;
+  std::vector<double> times;
+  std::vector<std::vector<double>> values(columns_.size());
+  for (std::size_t k = 1; k < lines.size(); ++k) {
+    char* at = nullptr;
+    steps.push_back(std::strtoll(lines[k].c_str(), &at, 10));
+    times.push_back(std::strtod(at + 1, &at));
+    for (auto& column : values) column.push_back(std::strtod(at + 1, &at));
+  }
+  const std::string path = std::filesystem::path(path_).replace_extension(".h5").string();
+  auto file = h5::File::create(unfinished(path));
+  h5::write_h5md(file);
+  file.write<std::int64_t>("/series/step", steps);
+  file.write<double>("/series/time", times);
+  file.attribute("/series/time", "unit", "s");
+  for (std::size_t c = 0; c < columns_.size(); ++c) {
+    const std::string group = "/observables/" + columns_[c];
+    file.write<double>(group + "/value", values[c]);
+    file.link("/series/step", group + "/step");
+    file.link("/series/time", group + "/time");
+  }
+  file.close();
+  put_in_place(path);
+}
+
+}  // namespace spall

@@ -1,0 +1,239 @@
+// Bodies to blocks of ids, blocks to one file by all ranks, files to one trajectory.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "spall/output/snapshot.hpp"
+
+#include <bit>
+#include <filesystem>
+#include <set>
+#include <type_traits>
+
+#include "files.hpp"
+#include "h5.hpp"
+#include "spall/base/require.hpp"
+
+namespace spall {
+
+namespace {
+
+/// Fields that stay the same for ever: written once by H5MD's rules, not in time.
+const std::set<std::string> fixed_fields = {"id", "group", "material", "radius", "mass"};
+
+const char* unit_of(const std::string& field) {
+  if (field == "position" || field == "radius") return "m";
+  if (field == "velocity") return "m s-1";
+  if (field == "angular_velocity") return "rad s-1";
+  if (field == "mass") return "kg";
+  return nullptr;
+}
+
+std::string dataset(const std::string& field) {
+  return "/particles/all/" + field + (fixed_fields.contains(field) ? "" : "/value");
+}
+
+std::string snapshot_name(std::size_t k) {
+  return fmt::format("snapshots/{:06}.h5", k);
+}
+
+/// Appends a value as 64-bit words, bit by bit.
+void pack(std::vector<std::int64_t>& words, double value) {
+  words.push_back(std::bit_cast<std::int64_t>(value));
+}
+void pack(std::vector<std::int64_t>& words, std::int64_t value) {
+  words.push_back(value);
+}
+void pack(std::vector<std::int64_t>& words, std::int32_t value) {
+  words.push_back(value);
+}
+void pack(std::vector<std::int64_t>& words, const Vec3& value) {
+  for (double x : value) pack(words, x);
+}
+void unpack(const std::int64_t*& word, double& value) {
+  value = std::bit_cast<double>(*word++);
+}
+void unpack(const std::int64_t*& word, std::int64_t& value) {
+  value = *word++;
+}
+void unpack(const std::int64_t*& word, std::int32_t& value) {
+  value = static_cast<std::int32_t>(*word++);
+}
+void unpack(const std::int64_t*& word, Vec3& value) {
+  for (double& x : value) unpack(word, x);
+}
+
+/// The bodies of all ranks in order of id, this rank's equal part of them.
+Bodies in_order_of_id(const Comm& comm, const Bodies& bodies, const h5::Rows& rows) {
+  std::vector<hsize_t> end(comm.size);
+  for (int r = 0; r < comm.size; ++r) end[r] = rows.total * (r + 1) / comm.size;
+  std::vector<std::vector<std::int64_t>> outgoing(comm.size);
+  for (Index b = 0; b < bodies.owned; ++b) {
+    const auto id = static_cast<hsize_t>(bodies.id[b]);
+    require(id < rows.total, "body id {} in a set of {} bodies: ids must be 0 … N-1", bodies.id[b],
+            rows.total);
+    auto& words = outgoing[std::upper_bound(end.begin(), end.end(), id) - end.begin()];
+    for_each_field(bodies, [&](const char*, const auto& field) { pack(words, field[b]); });
+  }
+  Bodies block;
+  block.owned = static_cast<Index>(rows.count);
+  for_each_field(block, [&](const char*, auto& field) { field.resize(rows.count); });
+  std::fill(block.id.begin(), block.id.end(), -1);
+  for (const auto& words : comm.exchange(outgoing))
+    for (const std::int64_t* word = words.data(); word != words.data() + words.size();) {
+      const auto row = *word - static_cast<std::int64_t>(rows.begin);  // `id` is the first field
+      for_each_field(block, [&](const char*, auto& field) { unpack(word, field[row]); });
+    }
+  for (std::size_t row = 0; row < block.id.size(); ++row)
+    require(block.id[row] >= 0, "no body has id {}: ids must be 0 … N-1", rows.begin + row);
+  return block;
+}
+
+void write_metadata(h5::File& file, const std::string& case_text, int ranks) {
+  h5::write_h5md(file);
+  file.group("/particles/all/box");
+  file.attribute("/particles/all/box", "dimension", std::array{3});
+  file.attribute("/particles/all/box", "boundary", std::vector<std::string>(3, "none"));
+  file.write_text("/parameters/case", case_text);
+  file.write_text("/parameters/version", SPALL_VERSION);
+  file.write<int>("/parameters/ranks", std::array{ranks});
+}
+
+/// `step` and `time` of one field; later fields link to the first's.
+void write_frames(h5::File& file, const std::string& field, std::string& first,
+                  std::span<const std::int64_t> steps, std::span<const double> times) {
+  const std::string group = "/particles/all/" + field;
+  if (first.empty()) {
+    file.write(group + "/step", steps);
+    file.write(group + "/time", times);
+    file.attribute(group + "/time", "unit", "s");
+    first = group;
+  } else {
+    file.link(first + "/step", group + "/step");
+    file.link(first + "/time", group + "/time");
+  }
+}
+
+}  // namespace
+
+SnapshotWriter::SnapshotWriter(Comm comm, std::string folder, const Case& scene,
+                               std::int64_t resume_step)
+    : comm_(comm), folder_(std::move(folder)), case_text_(scene.text), title_(scene.title) {
+  make_folder(comm_, folder_ + "/snapshots");
+  find_written(resume_step);
+}
+
+void SnapshotWriter::find_written(std::int64_t resume_step) {
+  std::vector<double> found;  // step, time, rows of each, on rank 0
+  if (comm_.rank == 0) {
+    std::set<std::filesystem::path> files;
+    for (const auto& entry : std::filesystem::directory_iterator(folder_ + "/snapshots"))
+      files.insert(entry.path());
+    bool keep = resume_step >= 0;
+    for (const auto& path : files) {
+      if (keep && path == std::filesystem::path(folder_) / snapshot_name(found.size() / 3)) {
+        const auto file = h5::File::open(path.string());
+        const auto step = file.read<std::int64_t>("/particles/all/position/step").at(0);
+        keep = step <= resume_step;
+        if (keep) {
+          found.push_back(static_cast<double>(step));
+          found.push_back(file.read<double>("/particles/all/position/time").at(0));
+          found.push_back(static_cast<double>(file.total_rows("/particles/all/id")));
+          continue;
+        }
+      }
+      const auto extension = path.extension();
+      if (extension == ".h5" || extension == ".unfinished") std::filesystem::remove(path);
+    }
+  }
+  found = comm_.all_gather(found);  // only rank 0 has any
+  for (std::size_t k = 0; k < found.size(); k += 3)
+    written_.push_back({static_cast<std::int64_t>(found[k]), found[k + 1],
+                        static_cast<std::int64_t>(found[k + 2])});
+}
+
+void SnapshotWriter::write(const Bodies& bodies, std::int64_t step, double time) {
+  const auto rows = h5::equal_rows(comm_, comm_.sum(static_cast<std::int64_t>(bodies.owned)));
+  const Bodies block = in_order_of_id(comm_, bodies, rows);
+
+  const std::string path = folder_ + "/" + snapshot_name(written_.size());
+  auto file = h5::File::create(unfinished(path), comm_);
+  write_metadata(file, case_text_, comm_.size);
+  std::string first;
+  for_each_field(block, [&](const std::string& field, const auto& values) {
+    using Value = typename std::decay_t<decltype(values)>::value_type;
+    const bool fixed = fixed_fields.contains(field);
+    file.write<Value>(dataset(field), values, rows, !fixed);
+    if (unit_of(field)) file.attribute(dataset(field), "unit", unit_of(field));
+    if (!fixed) write_frames(file, field, first, std::array{step}, std::array{time});
+  });
+  file.close();
+  put_in_place(comm_, path);
+
+  written_.push_back({step, time, static_cast<std::int64_t>(rows.total)});
+  if (comm_.rank == 0) {
+    write_trajectory();
+    write_xdmf();
+  }
+}
+
+void SnapshotWriter::write_trajectory() const {
+  std::vector<std::int64_t> steps;
+  std::vector<double> times;
+  hsize_t most = 0;
+  for (const Written& one : written_) {
+    steps.push_back(one.step);
+    times.push_back(one.time);
+    most = std::max(most, static_cast<hsize_t>(one.rows));
+  }
+  const std::string path = folder_ + "/trajectory.h5";
+  auto file = h5::File::create(unfinished(path));
+  write_metadata(file, case_text_, comm_.size);
+  std::string first;
+  Bodies none;
+  for_each_field(none, [&](const std::string& field, const auto& values) {
+    using Value = typename std::decay_t<decltype(values)>::value_type;
+    const bool fixed = fixed_fields.contains(field);
+    std::vector<h5::Source> sources;
+    for (std::size_t k = fixed ? written_.size() - 1 : 0; k < written_.size(); ++k)
+      sources.push_back({snapshot_name(k), static_cast<hsize_t>(written_[k].rows)});
+    file.write_view<Value>(dataset(field), sources, most, !fixed);
+    if (unit_of(field)) file.attribute(dataset(field), "unit", unit_of(field));
+    if (!fixed) write_frames(file, field, first, steps, times);
+  });
+  file.link_outside("series.h5", "/observables", "/observables");
+  file.close();
+  put_in_place(path);
+}
+
+void SnapshotWriter::write_xdmf() const {
+  std::string text = fmt::format(
+      "<?xml version=\"1.0\"?>\n<Xdmf Version=\"3.0\">\n<Domain>\n"
+      "<Grid Name=\"bodies\" GridType=\"Collection\" CollectionType=\"Temporal\">\n");
+  for (std::size_t k = 0; k < written_.size(); ++k) {
+    const auto rows = written_[k].rows;
+    text += fmt::format(
+        "<Grid Name=\"bodies\" GridType=\"Uniform\">\n  <Time Value=\"{}\"/>\n"
+        "  <Topology TopologyType=\"Polyvertex\" NumberOfElements=\"{}\" NodesPerElement=\"1\"/>\n",
+        written_[k].time, rows);
+    Bodies none;
+    for_each_field(none, [&](const std::string& field, const auto& values) {
+      using Value = typename std::decay_t<decltype(values)>::value_type;
+      constexpr bool is_vector = std::is_same_v<Value, Vec3>;
+      const bool fixed = fixed_fields.contains(field);
+      const bool is_place = field == "position";
+      text += is_place
+                  ? "  <Geometry GeometryType=\"XYZ\">"
+                  : fmt::format("  <Attribute Name=\"{}\" Center=\"Node\" AttributeType=\"{}\">",
+                                field, is_vector ? "Vector" : "Scalar");
+      text += fmt::format(
+          "<DataItem Format=\"HDF\" NumberType=\"{}\" Precision=\"{}\" Dimensions=\"{}{}{}\">"
+          "{}:{}</DataItem>{}\n",
+          std::is_integral_v<Value> ? "Int" : "Float", sizeof(Value) / (is_vector ? 3 : 1),
+          fixed ? "" : "1 ", rows, is_vector ? " 3" : "", snapshot_name(k), dataset(field),
+          is_place ? "</Geometry>" : "</Attribute>");
+    });
+    text += "</Grid>\n";
+  }
+  text += "</Grid>\n</Domain>\n</Xdmf>\n";
+  write_whole(folder_ + "/trajectory.xdmf", text);
+}
+
+}  // namespace spall

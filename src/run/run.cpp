@@ -1,0 +1,476 @@
+// The loop over phases and steps; everything that a run writes is written from here.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "spall/run/run.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <csignal>
+#include <filesystem>
+
+#include "spall/base/require.hpp"
+#include "spall/domain/migration.hpp"
+#include "spall/domain/pack.hpp"
+#include "spall/motion/gravity_kick.hpp"
+#include "spall/motion/nonsmooth_step.hpp"
+#include "spall/output/results.hpp"
+#include "spall/output/series.hpp"
+#include "spall/output/snapshot.hpp"
+#include "spall/run/account.hpp"
+#include "spall/run/progress.hpp"
+#include "spall/run/verdict.hpp"
+#include "spall/scene/impactor.hpp"
+#include "spall/scene/scene.hpp"
+
+namespace spall {
+namespace {
+
+volatile std::sig_atomic_t signal_caught = 0;
+void catch_signal(int number) {
+  signal_caught = number;
+}
+
+/// Ctrl-C and SIGTERM end a run between two steps, after a restart file.
+class SignalGuard {
+ public:
+  SignalGuard() {
+    signal_caught = 0;
+    for (int k = 0; k < 2; ++k) before_[k] = std::signal(numbers_[k], catch_signal);
+  }
+  ~SignalGuard() {
+    for (int k = 0; k < 2; ++k) std::signal(numbers_[k], before_[k]);
+  }
+
+ private:
+  static constexpr int numbers_[2] = {SIGINT, SIGTERM};
+  void (*before_[2])(int);
+};
+
+const std::vector<std::string> stages = {"gravity", "neighbours", "contacts", "solver",
+                                         "motion",  "output",     "analysis"};
+
+std::vector<std::string> series_columns() {
+  std::vector<std::string> names = {"phase",
+                                    "contacts",
+                                    "kinetic",
+                                    "gravitational",
+                                    "bonds",
+                                    "dissipated",
+                                    "corrections",
+                                    "unexplained",
+                                    "momentum_x",
+                                    "momentum_y",
+                                    "momentum_z",
+                                    "angular_x",
+                                    "angular_y",
+                                    "angular_z",
+                                    "momentum_drift",
+                                    "angular_drift",
+                                    "rms_speed",
+                                    "residual",
+                                    "residual_prox",
+                                    "residual_max",
+                                    "residual_rms",
+                                    "products",
+                                    "corrections_products",
+                                    "overlap"};
+  for (const auto& stage : stages) names.push_back("seconds_" + stage);
+  return names;
+}
+
+/// Steps of `h` from `time` until the next multiple of `every`; at least 1.
+std::int64_t steps_to_multiple(double time, double h, double every) {
+  const double next = (std::floor((time + h / 2) / every) + 1) * every;
+  return std::max<std::int64_t>(1, std::llround((next - time) / h));
+}
+
+class Run {
+ public:
+  Run(const Comm& comm, const Case& scene, const std::string& folder, const RestartState* from)
+      : comm_(comm),
+        scene_(scene),
+        folder_(folder),
+        progress_(comm, scene),
+        clock_(from ? from->clock : Clock{}),
+        series_(comm, folder, series_columns(), from ? clock_.step : -1),
+        snapshots_(comm, folder, scene, from ? clock_.step : -1),
+        seconds_at_start_(MPI_Wtime()),
+        last_restart_(seconds_at_start_) {
+    world_.comm = comm;
+    world_.planes = scene.planes;
+    world_.law = scene.contact;
+    world_.gravity = scene.gravity;
+    world_.uniform_gravity = scene.uniform_gravity;
+    if (from) {
+      world_.bodies = from->bodies;
+      world_.neighbours.carried = from->contacts;
+      load(from->scalars);
+    } else {
+      world_.bodies = make_bodies(scene, comm);
+    }
+    for (const auto& stage : stages) world_.times[stage] += 0;
+  }
+
+  bool go() {
+    SignalGuard guard;
+    progress_.say(describe(scene_));
+    for (; clock_.phase < static_cast<std::int64_t>(scene_.phases.size()); ++clock_.phase) {
+      if (clock_.step_in_phase == 0) begin_phase();
+      if (!run_phase()) return false;
+      end_phase();
+      clock_.step_in_phase = 0;
+      clock_.time_in_phase = 0;
+    }
+    finish();
+    return true;
+  }
+
+ private:
+  const Phase& phase() const { return scene_.phases[clock_.phase]; }
+  const SolverSettings& solver() const { return phase().solver ? *phase().solver : scene_.solver; }
+  std::int64_t steps_of_phase() const {
+    return std::max<std::int64_t>(1, std::llround(phase().duration / phase().step));
+  }
+
+  void begin_phase() {
+    progress_.say(fmt::format("phase {}: steps of {} for {}{}", phase().name,
+                              readable_time(phase().step), phase().until_settled ? "at most " : "",
+                              readable_time(phase().duration)));
+    has_moved_ = 0;
+    if (phase().remove_drift || phase().impactor) change_bodies();
+    if (phase().cohesion) {
+      cohesion_before_ = world_.law.cohesion;
+      world_.law.cohesion = *phase().cohesion;
+    }
+  }
+
+  /// Events that change bodies, with the sums before and after booked.
+  void change_bodies() {
+    evaluate_field(world_);
+    const Diagnostics before = diagnose(world_);
+    const double potential_before = world_.kick.potential;
+    resize(world_.bodies, world_.bodies.owned);
+    ContactMemory memory = remember(world_.bodies, world_.neighbours.pairs, false);
+    if (phase().remove_drift) {
+      const Vec3 velocity = before.momentum / before.mass;
+      for (Index b = 0; b < world_.bodies.owned; ++b) {
+        world_.bodies.position[b] -= before.centre;
+        world_.bodies.velocity[b] -= velocity;
+      }
+    }
+    if (phase().impactor) {
+      verdict_.look_at_pile(world_);
+      const auto id =
+          static_cast<BodyId>(comm_.sum(static_cast<std::int64_t>(world_.bodies.owned)));
+      const Aim aim = add_impactor(comm_, scene_, *phase().impactor, world_.bodies);
+      verdict_.impactor_added(world_, id, world_.law.restitution);
+      clock_.since_impact = 0;
+      progress_.say(fmt::format("impactor: {:.4g} kg at {:.4g} m/s, aimed at body {}",
+                                phase().impactor->mass, phase().impactor->speed, aim.struck));
+    }
+    world_.neighbours = Neighbours{};
+    world_.neighbours.carried = std::move(memory);
+    world_.kick.interval = 0;
+    world_.kick.evaluated = false;
+    evaluate_field(world_);
+    account_.book_event(before, potential_before, diagnose(world_), world_.kick.potential);
+  }
+
+  bool run_phase() {
+    const std::int64_t steps = steps_of_phase();
+    while (clock_.step_in_phase < steps) {
+      const bool fresh = world_.kick.steps_left == 0;
+      const bool row = fresh && (scene_.output.series_every == 0 || row_due());
+      Diagnostics sums;
+      if (row) {
+        evaluate_field(world_);
+        sums = diagnose(world_);
+        if (is_settled(sums)) {
+          progress_.say(fmt::format("settled after {}: rms speed {:.3g} m/s",
+                                    readable_time(clock_.time_in_phase), sums.rms_speed));
+          break;
+        }
+      }
+      const auto limit = std::min<std::int64_t>(steps - clock_.step_in_phase, steps_to_event());
+      const Clock start = clock_;
+      const StepReport report = nonsmooth_step(
+          world_, phase().step, solver(), static_cast<int>(std::min<std::int64_t>(limit, 1 << 30)));
+      tick();
+      book(report);
+      if (row) write_row(start, sums, report);
+      if (progress_.due()) progress_.show(clock_, shown_);
+      if (world_.kick.steps_left == 0) at_instant();
+      if (comm_.any(signal_caught != 0)) {
+        save();
+        progress_.say(
+            fmt::format("stopped by a signal; go on with: spall resume {}", restart_file()));
+        return false;
+      }
+      if (comm_.any(MPI_Wtime() - last_restart_ > scene_.output.restart_every)) save();
+    }
+    return true;
+  }
+
+  void tick() {
+    ++clock_.step;
+    ++clock_.step_in_phase;
+    clock_.time_in_phase = static_cast<double>(clock_.step_in_phase) * phase().step;
+    clock_.time += phase().step;
+    if (clock_.since_impact >= 0) clock_.since_impact += phase().step;
+  }
+
+  /// Steps that may pass until something must be seen at its own instant.
+  std::int64_t steps_to_event() const {
+    const double h = phase().step;
+    std::int64_t steps = std::numeric_limits<std::int64_t>::max();
+    for (double every : {scene_.output.series_every, scene_.output.snapshot_every})
+      if (every > 0) steps = std::min(steps, steps_to_multiple(clock_.time, h, every));
+    if (clock_.since_impact >= 0)
+      for (double at : scene_.read_out)
+        if (at > clock_.since_impact + h / 2)
+          steps = std::min<std::int64_t>(
+              steps, std::max<std::int64_t>(1, std::llround((at - clock_.since_impact) / h)));
+    return steps;
+  }
+
+  bool passed_multiple(double every) const {
+    const double h = phase().step;
+    return every > 0 &&
+           std::floor((clock_.time + h / 2) / every) > std::floor((clock_.time - h / 2) / every);
+  }
+  bool row_due() const { return clock_.step == 0 || passed_multiple(scene_.output.series_every); }
+
+  /// Snapshots and read-outs at the instant that the clock has just reached.
+  void at_instant() {
+    if (passed_multiple(scene_.output.snapshot_every)) snapshot();
+    if (clock_.since_impact < 0) return;
+    for (double at : scene_.read_out) {
+      if (std::abs(at - clock_.since_impact) > phase().step / 2) continue;
+      evaluate_field(world_);
+      StageTimer timer(world_.times, "analysis");
+      progress_.say(verdict_.read_out(world_, clock_.since_impact));
+    }
+  }
+
+  bool is_settled(const Diagnostics& sums) {
+    if (!phase().until_settled) return false;
+    if (sums.rms_speed > phase().settled_speed) has_moved_ = 1;
+    return has_moved_ == 1 && sums.rms_speed < phase().settled_speed;
+  }
+
+  void book(const StepReport& report) {
+    products_ += report.solver.products;
+    correction_products_ += report.correction_products;
+    residual_max_ = std::max(residual_max_, report.solver.residual_max);
+    squares_ += report.solver.residual_rms * report.solver.residual_rms;
+    worst_relative_ = std::max(worst_relative_, report.solver.residual);
+    unconverged_ += report.solver.converged ? 0 : 1;
+    shown_.residual = report.solver.residual;
+    shown_.contacts = report.contacts;
+    if (phase().cohesion && clock_.step_in_phase == 1)
+      account_.book_cohesion(cohesion_before_, world_.law.cohesion, comm_.sum(report.bonds));
+  }
+
+  /// The row of the instant at which the step began; `bonds` of that instant came with the step.
+  void write_row(const Clock& start, const Diagnostics& sums, const StepReport& report) {
+    StageTimer timer(world_.times, "output");
+    // One reduction for what the ranks know in parts, one for what is largest on one of them.
+    std::array<double, 3> parts{report.bonds, static_cast<double>(report.contacts),
+                                report.gravity_work};
+    comm_.sum(parts);
+    // Velocities lag by half an interval; the kick's work up to this instant makes up for it.
+    const GravityKick& kick = world_.kick;
+    const double lag = kick.closed > 0 ? parts[2] * kick.closed / (kick.closed + kick.interval) : 0;
+    const Balance b = account_.balance(sums, kick.potential + lag, -world_.law.cohesion * parts[0]);
+    momentum_scale_ = std::max(momentum_scale_, sums.momentum_scale);
+    angular_scale_ = std::max(angular_scale_, sums.angular_momentum_scale);
+    unexplained_ = b.unexplained_energy;
+    shown_.rms_speed = sums.rms_speed;
+    const Vec3 &p = sums.momentum, &l = sums.angular_momentum;
+    const SolverReport& r = report.solver;
+    std::vector<double> row = {static_cast<double>(start.phase),
+                               parts[1],
+                               sums.kinetic,
+                               b.gravitational,
+                               b.bonds,
+                               sums.dissipated,
+                               sums.corrections,
+                               b.unexplained_energy,
+                               p[0],
+                               p[1],
+                               p[2],
+                               l[0],
+                               l[1],
+                               l[2],
+                               b.momentum_drift,
+                               b.angular_momentum_drift,
+                               sums.rms_speed,
+                               r.residual,
+                               r.residual_prox,
+                               r.residual_max,
+                               r.residual_rms,
+                               static_cast<double>(r.products),
+                               static_cast<double>(report.correction_products),
+                               comm_.max(report.overlap)};
+    for (const auto& stage : stages) row.push_back(world_.times[stage]);
+    series_.append(start.step, start.time, row);
+  }
+
+  void snapshot() {
+    evaluate_field(world_);
+    StageTimer timer(world_.times, "output");
+    snapshots_.write(world_.bodies, clock_.step, clock_.time);
+  }
+
+  void end_phase() {
+    if (!passed_multiple(scene_.output.snapshot_every)) snapshot();
+    progress_.say(fmt::format("phase {} done at {}: {} steps", phase().name,
+                              readable_time(clock_.time), clock_.step_in_phase));
+  }
+
+  std::string restart_file() const { return folder_ + "/restart.h5"; }
+
+  /// Both the run that goes on and the one that resumes start from the file's state: pairs searched
+  /// anew.
+  void save() {
+    StageTimer timer(world_.times, "output");
+    RestartState state{.case_file = scene_.file,
+                       .case_text = scene_.text,
+                       .overrides = scene_.overrides,
+                       .clock = clock_,
+                       .scalars = {},
+                       .bodies = world_.bodies,
+                       .contacts = remember(world_.bodies, world_.neighbours.pairs, false)};
+    resize(state.bodies, state.bodies.owned);
+    world_.kick.evaluated = false;  // the file does not keep the field
+    for_each_scalar([&](const std::string& name, double value) { state.scalars[name] = value; });
+    account_.save(state.scalars);
+    verdict_.save(state.scalars);
+    write_restart(comm_, restart_file(), state);
+    world_.bodies = std::move(state.bodies);
+    world_.neighbours = Neighbours{};
+    world_.neighbours.carried = std::move(state.contacts);
+    last_restart_ = MPI_Wtime();
+  }
+
+  void load(const std::map<std::string, double>& scalars) {
+    for_each_scalar([&](const std::string& name, double& value) {
+      const auto found = scalars.find(name);
+      require(found != scalars.end(), "the restart file has no '{}'", name);
+      value = found->second;
+    });
+    account_.load(scalars);
+    verdict_.load(scalars);
+  }
+
+  /// Everything beside bodies, contacts and clock that a run must not forget.
+  template <class F>
+  void for_each_scalar(F&& f) {
+    GravityKick& kick = world_.kick;
+    double steps_left = kick.steps_left, evaluations = static_cast<double>(kick.evaluations);
+    f("kick.steps_left", steps_left);
+    f("kick.evaluations", evaluations);
+    kick.steps_left = static_cast<int>(steps_left);
+    kick.evaluations = static_cast<std::int64_t>(evaluations);
+    f("kick.interval", kick.interval);
+    f("kick.closed", kick.closed);
+    f("kick.remembered_load", kick.remembered_load);
+    f("kick.largest", kick.largest);
+    f("kick.longest", kick.longest);
+    f("kick.potential", kick.potential);
+    f("law.cohesion", world_.law.cohesion);
+    f("run.cohesion_before", cohesion_before_);
+    f("run.has_moved", has_moved_);
+    f("run.products", products_);
+    f("run.correction_products", correction_products_);
+    f("run.residual_max", residual_max_);
+    f("run.residual_squares", squares_);
+    f("run.residual_relative", worst_relative_);
+    f("run.unconverged", unconverged_);
+    f("run.seconds", seconds_before_);
+    for (auto& [stage, seconds] : world_.times) f("seconds." + stage, seconds);
+    f("run.unexplained", unexplained_);
+    f("run.momentum_scale", momentum_scale_);
+    f("run.angular_scale", angular_scale_);
+  }
+
+  void finish() {
+    evaluate_field(world_);
+    const Diagnostics sums = diagnose(world_);
+    if (!verdict_.has_impact()) verdict_.look_at_pile(world_);
+    ResultTable table;
+    verdict_.add_to(table, scene_.binary);
+    add_conservation(table, sums);
+    const double steps = static_cast<double>(std::max<std::int64_t>(clock_.step, 1));
+    table.add("solver", "residual_max", residual_max_, "m/s", "largest of all contacts and steps");
+    table.add("solver", "residual_rms", std::sqrt(squares_ / steps), "m/s",
+              "over contacts and steps");
+    table.add("solver", "residual_relative", worst_relative_, "", "largest E of a step");
+    table.add("solver", "products", static_cast<std::int64_t>(products_));
+    table.add("solver", "products_a_step", products_ / steps);
+    table.add("solver", "steps", clock_.step);
+    table.add("solver", "steps_not_converged", static_cast<std::int64_t>(unconverged_));
+    table.add("solver", "correction_products", static_cast<std::int64_t>(correction_products_));
+    table.add("gravity", "evaluations", world_.kick.evaluations);
+    const double total = MPI_Wtime() - seconds_at_start_ + seconds_before_;
+    table.add("time", "total_s", comm_.max(total), "s");
+    for (const auto& stage : stages)
+      table.add("time", stage + "_s", comm_.max(world_.times[stage]), "s", "longest rank");
+    table.add("time", "ranks", static_cast<std::int64_t>(comm_.size));
+    progress_.say("\n" + table.text());
+    write_results(comm_, folder_, table);
+    series_.write_hdf5();
+  }
+
+  void add_conservation(ResultTable& table, const Diagnostics& sums) {
+    const bool free = scene_.planes.empty() && scene_.uniform_gravity.isZero(0) &&
+                      std::none_of(scene_.groups.begin(), scene_.groups.end(),
+                                   [](const Group& group) { return group.fixed; });
+    if (free) {
+      // An impactor's own momentum is the measure; else what the bodies carry in all.
+      const double p = verdict_.has_impact() ? verdict_.impactor_momentum() : momentum_scale_;
+      const double l = verdict_.has_impact() ? p * verdict_.pile_radius() : angular_scale_;
+      table.add("conservation", "linear", account_.largest_momentum_drift() / p, "",
+                "largest drift of momentum, of the impactor's");
+      table.add("conservation", "angular", account_.largest_angular_momentum_drift() / l, "",
+                "largest drift of angular momentum, of the impactor's on the pile's rim");
+    }
+    table.add("conservation", "energy_unexplained",
+              unexplained_ / std::max(sums.dissipated, 1e-300), "",
+              "energy that no entry explains, of what was dissipated");
+    table.add("conservation", "dissipated", sums.dissipated, "J");
+    table.add("conservation", "kinetic", sums.kinetic, "J");
+    table.add("conservation", "gravitational", world_.kick.potential, "J");
+  }
+
+  const Comm& comm_;
+  const Case& scene_;
+  std::string folder_;
+  Progress progress_;
+  Progress::State shown_;
+  Clock clock_;
+  Series series_;
+  SnapshotWriter snapshots_;
+  World world_;
+  Account account_;
+  Verdict verdict_;
+  double cohesion_before_ = 0, has_moved_ = 0;
+  double products_ = 0, correction_products_ = 0, residual_max_ = 0, squares_ = 0;
+  double worst_relative_ = 0, unconverged_ = 0, unexplained_ = 0;
+  double momentum_scale_ = 0, angular_scale_ = 0;  // largest sums of m |v|, m |x| |v| so far
+  double seconds_before_ = 0, seconds_at_start_, last_restart_;
+};
+
+}  // namespace
+
+bool run_case(const Comm& comm, const Case& scene, const std::string& folder) {
+  return Run(comm, scene, folder, nullptr).go();
+}
+
+bool resume_case(const Comm& comm, const std::string& file) {
+  const RestartState state = read_restart(comm, file);
+  const Case scene = parse_case(state.case_text, state.case_file, state.overrides);
+  return Run(comm, scene, std::filesystem::path(file).parent_path().string(), &state).go();
+}
+
+}  // namespace spall

@@ -1,0 +1,157 @@
+// Collects at fixed times, because dv keeps rising while ejecta leave.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "spall/run/verdict.hpp"
+
+#include <algorithm>
+
+#include "spall/base/require.hpp"
+#include "spall/contact/narrow_phase.hpp"
+
+namespace spall {
+
+void Verdict::look_at_pile(const World& world) {
+  pile_ = measure_interior(world.comm, world.bodies, std::vector<char>(world.bodies.owned, 1));
+}
+
+void Verdict::impactor_added(const World& world, BodyId impactor, double restitution) {
+  before_ = before_impact(world.comm, world.bodies, impactor);
+  restitution_ = restitution;
+  rows_.clear();
+}
+
+std::string Verdict::read_out(const World& world, double since_impact) {
+  // Whatever touches or is within the range of cohesion hangs together.
+  const Contacts contacts = find_contacts(world.bodies, world.planes, world.neighbours.pairs, 0,
+                                          world.law.cohesion_range);
+  const Deflection d = measure_deflection(world.comm, world.neighbours.ghosts, world.bodies,
+                                          links_of(contacts, infinity), world.gravity.constant,
+                                          before_, since_impact);
+  rows_.push_back({.since_impact = since_impact,
+                   .dv = d.dv,
+                   .beta = d.beta,
+                   .beta_along = d.beta_along,
+                   .clump_mass = d.clump.mass,
+                   .clump_count = static_cast<double>(d.clump.count),
+                   .ejecta_count = static_cast<double>(d.ejecta.count),
+                   .ejecta_mass = d.ejecta.mass,
+                   .v_ejecta = d.ejecta.v_ejecta,
+                   .back_momentum = d.ejecta.back_momentum,
+                   .fastest = d.ejecta.fastest,
+                   .cone_half = d.ejecta.cone_half,
+                   .cone_most = d.ejecta.cone_most,
+                   .dv_impactor = d.dv_impactor,
+                   .dv_rebound = d.dv_rebound,
+                   .dv_ejecta = d.dv_ejecta,
+                   .closure = d.closure});
+  closure_ = std::max(closure_, d.closure);
+  return fmt::format(
+      "read-out at {:.4g} s after the impact: dv {:.5g} m/s (impactor {:.5g}, rebound {:.5g}, "
+      "ejecta {:.5g}), beta {:.4g}, {} ejecta of {:.4g} kg",
+      since_impact, d.dv, d.dv_impactor, d.dv_rebound, d.dv_ejecta, d.beta, d.ejecta.count,
+      d.ejecta.mass);
+}
+
+void Verdict::add_to(ResultTable& table, const std::optional<Binary>& binary) const {
+  if (pile_.mass > 0) {
+    table.add("pile", "mass", pile_.mass, "kg");
+    table.add("pile", "packing_fraction", pile_.packing_fraction, "",
+              "inside the half-mass radius");
+    table.add("pile", "half_mass_radius", pile_.half_mass_radius, "m");
+    table.add("pile", "mean_diameter", pile_.mean_diameter, "m", "mean over all directions");
+    table.add("pile", "extent", pile_.extent, "m", "largest distance between two points");
+    table.add("pile", "axes", std::vector<double>(pile_.axes.data(), pile_.axes.data() + 3), "m",
+              "of the ellipsoid with the same moments");
+    table.add("pile", "gyration_radius", pile_.gyration_radius, "m");
+  }
+  if (rows_.empty()) return;
+  const Row& last = rows_.back();
+  const double without_ejecta = impactor_momentum() / before_.target_mass;
+  table.add("deflection", "since_impact", last.since_impact, "s");
+  table.add("deflection", "dv", last.dv, "m/s",
+            "of the largest clump, along the flight of the impactor");
+  table.add("deflection", "dv_impactor", last.dv_impactor, "m/s", "what m U brought");
+  table.add("deflection", "dv_rebound", last.dv_rebound, "m/s", "what the impactor took back");
+  table.add("deflection", "dv_ejecta", last.dv_ejecta, "m/s", "what the ejecta took");
+  table.add("deflection", "dv_plastic", without_ejecta, "m/s",
+            "m v / M: impactor stuck, no ejecta");
+  table.add("deflection", "dv_elastic", without_ejecta * (1 + restitution_), "m/s",
+            "m v (1 + e) / M: impactor rebounds, no ejecta");
+  table.add("deflection", "beta", last.beta, "", "vector formula of Cheng et al. 2023");
+  table.add("deflection", "beta_along", last.beta_along, "", "M dv / (m v)");
+  table.add("deflection", "momentum_closure", closure_, "", "largest of all read-outs, of m v");
+  if (binary) {
+    const Orbit orbit = new_orbit(*binary, last.dv);
+    table.add("deflection", "a_new", orbit.a_new, "m");
+    table.add("deflection", "T_new_min", orbit.T_new / 60, "min");
+    table.add("deflection", "dT_min", orbit.dT / 60, "min");
+  }
+  table.add("clump", "count", static_cast<std::int64_t>(last.clump_count));
+  table.add("clump", "mass", last.clump_mass, "kg");
+  table.add("ejecta", "count", static_cast<std::int64_t>(last.ejecta_count));
+  table.add("ejecta", "mass", last.ejecta_mass, "kg");
+  table.add("ejecta", "v_ejecta", last.v_ejecta, "m/s", "sum of the speeds against the flight");
+  table.add("ejecta", "back_momentum", last.back_momentum, "kg m/s", "the same, weighted by mass");
+  table.add("ejecta", "fastest", last.fastest, "m/s");
+  table.add("ejecta", "cone_half_deg", last.cone_half, "deg",
+            "half-aperture with half the momentum");
+  table.add("ejecta", "cone_most_deg", last.cone_most, "deg", "half-aperture with 90 % of it");
+  auto column = [&](auto member) {
+    std::vector<double> values;
+    for (const Row& row : rows_) values.push_back(row.*member);
+    return values;
+  };
+  table.add("read_out", "since_impact", column(&Row::since_impact), "s");
+  table.add("read_out", "dv", column(&Row::dv), "m/s");
+  table.add("read_out", "beta", column(&Row::beta));
+  table.add("read_out", "ejecta_count", column(&Row::ejecta_count));
+  table.add("read_out", "ejecta_mass", column(&Row::ejecta_mass), "kg");
+  table.add("read_out", "v_ejecta", column(&Row::v_ejecta), "m/s");
+}
+
+template <class Self, class F>
+void Verdict::for_each(Self& self, F&& f) {
+  auto vector = [&](const std::string& name, auto& v) {
+    for (int k = 0; k < 3; ++k) f(name + "." + std::to_string(k), v[k]);
+  };
+  f("verdict.impactor_mass", self.before_.impactor_mass);
+  f("verdict.target_mass", self.before_.target_mass);
+  vector("verdict.target_velocity", self.before_.target_velocity);
+  vector("verdict.relative_velocity", self.before_.relative_velocity);
+  f("verdict.restitution", self.restitution_);
+  f("verdict.closure", self.closure_);
+  f("verdict.pile.mass", self.pile_.mass);
+  f("verdict.pile.gyration_radius", self.pile_.gyration_radius);
+  f("verdict.pile.half_mass_radius", self.pile_.half_mass_radius);
+  f("verdict.pile.packing_fraction", self.pile_.packing_fraction);
+  f("verdict.pile.extent", self.pile_.extent);
+  f("verdict.pile.mean_diameter", self.pile_.mean_diameter);
+  vector("verdict.pile.axes", self.pile_.axes);
+  for (std::size_t r = 0; r < self.rows_.size(); ++r) {
+    auto& row = self.rows_[r];
+    int k = 0;
+    for (auto* value : {&row.since_impact, &row.dv, &row.beta, &row.beta_along, &row.clump_mass,
+                        &row.clump_count, &row.ejecta_count, &row.ejecta_mass, &row.v_ejecta,
+                        &row.back_momentum, &row.fastest, &row.cone_half, &row.cone_most,
+                        &row.dv_impactor, &row.dv_rebound, &row.dv_ejecta, &row.closure})
+      f(fmt::format("verdict.read_out.{}.{}", r, k++), *value);
+  }
+}
+
+void Verdict::save(std::map<std::string, double>& scalars) const {
+  scalars["verdict.impactor"] = static_cast<double>(before_.impactor);
+  scalars["verdict.read_outs"] = static_cast<double>(rows_.size());
+  for_each(*this, [&](const std::string& name, double value) { scalars[name] = value; });
+}
+
+void Verdict::load(const std::map<std::string, double>& scalars) {
+  auto find = [&](const std::string& name) {
+    const auto found = scalars.find(name);
+    require(found != scalars.end(), "the restart file has no '{}'", name);
+    return found->second;
+  };
+  before_.impactor = static_cast<BodyId>(find("verdict.impactor"));
+  rows_.resize(static_cast<std::size_t>(find("verdict.read_outs")));
+  for_each(*this, [&](const std::string& name, double& value) { value = find(name); });
+}
+
+}  // namespace spall

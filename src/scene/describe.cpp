@@ -1,0 +1,95 @@
+// Says in words and tables what a case will make and run.
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "spall/base/require.hpp"
+#include "spall/scene/scene.hpp"
+#include "spall/scene/shape.hpp"
+
+namespace spall {
+namespace {
+
+double ball(double radius) {
+  return 4 * pi / 3 * radius * radius * radius;
+}
+
+/// Bytes that a body needs while a pile of them is solved: its row, its share of contacts (at most
+/// six, in a close packing) with the solver's copies of them, its row of the field and of the
+/// velocity changes.
+std::size_t bytes_of_a_body() {
+  std::size_t row = 0;
+  Bodies none;
+  for_each_field(none, [&](const char*, auto& field) {
+    row += sizeof(typename std::remove_reference_t<decltype(field)>::value_type);
+  });
+  constexpr std::size_t contact = 250, contacts = 6, field = 40, changes = 2 * 64;
+  return row + contacts * contact + field + changes;
+}
+
+std::string describe_group(const Case& scene, const Group& group, std::int64_t count) {
+  const double n = static_cast<double>(count), r = group.packing.radius;
+  const double density = scene.materials[group.material].density;
+  const double mass = group.total_mass.value_or(n * density * ball(r));
+  return fmt::format("  {:<16}{:>10}{:>12.6g}{:>14.6g}{:>14.6g}{:>10.4f}{}\n", group.name, count, r,
+                     mass / n, mass, n * ball(r) / volume_of(group.volume),
+                     group.fixed ? "  fixed" : "");
+}
+
+std::string describe_phase(const Phase& phase, double start) {
+  std::string text =
+      fmt::format("  {:<16}{:>12.6g}{:>12.6g}{:>10.0f}{:>12.6g}", phase.name, phase.step,
+                  phase.duration, std::ceil(phase.duration / phase.step * (1 - 1e-12)), start);
+  if (phase.until_settled)
+    text += fmt::format("  at most, until the rms speed is below {:g} m/s", phase.settled_speed);
+  if (phase.remove_drift) text += "  drift removed";
+  if (phase.cohesion) text += fmt::format("  cohesion {:g} N", *phase.cohesion);
+  if (phase.impactor)
+    text +=
+        fmt::format("  impactor {:g} kg at {:g} m/s", phase.impactor->mass, phase.impactor->speed);
+  return text + "\n";
+}
+
+}  // namespace
+
+std::string describe(const Case& scene) {
+  const std::vector<std::int64_t> counts = count_bodies(scene);
+  std::string text = fmt::format("{}\n\n", scene.title.empty() ? scene.file : scene.title);
+  text += fmt::format("  {:<16}{:>10}{:>12}{:>14}{:>14}{:>10}\n", "group", "bodies", "radius (m)",
+                      "each (kg)", "all (kg)", "filled");
+  for (std::size_t g = 0; g < counts.size(); ++g)
+    text += describe_group(scene, scene.groups[g], counts[g]);
+
+  const std::int64_t all = std::accumulate(counts.begin(), counts.end(), std::int64_t{0});
+  text += fmt::format("\n  {} bodies, about {:.3g} MB over all ranks\n", all,
+                      1e-6 * static_cast<double>(all) * static_cast<double>(bytes_of_a_body()));
+
+  const auto has_cohesion = [](const Phase& phase) { return phase.cohesion.value_or(0) > 0; };
+  if (scene.contact.friction == 0)
+    text += "  no friction: one unknown a contact, no spins change\n";
+  if (scene.contact.cohesion == 0 && std::ranges::none_of(scene.phases, has_cohesion))
+    text += "  no cohesion\n";
+  if (scene.gravity.method == GravityMethod::none) text += "  no self-gravity\n";
+
+  text += fmt::format("\n  {:<16}{:>12}{:>12}{:>10}{:>12}\n", "phase", "step (s)", "lasts (s)",
+                      "steps", "starts (s)");
+  double start = 0;
+  for (const Phase& phase : scene.phases) {
+    text += describe_phase(phase, start);
+    start += phase.duration;
+  }
+
+  for (const Phase& phase : scene.phases)
+    if (phase.impactor) {
+      // Contacts are found however fast bodies fly; what a longer step loses is the order of hits.
+      const double flight = phase.impactor->speed * phase.step;
+      text += fmt::format(
+          "\n  the impactor flies {:.3g} m a step, {:.3g} of its radius; steps of {:.3g} s are one "
+          "radius (thesis eq. 3.1)\n",
+          flight, flight / phase.impactor->radius, phase.impactor->radius / phase.impactor->speed);
+    }
+  return text;
+}
+
+}  // namespace spall

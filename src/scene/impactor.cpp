@@ -1,0 +1,99 @@
+// Sweeps the impactor along its line to the first body in its way.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "spall/scene/impactor.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "spall/base/require.hpp"
+
+namespace spall {
+namespace {
+
+/// A meeting of the impactor with one body: `along` is the impactor's place on its line, m.
+struct Meeting {
+  double along = infinity;
+  BodyId id = -1;
+  Vec3 center = Vec3::Zero();
+};
+
+/// The first body that a sphere of `radius` meets that comes along `direction` on the line through
+/// `through`; of all ranks.
+Meeting first_meeting(const Comm& comm, const Bodies& bodies, const Vec3& through,
+                      const Vec3& direction, double radius) {
+  Meeting own;
+  for (Index b = 0; b < bodies.owned; ++b) {
+    const Vec3 to = bodies.position[b] - through;
+    const double along = to.dot(direction);
+    const double reach = radius + bodies.radius[b];
+    const double aside2 = (to - along * direction).squaredNorm();
+    if (aside2 >= reach * reach) continue;
+    const double at = along - std::sqrt(reach * reach - aside2);
+    if (at < own.along || (at == own.along && bodies.id[b] < own.id))
+      own = {at, bodies.id[b], bodies.position[b]};
+  }
+  Meeting first;
+  first.along = comm.min(own.along);
+  require(first.along < infinity,
+          "the impactor misses: no body within its radius, {} m, of its line of flight", radius);
+  const bool may = own.along == first.along;
+  first.id = static_cast<BodyId>(comm.min(may ? static_cast<double>(own.id) : infinity));
+  first.center = comm.sum(may && own.id == first.id ? own.center : Vec3(Vec3::Zero()));
+  return first;
+}
+
+struct Target {
+  Vec3 center, velocity;  ///< of mass, of the bodies that can move; the origin, at rest, without
+};
+
+Target measure_target(const Comm& comm, const Bodies& bodies) {
+  double sums[7] = {};
+  Eigen::Map<Vec3> position(sums + 1), momentum(sums + 4);
+  for (Index b = 0; b < bodies.owned; ++b) {
+    if (!std::isfinite(bodies.mass[b])) continue;
+    sums[0] += bodies.mass[b];
+    position += bodies.mass[b] * bodies.position[b];
+    momentum += bodies.mass[b] * bodies.velocity[b];
+  }
+  comm.sum(std::span<double>(sums));
+  if (sums[0] == 0) return {Vec3::Zero(), Vec3::Zero()};
+  return {position / sums[0], momentum / sums[0]};
+}
+
+}  // namespace
+
+Aim aim_impactor(const Comm& comm, const Impactor& impactor, const Bodies& bodies) {
+  const Target target = measure_target(comm, bodies);
+  const Vec3& direction = impactor.direction;
+  Vec3 through = target.center + impactor.offset;
+  Meeting met = first_meeting(comm, bodies, through, direction, impactor.radius);
+  // Each shift brings the impactor to an earlier meeting, so this ends.
+  for (BodyId struck = -1; impactor.head_on && met.id != struck;) {
+    struck = met.id;
+    through = met.center;
+    met = first_meeting(comm, bodies, through, direction, impactor.radius);
+  }
+  return {through + (met.along - impactor.distance) * direction,
+          target.velocity + impactor.speed * direction, met.id};
+}
+
+Aim add_impactor(const Comm& comm, const Case& scene, const Impactor& impactor, Bodies& bodies) {
+  const Aim aim = aim_impactor(comm, impactor, bodies);
+  const auto highest = std::ranges::max_element(bodies.id);
+  const BodyId next = 1 + static_cast<BodyId>(comm.max(
+                              highest == bodies.id.end() ? -1.0 : static_cast<double>(*highest)));
+  if (std::ranges::find(bodies.id, aim.struck) == bodies.id.end()) return aim;
+  bodies.id.push_back(next);
+  bodies.group.push_back(static_cast<std::int32_t>(scene.groups.size()));
+  bodies.material.push_back(impactor.material);
+  bodies.radius.push_back(impactor.radius);
+  bodies.mass.push_back(impactor.mass);
+  bodies.position.push_back(aim.position);
+  bodies.velocity.push_back(aim.velocity);
+  bodies.angular_velocity.push_back(Vec3::Zero());
+  ++bodies.owned;
+  return aim;
+}
+
+}  // namespace spall

@@ -1,0 +1,240 @@
+// Cases: what is read, what overrides change, and one clear message for each mistake.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "spall/scene/case.hpp"
+
+#include "spall/base/require.hpp"
+#include "testing.hpp"
+
+namespace spall {
+namespace {
+
+const char* const good = R"(title = "two groups"
+seed = 7
+read_out = ["1 min", 90]
+[materials.rock]
+density = "1600 kg/m^3"
+[materials.ice]
+density = 917
+[contact]
+friction = 0.5
+cohesion_range = "1 cm"
+[[groups]]
+name = "pile"
+material = "rock"
+volume = {shape = "hollow_sphere", radius = "80 m", inner_radius = "70 m", center = ["1 km", 0, 0]}
+packing = {kind = "random", diameter = "3.4 m", count = 100}
+spin = [0, 0, "1 rev/h"]
+[[groups]]
+name = "ball"
+material = "ice"
+volume = {radius = 2}
+[[planes]]
+point = [0, 0, -5]
+normal = [0, 0, 2]
+[gravity]
+method = "auto"
+uniform = [0, 0, "-9.81 m/s^2"]
+[solver]
+method = "bb"
+tolerance = 1e-3
+[[phases]]
+name = "rest"
+step = "10 s"
+duration = "1 h"
+until = "settled"
+settled_speed = "1 mm/s"
+[[phases]]
+name = "hit"
+step = 1e-4
+duration = 1
+cohesion = "500 N"
+impactor = {mass = 500, diameter = 0.5, speed = "4 km/s", direction = [0, 3, 4], aim = "line"}
+solver = {prox = 0}
+[orbit]
+separation = "1180 m"
+speed = 0.17
+parameter = 34.102
+period = "12 h"
+)";
+
+Case read(const std::vector<std::string>& overrides) {
+  return parse_case(good, "x.toml", overrides);
+}
+
+std::string complaint(const std::string& text, const std::vector<std::string>& overrides = {}) {
+  try {
+    parse_case(text, "x.toml", overrides);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+/// What is said of `good` with the first `was` replaced.
+std::string complaint_with(const std::string& was, const std::string& is) {
+  std::string text = good;
+  const std::size_t at = text.find(was);
+  EXPECT_NE(at, text.npos) << was;
+  return complaint(text.replace(at, was.size(), is));
+}
+
+TEST(Case, fields_are_read_in_si_units) {
+  const Case scene = read({});
+  EXPECT_EQ(scene.title, "two groups");
+  EXPECT_EQ(scene.seed, 7u);
+  EXPECT_EQ(scene.read_out, (std::vector<double>{60, 90}));
+  ASSERT_EQ(scene.groups.size(), 2u);
+  const Group& pile = scene.groups[0];
+  EXPECT_EQ(scene.materials[pile.material].density, 1600);
+  EXPECT_EQ(pile.volume.shape, Shape::hollow_sphere);
+  EXPECT_EQ(pile.volume.center, Vec3(1000, 0, 0));
+  EXPECT_EQ(pile.packing.radius, 1.7);
+  EXPECT_EQ(pile.packing.count, 100);
+  EXPECT_DOUBLE_EQ(pile.spin.z(), 2 * pi / 3600);
+  EXPECT_EQ(scene.groups[1].packing.radius, 2);  // single: the volume itself
+  EXPECT_EQ(scene.planes[0].normal, Vec3::UnitZ());
+  EXPECT_EQ(scene.gravity.method, GravityMethod::automatic);
+  EXPECT_EQ(scene.uniform_gravity.z(), -9.81);
+  EXPECT_EQ(scene.solver.method, SolverMethod::barzilai_borwein);
+  EXPECT_TRUE(scene.phases[0].until_settled);
+  const Phase& hit = scene.phases[1];
+  EXPECT_EQ(hit.cohesion, 500);
+  EXPECT_EQ(hit.solver->prox, 0);
+  EXPECT_EQ(hit.solver->tolerance, 1e-3);  // the rest is the case's
+  EXPECT_EQ(hit.impactor->speed, 4000);
+  EXPECT_FALSE(hit.impactor->head_on);
+  EXPECT_TRUE(hit.impactor->direction.isApprox(Vec3(0, 0.6, 0.8), 1e-15));
+  EXPECT_DOUBLE_EQ(scene.materials[hit.impactor->material].density, 500 / (pi / 6 / 8));
+  EXPECT_EQ(scene.binary->period, 43200);
+}
+
+TEST(Case, overrides_reach_tables_array_elements_and_names) {
+  const Case scene = read({"seed=9", "materials.rock.density=2 g/cm^3", "phases.0.duration=10 s",
+                           "phases.hit.step = 1e-5", "groups.1.volume.radius=\"3 m\"",
+                           "phases.rest.solver.max_iterations=7", "output.series_every=2 s",
+                           "contact.cohesion_law=impulse", "read_out=[5]"});
+  EXPECT_EQ(scene.seed, 9u);
+  EXPECT_EQ(scene.materials[scene.groups[0].material].density, 2000);
+  EXPECT_EQ(scene.phases[0].duration, 10);
+  EXPECT_EQ(scene.phases[1].step, 1e-5);
+  EXPECT_EQ(scene.groups[1].packing.radius, 3);
+  EXPECT_EQ(scene.phases[0].solver->max_iterations, 7);
+  EXPECT_EQ(scene.output.series_every, 2);
+  EXPECT_TRUE(scene.contact.cohesion_is_impulse);
+  EXPECT_EQ(scene.read_out, std::vector<double>{5});
+}
+
+TEST(Case, mistakes_name_file_line_key_and_what_would_be_right) {
+  const std::pair<std::pair<const char*, const char*>, const char*> mistakes[] = {
+      {{"friction =", "frictoin ="},
+       "x.toml:9:1: contact.frictoin is not a key here; did you mean contact.friction?"},
+      {{"density = 917", "densty = 917"},
+       "x.toml:7:1: materials.ice.densty is not a key here; did you mean materials.ice.density?"},
+      {{"friction = 0.5", "q = 1"},
+       "x.toml:9:1: contact.q is not a key here; the keys here are friction, restitution, "
+       "cohesion, "
+       "cohesion_range, cohesion_law"},
+      {{"friction = 0.5", "friction = true"},
+       "x.toml:9:12: contact.friction is true or false; a number such as 0.5 is wanted"},
+      {{"friction = 0.5", "friction = -1"},
+       "x.toml:9:12: contact.friction = -1: 0 or more is wanted"},
+      {{"friction = 0.5", "friction = nan"},
+       "x.toml:9:12: contact.friction = nan: a finite value is wanted"},
+      {{"friction = 0.5", "restitution = 1.1"},
+       "x.toml:9:15: contact.restitution = 1.1: 0 to 1 is wanted"},
+      {{"density = 917", ""}, "x.toml:6:1: materials.ice.density is missing"},
+      {{"\"1600 kg/m^3\"", "0"}, "x.toml:5:11: materials.rock.density = 0: more than 0 is wanted"},
+      {{"\"1600 kg/m^3\"", "\"1600 kg\""},
+       "x.toml:5:11: materials.rock.density = \"1600 kg\" is a mass; a density such as \"1600 "
+       "kg/m^3\" is wanted"},
+      {{"radius = 2}", "radius = -2}"},
+       "x.toml:20:20: groups.ball.volume.radius = -2: more than 0 is wanted"},
+      {{"radius = 2}", "radius = 2, height = 1}"},
+       "x.toml:20:23: groups.ball.volume.height is not a key here; the keys here are shape, "
+       "center, "
+       "radius"},
+      {{"radius = 2}", "radius = 2, diameter = 1}"},
+       "x.toml:20:34: groups.ball.volume.diameter is given beside radius: give one of them"},
+      {{"volume = {radius = 2}", "volume = 3"},
+       "x.toml:20:10: groups.ball.volume is a number; a table is wanted: [groups.ball.volume] or "
+       "volume = {...}"},
+      {{"volume = {radius = 2}", "volume = {shape = \"box\", size = [1, 1, 1]}"},
+       "x.toml:20:10: groups.ball.volume is not a sphere: a single packing is one sphere"},
+      {{"volume = {radius = 2}", ""},
+       "x.toml:17:1: groups.ball.volume is missing, such as {shape = \"sphere\", radius = \"95 "
+       "m\"}"},
+      {{"inner_radius = \"70 m\"", "inner_radius = \"90 m\""},
+       "x.toml:14:68: groups.pile.volume.inner_radius is not smaller than radius"},
+      {{"[\"1 km\", 0, 0]", "[\"1 km\", 0]"},
+       "x.toml:14:85: groups.pile.volume.center is an array of 2; three components are wanted, "
+       "each "
+       "a length such as \"0.237 mm\""},
+      {{"\"ice\"\nvolume", "\"iron\"\nvolume"},
+       "x.toml:19:12: groups.ball.material = \"iron\" is not in [materials]"},
+      {{"\"random\"", "\"dense\""},
+       "x.toml:15:19: groups.pile.packing.kind = \"dense\": one of \"single\", \"random\", "
+       "\"simple_cubic\", \"fcc\", \"hcp\" is wanted"},
+      {{"\"random\", diameter = \"3.4 m\", count = 100", "\"fcc\", radius = 2, spacing = 3"},
+       "x.toml:15:48: groups.pile.packing.spacing = 3 m is less than the spheres' diameter, 4 m"},
+      {{"count = 100", "count = 1.5"},
+       "x.toml:15:57: groups.pile.packing.count is not whole; a whole number is wanted"},
+      {{"count = 100", "count = 0"},
+       "x.toml:15:57: groups.pile.packing.count = 0: 1 or more is wanted"},
+      {{"normal = [0, 0, 2]", "normal = [0, 0, 0]"}, "x.toml:23:10: planes.0.normal is zero"},
+      {{"step = \"10 s\"", "step = \"10 m\""},
+       "x.toml:32:8: phases.rest.step = \"10 m\" is a length; a time such as \"10 s\" or \"12 h\" "
+       "is "
+       "wanted"},
+      {{"until = \"settled\"", "until = \"time\""},
+       "x.toml:35:1: phases.rest.settled_speed is not a key here; the keys here are name, step, "
+       "duration, until, cohesion, remove_drift, impactor, solver"},
+      {{"name = \"hit\"", "name = \"rest\""}, "x.toml: two phases are named \"rest\""},
+      {{"cohesion_range = \"1 cm\"", ""},
+       "x.toml: phases.hit.cohesion needs contact.cohesion_range: the gap up to which it acts"},
+      {{"title = \"two groups\"", "title = 2"},
+       "x.toml:1:9: title is a number; a text in quotes is wanted"},
+      {{"[[planes]]", "[planes]"}, "x.toml:21:1: planes is a table; tables are wanted: [[planes]]"},
+  };
+  for (const auto& [change, message] : mistakes)
+    EXPECT_EQ(complaint_with(change.first, change.second), message) << change.second;
+}
+
+TEST(Case, what_is_not_toml_is_told_with_its_line) {
+  EXPECT_TRUE(complaint_with("friction = 0.5", "friction = ").starts_with("x.toml:9:12: "));
+  EXPECT_TRUE(complaint_with("seed = 7", "title = \"again\"").starts_with("x.toml:2:"));
+}
+
+TEST(Case, mistakes_in_overrides_name_the_override) {
+  EXPECT_EQ(complaint(good, {"contact.frictoin=1"}),
+            "--set contact.frictoin=1: contact.frictoin is not a key here; did you mean "
+            "contact.friction?");
+  EXPECT_EQ(complaint(good, {"contcat.friction=1"}),
+            "--set contcat.friction=1: contcat is not a key here; did you mean contact?");
+  EXPECT_EQ(
+      complaint(good, {"phases.hit.step=4 m"}),
+      "--set phases.hit.step=4 m: phases.hit.step = \"4 m\" is a length; a time such as \"10 s\" "
+      "or \"12 h\" is wanted");
+  EXPECT_EQ(complaint(good, {"phases.hot.step=4"}),
+            "--set phases.hot.step=4: phases has no element hot to change the keys of");
+  EXPECT_EQ(complaint(good, {"seed"}), "--set seed: key.path=value is wanted");
+}
+
+TEST(Case, nothing_to_simulate_is_an_error) {
+  EXPECT_EQ(complaint(""), "x.toml: no bodies: it has no [[groups]]");
+  EXPECT_EQ(complaint(good, {"phases=[]"}), "x.toml: nothing to run: it has no [[phases]]");
+}
+
+TEST(Case, a_missing_file_and_a_folder_are_errors) {
+  EXPECT_THROW(read_case("no/such/case.toml"), Error);
+  EXPECT_THROW(read_case("."), Error);
+}
+
+TEST(Case, the_reference_lists_every_key) {
+  const std::string reference = case_reference();
+  for (const char* key : {"inner_radius", "height", "spacing", "settled_speed", "cohesion_law",
+                          "relaxation", "restart_every", "parameter", "read_out"})
+    EXPECT_NE(reference.find(key), reference.npos) << key;
+}
+
+}  // namespace
+}  // namespace spall

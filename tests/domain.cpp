@@ -1,0 +1,198 @@
+// Bodies over ranks: migration loses nothing, halos and pairs miss nothing.
+// SPDX-License-Identifier: BSD-3-Clause
+#include <map>
+#include <random>
+#include <set>
+
+#include "spall/contact/broad_phase.hpp"
+#include "spall/contact/narrow_phase.hpp"
+#include "spall/contact/neighbours.hpp"
+#include "spall/domain/halo.hpp"
+#include "spall/domain/migration.hpp"
+#include "spall/domain/pack.hpp"
+#include "spall/domain/partition.hpp"
+#include "testing.hpp"
+
+namespace spall {
+namespace {
+
+using PairSet = std::set<std::pair<BodyId, BodyId>>;
+
+/// `count` spheres in a cube, radii over two decades, the same on any number of ranks; all of them.
+Bodies random_bodies(int count, double spread = 100) {
+  std::mt19937_64 random(7);
+  auto uniform = [&] { return std::ldexp(static_cast<double>(random() >> 11), -53); };
+  Bodies bodies;
+  resize(bodies, count);
+  for (Index b = 0; b < count; ++b) {
+    bodies.id[b] = b;
+    bodies.radius[b] = 0.05 * std::pow(spread, uniform() * uniform() * uniform());
+    bodies.mass[b] = std::pow(bodies.radius[b], 3);
+    bodies.position[b] = 10 * Vec3(uniform(), uniform(), uniform());
+    bodies.velocity[b] = Vec3(uniform(), uniform(), uniform());
+    bodies.angular_velocity[b] = Vec3(b, 2 * b, 3 * b);
+    bodies.group[b] = b % 3;
+    bodies.material[b] = b % 2;
+  }
+  bodies.owned = count;
+  return bodies;
+}
+
+/// This rank's share, dealt out by id.
+Bodies share(const Bodies& all, const Comm& comm) {
+  Bodies mine;
+  for (Index b = 0; b < all.size(); ++b) {
+    if (b % comm.size != comm.rank) continue;
+    std::vector<double> row;
+    pack_row(all, b, row);
+    unpack_rows(mine, row);
+  }
+  mine.owned = mine.size();
+  return mine;
+}
+
+PairSet brute_force(const Bodies& all, double reach) {
+  PairSet pairs;
+  for (Index a = 0; a < all.size(); ++a)
+    for (Index b = a + 1; b < all.size(); ++b)
+      if ((all.position[a] - all.position[b]).norm() <= all.radius[a] + all.radius[b] + 2 * reach)
+        pairs.emplace(a, b);
+  return pairs;
+}
+
+TEST(Migration, every_body_arrives_once_with_all_its_fields) {
+  const Comm comm = testing_world();
+  const Bodies all = random_bodies(500);
+  Bodies mine = share(all, comm);
+  ContactMemory memory;
+  if (comm.rank == 0)
+    memory = {{3, 7, 9}, {4, -1, 200}, {Vec3(1, 2, 3), Vec3(4, 5, 6), Vec3::Ones()}};
+  std::vector<int> owner(mine.owned);
+  for (Index b = 0; b < mine.owned; ++b)
+    owner[b] = static_cast<int>(mine.id[b] * 31 % 7) % comm.size;
+  migrate(comm, mine, memory, owner);
+  EXPECT_EQ(comm.sum(static_cast<std::int64_t>(mine.owned)), 500);
+  std::set<BodyId> here;
+  for (Index b = 0; b < mine.owned; ++b) {
+    const auto id = mine.id[b];
+    here.insert(id);
+    EXPECT_EQ(static_cast<int>(id * 31 % 7) % comm.size, comm.rank);
+    EXPECT_EQ(mine.position[b], all.position[id]);
+    EXPECT_EQ(mine.angular_velocity[b], all.angular_velocity[id]);
+    EXPECT_EQ(mine.mass[b], all.mass[id]);
+    EXPECT_EQ(mine.group[b], all.group[id]);
+  }
+  // Memory is wherever one of the contact's bodies is.
+  const std::set<BodyId> remembered(memory.i.begin(), memory.i.end());
+  EXPECT_EQ(remembered.count(3), here.count(3) || here.count(4));
+  EXPECT_EQ(remembered.count(7), here.count(7));
+  EXPECT_EQ(remembered.count(9), here.count(9) || here.count(200));
+}
+
+TEST(Partition, parts_are_balanced_and_compact) {
+  const Comm comm = testing_world();
+  Bodies all = random_bodies(4000, 1);
+  Bodies mine = share(all, comm);
+  const std::vector<double> work(mine.owned, 1.0);
+  ContactMemory memory;
+  migrate(comm, mine, memory, partition(comm, mine, work));
+  // The width of the cells may depend on where bodies lie at first; from the second cut on it does
+  // not.
+  migrate(comm, mine, memory, partition(comm, mine, std::vector<double>(mine.owned, 1.0)));
+  EXPECT_LT(imbalance(comm, mine.owned), 1.1);
+  std::vector<double> reach(mine.owned, 0.05);
+  make_halo(comm, mine, reach);
+  // A quarter of a cube in slabs or columns has few bodies near its faces.
+  EXPECT_LT(mine.ghosts(), 0.5 * mine.owned);
+  // Cut again: nobody moves.
+  const auto again = partition(comm, mine, std::vector<double>(mine.owned, 1.0));
+  EXPECT_EQ(std::count(again.begin(), again.end(), comm.rank), mine.owned);
+}
+
+TEST(Halo, pairs_of_all_ranks_are_those_of_brute_force) {
+  const Comm comm = testing_world();
+  for (double spread : {1.0, 100.0}) {
+    const Bodies all = random_bodies(800, spread);
+    const double reach = 0.03;
+    const PairSet expected = brute_force(all, reach);
+    Bodies mine = share(all, comm);
+    ContactMemory memory;
+    migrate(comm, mine, memory, partition(comm, mine, std::vector<double>(mine.owned, 1.0)));
+    std::vector<double> reaches(mine.owned, reach);
+    const Ghosts ghosts = make_halo(comm, mine, reaches);
+    EXPECT_EQ(ghosts.ghosts(), mine.ghosts());
+    for (Index b = mine.owned; b < mine.size(); ++b)
+      EXPECT_EQ(mine.position[b], all.position[mine.id[b]]);
+    const Pairs pairs = find_pairs(mine, reaches, {});
+    PairSet found;
+    for (Index p = 0; p < pairs.size(); ++p) {
+      const BodyId i = mine.id[pairs.i[p]], j = mine.id[pairs.j[p]];
+      EXPECT_LT(i, j);
+      EXPECT_TRUE(found.emplace(i, j).second) << i << " " << j << " twice";
+      EXPECT_EQ(p < pairs.boundary, pairs.i[p] >= mine.owned || pairs.j[p] >= mine.owned);
+      EXPECT_TRUE(expected.count({i, j}));
+    }
+    // Every pair is on each rank that owns one of its bodies.
+    std::set<BodyId> here(mine.id.begin(), mine.id.begin() + mine.owned);
+    for (const auto& [i, j] : expected)
+      EXPECT_EQ(found.count({i, j}), here.count(i) || here.count(j)) << i << " " << j;
+  }
+}
+
+TEST(Neighbours, no_contact_is_missed_while_bodies_fly) {
+  const Comm comm = testing_world();
+  Bodies mine = share(random_bodies(300, 10), comm);
+  Neighbours neighbours;
+  const double h = 0.02;
+  for (int step = 0; step < 60; ++step) {
+    update_neighbours(comm, mine, {}, h, 0.0, neighbours);
+    const Contacts contacts = find_contacts(mine, {}, neighbours.pairs, h, 0.0);
+    // All bodies, in the order of ids, on every rank.
+    std::vector<double> row;
+    for (Index b = 0; b < mine.owned; ++b)
+      row.insert(row.end(), {static_cast<double>(mine.id[b]), mine.position[b][0],
+                             mine.position[b][1], mine.position[b][2], mine.velocity[b][0],
+                             mine.velocity[b][1], mine.velocity[b][2], mine.radius[b]});
+    const auto everything = comm.all_gather(std::span<const double>(row));
+    std::map<BodyId, const double*> at;
+    for (std::size_t k = 0; k < everything.size(); k += 8)
+      at[static_cast<BodyId>(everything[k])] = &everything[k];
+    PairSet found;
+    for (Index c = 0; c < contacts.size(); ++c)
+      found.emplace(mine.id[contacts.i[c]], mine.id[contacts.j[c]]);
+    std::set<BodyId> here(mine.id.begin(), mine.id.begin() + mine.owned);
+    for (const auto& [i, a] : at)
+      for (const auto& [j, b] : at) {
+        if (i >= j || (!here.count(i) && !here.count(j))) continue;
+        const Vec3 apart = Vec3(b[1], b[2], b[3]) - Vec3(a[1], a[2], a[3]);
+        const double closing =
+            -(Vec3(b[4], b[5], b[6]) - Vec3(a[4], a[5], a[6])).dot(apart.normalized());
+        if (apart.norm() - a[7] - b[7] < h * std::max(closing, 0.0)) {
+          EXPECT_TRUE(found.count({i, j})) << "step " << step << ": " << i << " " << j;
+        }
+      }
+    for (Index b = 0; b < mine.size(); ++b) mine.position[b] += h * mine.velocity[b];
+  }
+}
+
+TEST(Neighbours, impulses_stay_with_their_pairs_over_cuts) {
+  const Comm comm = testing_world();
+  Bodies mine = share(random_bodies(300, 10), comm);
+  Neighbours neighbours;
+  update_neighbours(comm, mine, {}, 0.01, 0.1, neighbours);
+  auto value = [&](Index p) {
+    const double i = static_cast<double>(mine.id[neighbours.pairs.i[p]]);
+    const double j = static_cast<double>(mine.id[neighbours.pairs.j[p]]);
+    return Vec3(1 + i, 1 + j, i * j);
+  };
+  for (Index p = 0; p < neighbours.pairs.size(); ++p) neighbours.pairs.impulse[p] = value(p);
+  neighbours.valid = false;
+  neighbours.balance = 0;  // asks for a cut
+  update_neighbours(comm, mine, {}, 0.01, 0.1, neighbours);
+  ASSERT_GT(comm.sum(static_cast<std::int64_t>(neighbours.pairs.size())), 0);
+  for (Index p = 0; p < neighbours.pairs.size(); ++p)
+    EXPECT_EQ(neighbours.pairs.impulse[p], value(p));
+}
+
+}  // namespace
+}  // namespace spall

@@ -1,0 +1,320 @@
+// Snapshots, restarts, series, results: what is written is what is read, whatever happens between.
+// SPDX-License-Identifier: BSD-3-Clause
+#include <toml++/toml.h>
+
+#include <array>
+#include <bit>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+#include "../src/output/files.hpp"
+#include "../src/output/h5.hpp"
+#include "spall/base/require.hpp"
+#include "spall/output/restart.hpp"
+#include "spall/output/results.hpp"
+#include "spall/output/series.hpp"
+#include "spall/output/snapshot.hpp"
+#include "testing.hpp"
+
+namespace spall {
+namespace {
+
+/// A folder of this test and this number of ranks, empty at the start.
+std::string fresh_folder(const Comm& comm) {
+  const std::string folder = fmt::format(
+      "output_{}_{}", ::testing::UnitTest::GetInstance()->current_test_info()->name(), comm.size);
+  if (comm.rank == 0) std::filesystem::remove_all(folder);
+  make_folder(comm, folder);
+  return folder;
+}
+
+/// Body `id` with values that depend on it alone and fill all bits of a double.
+void add_body(Bodies& bodies, BodyId id) {
+  const auto x = static_cast<double>(id + 1);
+  bodies.id.push_back(id);
+  bodies.group.push_back(static_cast<std::int32_t>(id % 3));
+  bodies.material.push_back(static_cast<std::int32_t>(id % 2));
+  bodies.radius.push_back(1 / x);
+  bodies.mass.push_back(id == 0 ? infinity : std::sqrt(x));
+  bodies.position.push_back(Vec3(std::sin(x), std::cos(x), std::tan(x)));
+  bodies.velocity.push_back(Vec3(std::exp(-x), -0.0, 5e-324 * x));
+  bodies.angular_velocity.push_back(Vec3(std::cbrt(x), 1e300 / x, -x));
+}
+
+/// `count` bodies, dealt over the ranks out of order.
+Bodies dealt(const Comm& comm, BodyId count) {
+  Bodies bodies;
+  for (BodyId k = 0; k < count; ++k) {
+    const BodyId id = (k * 7 + 3) % count;
+    if ((id * id + id / 5) % comm.size == comm.rank) add_body(bodies, id);
+  }
+  bodies.owned = bodies.size();
+  return bodies;
+}
+
+template <class T>
+bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
+  return a.size() == b.size() &&
+         (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
+}
+
+void expect_same_bits(const Bodies& a, const Bodies& b) {
+  EXPECT_EQ(a.owned, b.owned);
+  std::vector<bool> same;
+  const auto fields = [](const Bodies& bodies) {
+    return std::tie(bodies.id, bodies.group, bodies.material, bodies.radius, bodies.mass,
+                    bodies.position, bodies.velocity, bodies.angular_velocity);
+  };
+  std::apply(
+      [&](const auto&... field_a) {
+        std::apply(
+            [&](const auto&... field_b) { (same.push_back(same_bits(field_a, field_b)), ...); },
+            fields(b));
+      },
+      fields(a));
+  for (std::size_t k = 0; k < same.size(); ++k) EXPECT_TRUE(same[k]) << "field " << k;
+}
+
+TEST(Snapshot, row_k_is_body_k_with_the_same_bits_on_any_number_of_ranks) {
+  const Comm comm = testing_world();
+  const std::string folder = fresh_folder(comm);
+  Case scene;
+  scene.text = "title = \"test\"";
+  SnapshotWriter writer(comm, folder, scene);
+  writer.write(dealt(comm, 71), 10, 0.1);
+  writer.write(dealt(comm, 73), 20, 0.3);  // two were added
+  Bodies expected;
+  for (BodyId id = 0; id < 73; ++id) add_body(expected, id);
+
+  if (comm.rank == 0) {
+    auto file = h5::File::open(folder + "/snapshots/000001.h5");
+    EXPECT_EQ(file.read<std::int64_t>("/particles/all/velocity/step").at(0), 20);
+    EXPECT_EQ(file.read<double>("/particles/all/position/time").at(0), 0.3);
+    EXPECT_EQ(file.read_text("/parameters/case"), scene.text);
+    const h5::Rows rows{0, 73, 73};
+    EXPECT_TRUE(same_bits(file.read<std::int64_t>("/particles/all/id", rows), expected.id));
+    EXPECT_TRUE(same_bits(file.read<std::int32_t>("/particles/all/group", rows), expected.group));
+    EXPECT_TRUE(same_bits(file.read<double>("/particles/all/radius", rows), expected.radius));
+    EXPECT_TRUE(same_bits(file.read<double>("/particles/all/mass", rows), expected.mass));
+
+    // The trajectory shows the frames as one dataset; what was not there yet is NaN.
+    auto all = h5::File::open(folder + "/trajectory.h5");
+    EXPECT_EQ(all.read<double>("/particles/all/velocity/time"), (std::vector{0.1, 0.3}));
+    EXPECT_TRUE(same_bits(all.read<double>("/particles/all/radius", rows), expected.radius));
+    const auto position = all.read<double>("/particles/all/position/value");
+    for (int d = 0; d < 3; ++d) {
+      for (int id = 0; id < 73; ++id)
+        EXPECT_EQ(position[(73 + id) * 3 + d], expected.position[id][d]);
+      EXPECT_EQ(position[70 * 3 + d], expected.position[70][d]);
+      EXPECT_TRUE(std::isnan(position[71 * 3 + d]) && std::isnan(position[72 * 3 + d]));
+    }
+    const std::string xdmf = read_whole(folder + "/trajectory.xdmf");
+    EXPECT_NE(xdmf.find("snapshots/000001.h5:/particles/all/position/value"), std::string::npos);
+  }
+}
+
+TEST(Snapshot, a_resumed_run_goes_on_and_a_new_one_starts_over) {
+  const Comm comm = testing_world();
+  const std::string folder = fresh_folder(comm);
+  const auto times = [&] {
+    return h5::File::open(folder + "/trajectory.h5").read<double>("/particles/all/position/time");
+  };
+  for (int run = 0; run < 2; ++run) {
+    SnapshotWriter writer(comm, folder, {});
+    for (int step : {10, 20, 30}) writer.write(dealt(comm, 5), step, step);
+  }
+  if (comm.rank == 0) {
+    EXPECT_EQ(times(), (std::vector<double>{10, 20, 30}));
+    // A run killed while it wrote the next one.
+    std::ofstream(folder + "/snapshots/000003.h5.unfinished") << "half a file";
+  }
+  SnapshotWriter writer(comm, folder, {}, 20);  // the restart was written before step 30
+  writer.write(dealt(comm, 5), 25, 25);
+  if (comm.rank == 0) {
+    EXPECT_EQ(times(), (std::vector<double>{10, 20, 25}));
+    EXPECT_FALSE(std::filesystem::exists(folder + "/snapshots/000003.h5.unfinished"));
+    EXPECT_FALSE(std::filesystem::exists(folder + "/snapshots/000003.h5"));
+  }
+}
+
+TEST(Snapshot, missing_ids_are_an_error) {
+  const Comm comm = testing_world();
+  SnapshotWriter writer(comm, fresh_folder(comm), {});
+  Bodies bodies;
+  if (comm.rank == 0) add_body(bodies, 4);
+  bodies.owned = bodies.size();
+  // Rank 0 holds the bad body; the others would wait for it, as in a run until main ends them.
+  if (comm.size == 1) {
+    EXPECT_THROW(writer.write(bodies, 0, 0), Error);
+  }
+}
+
+RestartState some_state(const Comm& comm, BodyId bodies) {
+  RestartState state;
+  state.case_file = "cases/some.toml";
+  state.case_text = "title = \"µ\"\n";
+  state.overrides = {"step.dt=1e-4", "seed=7"};
+  state.clock = {123456789012, 2, 345, 0.1 + 0.2, 1.0 / 3, -1};
+  state.scalars = {{"dissipated", 1e-300}, {"work", -0.0}, {"unknown", std::nan("")}};
+  state.bodies = dealt(comm, bodies);
+  for (BodyId id : state.bodies.id) {
+    state.contacts.i.push_back(id);
+    state.contacts.j.push_back(id % 4 ? id + 1 : -1);
+    state.contacts.impulse.push_back(Vec3::Constant(std::sqrt(static_cast<double>(id))));
+  }
+  return state;
+}
+
+TEST(Restart, the_same_ranks_get_the_same_rows_with_the_same_bits) {
+  const Comm comm = testing_world();
+  const std::string path = fresh_folder(comm) + "/restart.h5";
+  const RestartState out = some_state(comm, 50);
+  write_restart(comm, path, out);
+  const RestartState in = read_restart(comm, path);
+  expect_same_bits(in.bodies, out.bodies);
+  EXPECT_TRUE(same_bits(in.contacts.i, out.contacts.i));
+  EXPECT_TRUE(same_bits(in.contacts.j, out.contacts.j));
+  EXPECT_TRUE(same_bits(in.contacts.impulse, out.contacts.impulse));
+  EXPECT_EQ(in.case_text, out.case_text);
+  EXPECT_EQ(in.case_file, out.case_file);
+  EXPECT_EQ(in.overrides, out.overrides);
+  EXPECT_EQ(in.clock.step, out.clock.step);
+  EXPECT_EQ(in.clock.phase, out.clock.phase);
+  EXPECT_EQ(in.clock.step_in_phase, out.clock.step_in_phase);
+  EXPECT_EQ(in.clock.time, out.clock.time);
+  EXPECT_EQ(in.clock.time_in_phase, out.clock.time_in_phase);
+  EXPECT_EQ(in.clock.since_impact, out.clock.since_impact);
+  ASSERT_EQ(in.scalars.size(), out.scalars.size());
+  for (const auto& [name, value] : out.scalars)
+    EXPECT_EQ(std::bit_cast<std::int64_t>(in.scalars.at(name)), std::bit_cast<std::int64_t>(value));
+}
+
+TEST(Restart, another_number_of_ranks_gets_every_body_and_contact_once) {
+  const Comm world = testing_world();
+  const std::string folder = fresh_folder(world);
+  // The first `writers` ranks write, all read; then all write and rank 0 alone reads.
+  for (int writers = 1; writers <= world.size; ++writers) {
+    const std::string path = fmt::format("{}/restart{}.h5", folder, writers);
+    MPI_Comm part = MPI_COMM_NULL;
+    MPI_Comm_split(world.raw, world.rank < writers ? 0 : MPI_UNDEFINED, world.rank, &part);
+    if (part != MPI_COMM_NULL) {
+      write_restart(Comm(part), path, some_state(Comm(part), 41));
+      MPI_Comm_free(&part);
+    }
+    MPI_Barrier(world.raw);
+    const RestartState in = read_restart(world, path);
+    std::vector<std::int64_t> ids = world.all_gather(in.bodies.id);
+    std::sort(ids.begin(), ids.end());
+    ASSERT_EQ(ids.size(), 41u);
+    for (BodyId id = 0; id < 41; ++id) EXPECT_EQ(ids[id], id);
+    EXPECT_EQ(world.sum(static_cast<std::int64_t>(in.contacts.i.size())), 41);
+    Bodies expected;
+    for (BodyId id : in.bodies.id) add_body(expected, id);
+    expected.owned = expected.size();
+    expect_same_bits(in.bodies, expected);
+  }
+}
+
+TEST(Restart, a_killed_writer_leaves_the_former_file) {
+  const Comm comm = testing_world();
+  const std::string path = fresh_folder(comm) + "/restart.h5";
+  write_restart(comm, path, some_state(comm, 20));
+  if (comm.rank == 0) std::ofstream(unfinished(path)) << "half a file";
+  MPI_Barrier(comm.raw);
+  EXPECT_EQ(comm.sum(static_cast<std::int64_t>(read_restart(comm, path).bodies.owned)), 20);
+  write_restart(comm, path, some_state(comm, 30));  // the half file is no obstacle
+  EXPECT_EQ(comm.sum(static_cast<std::int64_t>(read_restart(comm, path).bodies.owned)), 30);
+}
+
+std::string error_of(const Comm& comm, const std::string& path) {
+  try {
+    read_restart(comm, path);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Restart, a_damaged_file_is_one_clear_error) {
+  const Comm comm = testing_world();
+  const std::string folder = fresh_folder(comm);
+  const std::string path = folder + "/restart.h5";
+  EXPECT_NE(error_of(comm, folder + "/none.h5").find("no restart file"), std::string::npos);
+  write_restart(comm, path, some_state(comm, 64));
+  EXPECT_EQ(error_of(comm, path), "");
+  const std::string whole = read_whole(path);
+  // One bit of a position turned.
+  Vec3 x = some_state(Comm(MPI_COMM_SELF), 64).bodies.position[9];
+  const std::string bytes(reinterpret_cast<const char*>(x.data()), sizeof(Vec3));
+  const std::size_t at = whole.find(bytes);
+  ASSERT_NE(at, std::string::npos);
+  std::string turned = whole;
+  turned[at + 3] ^= 16;
+  const auto damaged = [&](const std::string& content) {
+    MPI_Barrier(comm.raw);
+    if (comm.rank == 0) write_whole(path, content);
+    MPI_Barrier(comm.raw);
+    return error_of(comm, path);
+  };
+  EXPECT_NE(damaged(turned).find("'/bodies/position' does not match its checksum"),
+            std::string::npos);
+  EXPECT_NE(damaged(whole.substr(0, whole.size() / 2)).find("not a whole restart file"),
+            std::string::npos);
+  EXPECT_NE(damaged("").find("not a whole restart file"), std::string::npos);
+  EXPECT_NE(damaged("title = 1").find("not a whole restart file"), std::string::npos);
+}
+
+TEST(Series, resuming_drops_rows_after_the_restart_and_a_torn_line) {
+  const Comm comm = testing_world();
+  const std::string folder = fresh_folder(comm), path = folder + "/series.csv";
+  {
+    Series series(comm, folder, {"energy", "contacts"});
+    for (int step = 1; step <= 5; ++step) series.append(step, 0.1 * step, std::array{1.0 / 3, 2.0});
+  }
+  if (comm.rank == 0) std::ofstream(path, std::ios::app) << "6,0.6,0.3";
+  MPI_Barrier(comm.raw);
+  Series series(comm, folder, {"energy", "contacts"}, 3);
+  series.append(4, 0.5, std::array{-1e-300, std::nan("")});
+  series.write_hdf5();
+  if (comm.rank == 0) {
+    EXPECT_EQ(read_whole(path),
+              "step,time,energy,contacts\n1,0.1,0.3333333333333333,2\n2,0.2,0.3333333333333333,2\n"
+              "3,0.30000000000000004,0.3333333333333333,2\n4,0.5,-1e-300,nan\n");
+    const auto file = h5::File::open(folder + "/series.h5");
+    EXPECT_EQ(file.read<double>("/observables/energy/value"),
+              (std::vector<double>{1.0 / 3, 1.0 / 3, 1.0 / 3, -1e-300}));
+    EXPECT_EQ(file.read<std::int64_t>("/observables/contacts/step"),
+              (std::vector<std::int64_t>{1, 2, 3, 4}));
+    EXPECT_THROW(Series(Comm(MPI_COMM_SELF), folder, {"energy"}, 3), Error);
+  }
+}
+
+TEST(Results, toml_keeps_every_digit) {
+  ResultTable table;
+  table.add("deflection", "dv", 1.0 / 3, "m/s", "of the clump");
+  table.add("deflection", "whole", 5.0);
+  table.add("deflection", "none", std::nan(""));
+  table.add("ejecta", "count", std::int64_t{12345678901});
+  table.add("ejecta", "bound", false);
+  table.add("ejecta", "text", std::string("a \"b\" \\ \n"));
+  table.add("read_out", "times", std::vector<double>{11, 51.5, 1e-20}, "s");
+  table.add("deflection", "dv", 2.0 / 3, "m/s", "of the clump");  // again
+  const toml::table read = toml::parse(table.toml());
+  EXPECT_EQ(*read["deflection"]["dv"].value<double>(), 2.0 / 3);
+  EXPECT_TRUE(read["deflection"]["whole"].is_floating_point());
+  EXPECT_TRUE(std::isnan(*read["deflection"]["none"].value<double>()));
+  EXPECT_EQ(*read["ejecta"]["count"].value<std::int64_t>(), 12345678901);
+  EXPECT_EQ(*read["ejecta"]["bound"].value<bool>(), false);
+  EXPECT_EQ(*read["ejecta"]["text"].value<std::string>(), "a \"b\" \\ \n");
+  EXPECT_EQ(*read["read_out"]["times"][2].value<double>(), 1e-20);
+  EXPECT_NE(table.text().find("0.666667  m/s  of the clump"), std::string::npos);
+}
+
+TEST(Results, an_unwritable_folder_is_a_clear_error) {
+  const Comm self(MPI_COMM_SELF);
+  EXPECT_THROW(write_results(self, "/proc/nowhere", ResultTable()), Error);
+}
+
+}  // namespace
+}  // namespace spall

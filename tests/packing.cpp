@@ -1,0 +1,192 @@
+// Volumes, lattices and random packings, by brute force and by their exact counts.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "spall/scene/packing.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "spall/base/require.hpp"
+#include "spall/scene/shape.hpp"
+#include "testing.hpp"
+
+namespace spall {
+namespace {
+
+Volume ball(double radius) {
+  return {.shape = Shape::sphere, .radius = radius};
+}
+Volume box(const Vec3& size) {
+  return {.shape = Shape::box, .extents = size};
+}
+
+std::vector<Vec3> lattice(const Volume& volume, const Packing& packing) {
+  std::vector<Vec3> sites;
+  place_lattice(volume, packing, [&](const Vec3& site) { sites.push_back(site); });
+  return sites;
+}
+
+std::vector<Vec3> random_spheres(const Volume& volume, double radius, std::int64_t count,
+                                 std::uint64_t seed) {
+  std::vector<Vec3> centers;
+  place_at_random(
+      volume, {.kind = PackingKind::random, .radius = radius, .count = count}, seed,
+      [](const Vec3&) { return true; }, [&](const Vec3& center) { centers.push_back(center); });
+  return centers;
+}
+
+double nearest_distance(const std::vector<Vec3>& centers) {
+  double nearest = infinity;
+  for (std::size_t a = 0; a < centers.size(); ++a)
+    for (std::size_t b = 0; b < a; ++b)
+      nearest = std::min(nearest, (centers[a] - centers[b]).norm());
+  return nearest;
+}
+
+const std::vector<Volume> all_shapes = {
+    ball(2),
+    box({3, 4, 5}),
+    {.shape = Shape::ellipsoid, .center = {1, 2, 3}, .extents = {6, 4, 3}},
+    {.shape = Shape::hollow_sphere, .center = {0, 1, 0}, .radius = 3, .inner_radius = 1.5},
+    {.shape = Shape::cylinder, .extents = {4, 4, 6}},
+};
+
+TEST(Shape, volume_is_the_share_of_the_bounding_box_that_lies_inside) {
+  std::mt19937_64 engine(1);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  for (const Volume& volume : all_shapes) {
+    const Vec3 half = half_widths(volume);
+    const int tries = 100000;
+    int inside = 0;
+    for (int t = 0; t < tries; ++t) {
+      const double x = uniform(engine), y = uniform(engine), z = uniform(engine);
+      inside += depth(volume, volume.center + half.cwiseProduct(Vec3(x, y, z))) > 0;
+    }
+    const double share = volume_of(volume) / (8 * half.prod());
+    // Four standard deviations of the count.
+    EXPECT_NEAR(inside, share * tries, 4 * std::sqrt(tries * share * (1 - share)) + 1e-9 * tries);
+  }
+}
+
+TEST(Shape, depth_is_the_distance_to_the_surface) {
+  // A sphere as large as the depth just fits: no point of it lies outside, some nearly does.
+  std::mt19937_64 engine(2);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  std::normal_distribution<double> normal;
+  std::vector<Vec3> directions(20000);
+  for (Vec3& n : directions) {
+    const double x = normal(engine), y = normal(engine), z = normal(engine);
+    n = Vec3(x, y, z).normalized();
+  }
+  for (const Volume& volume : all_shapes)
+    for (int t = 0; t < 20; ++t) {
+      Vec3 offset;
+      for (double& x : offset) x = uniform(engine);
+      if (t % 4 == 0) offset.z() = 0;  // the ellipsoid's degenerate plane, across its shortest axis
+      const Vec3 p = volume.center + offset.cwiseProduct(half_widths(volume));
+      const double d = depth(volume, p);
+      if (d <= 0) continue;
+      double least = infinity;
+      for (const Vec3& n : directions) least = std::min(least, depth(volume, p + d * n));
+      EXPECT_GT(least, -1e-9) << static_cast<int>(volume.shape);
+      EXPECT_LT(least, 0.01 * d) << static_cast<int>(volume.shape);
+    }
+}
+
+TEST(Lattice, inner_sites_have_the_neighbours_of_their_kind_and_no_nearer_ones) {
+  for (const auto& [kind, expected] :
+       {std::pair{PackingKind::simple_cubic, 6}, {PackingKind::fcc, 12}, {PackingKind::hcp, 12}})
+    for (const Vec3& rotation : {Vec3(0, 0, 0), Vec3(0.3, -0.5, 0.2)}) {
+      const auto sites = lattice(ball(4), {.kind = kind, .radius = 0.5, .rotation = rotation});
+      EXPECT_GT(nearest_distance(sites), 1 - 1e-12);
+      for (const Vec3& site : sites) {
+        if (site.norm() > 2.9) continue;
+        const auto touching = std::ranges::count_if(
+            sites, [&](const Vec3& other) { return std::abs((other - site).norm() - 1) < 1e-9; });
+        EXPECT_EQ(touching, expected);
+      }
+    }
+}
+
+TEST(Lattice, mass_goes_with_volume) {
+  const double close = pi / (3 * std::sqrt(2.0));
+  for (const auto& [kind, density] : {std::pair{PackingKind::simple_cubic, pi / 6},
+                                      {PackingKind::fcc, close},
+                                      {PackingKind::hcp, close}}) {
+    const Volume volume = ball(20);
+    const auto sites = lattice(volume, {.kind = kind, .radius = 0.5});
+    // The surface holds ~5,000 of the ~34,000 cells; their rounding errors are random.
+    EXPECT_NEAR(static_cast<double>(sites.size()) * pi / 6 / volume_of(volume), density,
+                0.005 * density);
+  }
+}
+
+TEST(Lattice, a_box_n_diameters_wide_holds_n_layers_flush_with_its_faces) {
+  const double d = 0.23686e-3;
+  const Volume plate = box({3 * d, 8 * d, 9 * d});
+  const auto sites = lattice(plate, {.kind = PackingKind::simple_cubic, .radius = d / 2});
+  EXPECT_EQ(sites.size(), 3u * 8 * 9);
+  for (const Vec3& site : sites) EXPECT_GT(depth(plate, site), d / 2 * (1 - 1e-9));
+}
+
+TEST(Lattice, the_thesis_projectile_has_the_reference_engines_count) {
+  // 40 particles across; with the plate of 17 x 204 x 204 the 741,024 bodies of that engine's grid.
+  const auto sites = lattice(ball(20), {.kind = PackingKind::simple_cubic, .radius = 0.5});
+  EXPECT_EQ(sites.size(), 741024u - 17 * 204 * 204);
+}
+
+TEST(RandomPacking, spheres_lie_wholly_inside_and_clear_of_each_other) {
+  for (const Volume& volume : all_shapes) {
+    const double radius = 0.2;
+    const auto count =
+        static_cast<std::int64_t>(0.2 * volume_of(volume) / (4 * pi / 3 * std::pow(radius, 3)));
+    const auto centers = random_spheres(volume, radius, count, 3);
+    EXPECT_EQ(std::ssize(centers), count);
+    EXPECT_GE(nearest_distance(centers), 2 * radius);
+    for (const Vec3& center : centers) EXPECT_GE(depth(volume, center), radius);
+  }
+}
+
+TEST(RandomPacking, fills_evenly) {
+  const auto centers = random_spheres(ball(1), 0.02, 8000, 5);
+  const auto within = std::ranges::count_if(centers, [](const Vec3& c) { return c.norm() < 0.49; });
+  // Half the radius that centres may have: an eighth of them, four standard deviations.
+  EXPECT_NEAR(static_cast<double>(within), 1000, 4 * std::sqrt(1000.0));
+  Vec3 mean = Vec3::Zero();
+  for (const Vec3& center : centers) mean += center / 8000;
+  EXPECT_LT(mean.norm(), 4 * std::sqrt(0.6 / 8000));
+}
+
+TEST(RandomPacking, too_many_are_refused_with_how_many_fit) {
+  try {
+    random_spheres(ball(1), 0.3, 20, 1);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("found a place at random"), std::string::npos)
+        << error.what();
+  }
+  EXPECT_THROW(random_spheres(ball(1), 1.1, 1, 1), Error);
+}
+
+TEST(RandomPacking, a_scene_in_other_units_is_the_same_to_the_bit) {
+  const auto one = random_spheres(ball(1), 0.1, 200, 9);
+  const auto other = random_spheres(ball(0x1p20), 0.1 * 0x1p20, 200, 9);
+  for (std::size_t k = 0; k < one.size(); ++k) EXPECT_EQ(Vec3(one[k] * 0x1p20), other[k]);
+}
+
+TEST(SphereGrid, finds_what_brute_force_finds) {
+  const auto centers = random_spheres(ball(1), 0.05, 500, 4);
+  SphereGrid grid(Vec3::Zero(), Vec3::Constant(0.8), 0.05, 500);  // some lie beyond its box
+  for (const Vec3& center : centers) grid.add(center);
+  const auto points = random_spheres(ball(1.5), 0.01, 2000, 6);
+  for (const Vec3& point : points)
+    for (double distance : {0.06, 0.3}) {
+      const bool near = std::ranges::any_of(
+          centers, [&](const Vec3& center) { return (center - point).norm() < distance; });
+      EXPECT_EQ(grid.find_nearer(point, distance) >= 0, near);
+    }
+}
+
+}  // namespace
+}  // namespace spall

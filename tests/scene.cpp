@@ -1,0 +1,252 @@
+// The bodies of a case: the same on any number of ranks, clear of each other, of the mass asked
+// for. SPDX-License-Identifier: BSD-3-Clause
+#include "spall/scene/scene.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "spall/base/require.hpp"
+#include "spall/scene/impactor.hpp"
+#include "testing.hpp"
+
+namespace spall {
+namespace {
+
+Case parse(const std::string& groups) {
+  return parse_case("materials.rock.density = 1600\n" + groups +
+                        "[[phases]]\nname = \"only\"\nstep = 1\nduration = 1\n",
+                    "x.toml");
+}
+
+const char* const nucleus_and_boulders = R"(
+[[groups]]
+name = "nucleus"
+material = "rock"
+volume = {radius = "7 m", center = [1, 2, 3]}
+fixed = true
+[[groups]]
+name = "crust"
+material = "rock"
+volume = {shape = "sphere", radius = "10 m", center = [1, 2, 3]}
+packing = {kind = "random", radius = "0.5 m", count = 700}
+velocity = [4, 0, 0]
+spin = [0, 0, 0.5]
+[[groups]]
+name = "plate"
+material = "rock"
+volume = {shape = "box", size = [4, 20, 20], center = [-20, 0, 0]}
+packing = {kind = "fcc", radius = 0.5}
+total_mass = "1e6 kg"
+[[planes]]
+point = [0, 0, -10]
+)";
+
+Bodies all_on_this_rank(const Case& scene) {
+  return make_bodies(scene, Comm(MPI_COMM_SELF));
+}
+
+std::string complaint(const Case& scene, const Comm& comm) {
+  try {
+    make_bodies(scene, comm);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Scene, ranks_share_the_very_bodies_that_one_rank_makes) {
+  const Comm comm = testing_world();
+  const Case scene = parse(nucleus_and_boulders);
+  const Bodies all = all_on_this_rank(scene), own = make_bodies(scene, comm);
+  EXPECT_EQ(comm.sum(std::int64_t{own.owned}), all.owned);
+  EXPECT_LE(std::abs(own.owned - all.owned / comm.size), 1);
+  ASSERT_EQ(own.size(), own.owned);
+  const BodyId first = comm.sum_before(own.owned);
+  for (Index b = 0; b < own.owned; ++b) {
+    ASSERT_EQ(own.id[b], first + b);
+    ASSERT_EQ(own.position[b], all.position[first + b]);
+    ASSERT_EQ(own.velocity[b], all.velocity[first + b]);
+    ASSERT_EQ(own.angular_velocity[b], all.angular_velocity[first + b]);
+    ASSERT_EQ(own.mass[b], all.mass[first + b]);
+    ASSERT_EQ(own.radius[b], all.radius[first + b]);
+    ASSERT_EQ(own.group[b], all.group[first + b]);
+    ASSERT_EQ(own.material[b], all.material[first + b]);
+  }
+}
+
+TEST(Scene, groups_do_not_overlap_and_stay_above_planes) {
+  const Bodies all = all_on_this_rank(parse(nucleus_and_boulders));
+  for (Index a = 0; a < all.owned; ++a) {
+    EXPECT_GE(all.position[a].z() - all.radius[a], -10 - 1e-9);
+    for (Index b = 0; b < a; ++b)
+      ASSERT_GE((all.position[a] - all.position[b]).norm(),
+                (all.radius[a] + all.radius[b]) * (1 - 1e-9));
+  }
+}
+
+TEST(Scene, motion_and_mass_are_the_groups) {
+  const Case scene = parse(nucleus_and_boulders);
+  const auto counts = count_bodies(scene);
+  const Bodies all = all_on_this_rank(scene);
+  EXPECT_EQ(counts[0], 1);
+  EXPECT_EQ(counts[1], 700);
+  EXPECT_EQ(counts[0] + counts[1] + counts[2], all.owned);
+  double plate = 0;
+  for (Index b = 0; b < all.owned; ++b) {
+    if (all.group[b] == 0) {
+      EXPECT_EQ(all.mass[b], infinity);
+    }
+    if (all.group[b] == 1) {
+      EXPECT_DOUBLE_EQ(all.mass[b], 1600 * pi / 6);
+      const Vec3 arm = all.position[b] - Vec3(1, 2, 3);
+      EXPECT_EQ(all.velocity[b], Vec3(4 - 0.5 * arm.y(), 0.5 * arm.x(), 0));
+      EXPECT_EQ(all.angular_velocity[b], Vec3(0, 0, 0.5));
+    }
+    if (all.group[b] == 2) plate += all.mass[b];
+  }
+  EXPECT_NEAR(plate, 1e6, 1e-6 * std::sqrt(counts[2]));  // round-off of the sum
+}
+
+TEST(Scene, other_seeds_give_other_places_and_the_same_number) {
+  Case scene = parse(nucleus_and_boulders);
+  const Bodies one = all_on_this_rank(scene);
+  scene.seed = 2;
+  const Bodies other = all_on_this_rank(scene);
+  ASSERT_EQ(one.owned, other.owned);
+  EXPECT_NE(one.position[1], other.position[1]);
+}
+
+TEST(Scene, overlaps_are_told_with_both_bodies) {
+  const char* const two = R"(
+[[groups]]
+name = "a"
+material = "rock"
+volume = {radius = 2}
+[[groups]]
+name = "b"
+material = "rock"
+volume = {radius = 1, center = [2.9, 0, 0]}
+)";
+  const Comm comm(MPI_COMM_SELF);
+  EXPECT_EQ(
+      complaint(parse(two), comm),
+      "x.toml:7:1: groups.b: body 1 at (2.9, 0, 0) m overlaps body 0 of groups.a at (0, 0, 0) "
+      "m by 0.1 m; allowed_overlap = 0.001 of the smaller radius, 1 m");
+  Case allowed = parse(two);
+  allowed.allowed_overlap = 0.11;
+  EXPECT_EQ(complaint(allowed, comm), "");
+  EXPECT_EQ(complaint(parse(std::string(two) + "[[planes]]\npoint = [0, 0, -1.5]\n"), comm),
+            "x.toml:3:1: groups.a: body 0 at (0, 0, 0) m lies 0.5 m deep in planes.0; "
+            "allowed_overlap = 0.001 of its radius, 2 m");
+}
+
+TEST(Scene, a_volume_that_holds_no_sphere_is_an_error) {
+  const char* const empty = R"(
+[[groups]]
+name = "a"
+material = "rock"
+volume = {shape = "box", size = [1, 1, 1]}
+packing = {kind = "hcp", radius = 1}
+)";
+  EXPECT_EQ(complaint(parse(empty), Comm(MPI_COMM_SELF)),
+            "x.toml:3:1: groups.a: its volume holds no sphere of radius 1 m");
+}
+
+TEST(Scene, the_cases_that_come_with_the_program_have_the_thesis_masses) {
+  const std::filesystem::path cases = CASES;
+  std::int64_t files = 0;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(cases)) {
+    if (entry.path().extension() != ".toml") continue;
+    ++files;
+    const Case scene = read_case(entry.path().string());
+    double mass = 0;
+    const auto counts = count_bodies(scene);
+    for (std::size_t g = 0; g < counts.size(); ++g) {
+      const Group& group = scene.groups[g];
+      const double r = group.packing.radius;
+      mass += group.total_mass.value_or(static_cast<double>(counts[g]) * 4 * pi / 3 * r * r * r *
+                                        scene.materials[group.material].density);
+    }
+    const std::string folder = entry.path().parent_path().filename();
+    if (folder == "didymoon") {
+      EXPECT_NEAR(mass, 1.8651e9, 0.0001e9);
+    }
+    if (folder == "nucleus") {
+      EXPECT_NEAR(mass, 2.708e9, 0.001e9);
+    }
+    if (folder == "pull") {
+      EXPECT_DOUBLE_EQ(mass, 1.0723e9);
+    }
+    EXPECT_FALSE(describe(scene).empty());
+  }
+  EXPECT_GE(files, 7);
+}
+
+TEST(Scene, more_ranks_than_bodies_is_an_error) {
+  const Comm comm = testing_world();
+  const char* const one = "[[groups]]\nname = \"a\"\nmaterial = \"rock\"\nvolume = {radius = 2}\n";
+  EXPECT_EQ(complaint(parse(one), comm),
+            comm.size == 1
+                ? ""
+                : fmt::format("x.toml: 1 bodies on {} ranks: run it on at most 1", comm.size));
+}
+
+TEST(Impactor, meets_first_and_head_on_the_body_that_it_is_aimed_at) {
+  const Comm comm = testing_world();
+  const Case scene = parse(nucleus_and_boulders);
+  const Bodies all = all_on_this_rank(scene);
+  Bodies own = make_bodies(scene, comm);
+  const Impactor impactor{.mass = 5,
+                          .radius = 0.25,
+                          .speed = 4000,
+                          .direction = Vec3(1, -2, 2) / 3,
+                          .distance = 0.2,
+                          .offset = Vec3(9, 3, -2)};
+  const Aim aim = add_impactor(comm, scene, impactor, own);
+
+  EXPECT_EQ(comm.sum(std::int64_t{own.owned}), all.owned + 1);
+  ASSERT_GE(aim.struck, 0);
+  const Vec3 to = all.position[aim.struck] - aim.position;
+  EXPECT_LT(to.cross(impactor.direction).norm(), 1e-12);  // head-on
+  EXPECT_NEAR(to.norm(), 0.25 + all.radius[aim.struck] + 0.2, 1e-12);
+  // All else along the line is met later.
+  for (Index b = 0; b < all.owned; ++b) {
+    const Vec3 other = all.position[b] - aim.position;
+    const double along = other.dot(impactor.direction);
+    const double aside = other.cross(impactor.direction).norm();
+    const double reach = 0.25 + all.radius[b];
+    if (b == aim.struck || aside >= reach) continue;
+    EXPECT_GT(along - std::sqrt(reach * reach - aside * aside), 0.2);
+  }
+  const auto row = std::ranges::find(own.id, BodyId{all.owned}) - own.id.begin();
+  EXPECT_EQ(comm.any(row < own.owned), true);
+  if (row < own.owned) {
+    EXPECT_EQ(own.position[row], aim.position);
+    EXPECT_EQ(own.velocity[row], aim.velocity);
+    EXPECT_EQ(own.group[row], 3);
+  }
+}
+
+TEST(Impactor, on_a_line_keeps_to_it_and_a_miss_is_an_error) {
+  const Comm comm(MPI_COMM_SELF);
+  const Case scene = parse(R"(
+[[groups]]
+name = "a"
+material = "rock"
+volume = {radius = 2, center = [5, 0, 0]}
+velocity = [0, 1, 0]
+)");
+  const Bodies bodies = make_bodies(scene, comm);
+  Impactor impactor{.mass = 5, .radius = 1, .speed = 10, .distance = 4, .head_on = false};
+  impactor.offset = Vec3(0, 0, 1.8);
+  const Aim aim = aim_impactor(comm, impactor, bodies);
+  EXPECT_TRUE(aim.position.isApprox(Vec3(5 - 2.4 - 4, 0, 1.8), 1e-15));  // 3-4-5: 1.8, 2.4, 3
+  EXPECT_EQ(aim.velocity, Vec3(10, 1, 0));
+  impactor.offset = Vec3(0, 3, 0);
+  EXPECT_THROW(aim_impactor(comm, impactor, bodies), Error);
+}
+
+}  // namespace
+}  // namespace spall
