@@ -139,12 +139,9 @@ TEST(Solver, free_system_keeps_momentum_to_round_off) {
   const Comm comm = testing_world();
   std::vector<Vec3> x;
   std::vector<double> r;
-  WholeProblem whole = shaken_block(5, 0.6, 0.05, &x, &r);
-  for (Index c = whole.contacts() - 1; c >= 0; --c)
-    if (whole.j[c] == ground) whole.inverse_mass[whole.i[c]] *= 1e-6;  // heavy, yet free
-  WholeProblem free = whole;
-  free.i.clear(), free.j.clear(), free.normal.clear(), free.kappa.clear();
-  free.free_velocity.clear(), free.friction.clear(), free.cohesive_impulse.clear();
+  const WholeProblem whole = shaken_block(5, 0.6, 0.05, &x, &r);
+  WholeProblem free;
+  free.inverse_mass = whole.inverse_mass;
   for (Index c = 0; c < whole.contacts(); ++c)
     if (whole.j[c] != ground)
       free.add(whole.i[c], whole.j[c], whole.normal[c], whole.free_velocity[c], 0.6, 0.05,
@@ -184,12 +181,51 @@ TEST(Solver, warm_start_from_the_solution_saves_iterations) {
   EXPECT_LT(warm.report.iterations, cold.report.iterations);
 }
 
-TEST(Solver, harmful_warm_start_is_dropped) {
-  const WholeProblem whole = shaken_block(4, 0.4, 0.05);
-  const Solved cold = solve_whole(whole, {});
-  const Solved dropped =
-      solve_whole(whole, {}, {}, std::vector<Vec3>(whole.contacts(), Vec3(1e6, 0, 0)));
-  EXPECT_EQ(cold.impulse, dropped.impulse);
+TEST(Solver, one_fast_collision_does_not_cost_all_others_their_warm_start) {
+  WholeProblem whole = shaken_block(4, 0.4, 0.05);
+  const Solved before = solve_whole(whole, {});
+  std::vector<Vec3> start = before.impulse;
+  whole.inverse_mass.resize(whole.bodies() + 2, 1);
+  whole.add(whole.bodies() - 2, whole.bodies() - 1, Vec3::UnitX(), Vec3(-1e9, 0, 0), 0.4);
+  start.push_back(Vec3::Zero());
+  const Solved after = solve_whole(whole, {}, {}, start);
+  for (Index c = 0; c + 1 < whole.contacts(); ++c)
+    EXPECT_LT((after.impulse[c] - start[c]).norm(), 0.1);
+  EXPECT_NEAR(after.impulse.back().x(), 5e8, 1e7);
+}
+
+TEST(Solver, dense_lattice_of_redundant_contacts_holds) {
+  // Simple cubic, all contacts closed, pressed from above: many impulses solve it.
+  constexpr Index n = 12;
+  WholeProblem whole;
+  whole.dimension = 1;
+  whole.inverse_mass.assign(n * n * n, 1);
+  for (Index z = 0; z < n; ++z)
+    for (Index y = 0; y < n; ++y)
+      for (Index x = 0; x < n; ++x) {
+        const Index at = (z * n + y) * n + x;
+        if (x + 1 < n) whole.add(at, at + 1, Vec3::UnitX(), Vec3::Zero());
+        if (y + 1 < n) whole.add(at, at + n, Vec3::UnitY(), Vec3::Zero());
+        const double fall = z + 2 == n ? 1 : 0;  // the topmost layer alone comes down
+        if (z + 1 < n) whole.add(at, at + n * n, Vec3::UnitZ(), Vec3(0, 0, -fall));
+        if (z == 0) whole.add(at, ground, -Vec3::UnitZ(), Vec3::Zero());
+      }
+  const Solved solved = solve_whole(whole, {.tolerance = 1e-6, .max_iterations = 5000, .prox = 0});
+  EXPECT_TRUE(solved.report.converged);
+  for (Index c = 0; c < whole.contacts(); ++c)
+    EXPECT_NEAR(solved.impulse[c].norm(), whole.normal[c].z() != 0 ? 1 : 0, 1e-3);
+}
+
+TEST(Solver, impulses_of_another_state_of_motion_are_dropped) {
+  // What held bodies together before they rebound is neither where to start nor what to stay near.
+  WholeProblem whole = shaken_block(4, 0.4, 0.05);
+  const Solved before = solve_whole(whole, {});
+  for (Index c = 0; c < whole.contacts(); ++c)
+    whole.free_velocity[c] += 10 * whole.normal[c] + Vec3(0.3, 0, 0);
+  for (Index c = 0; c < 20; ++c) whole.free_velocity[c] *= -1;
+  const Solved cold = solve_whole(whole, {}), warm = solve_whole(whole, {}, {}, before.impulse);
+  EXPECT_GT(cold.report.iterations, 0);
+  EXPECT_EQ(cold.impulse, warm.impulse);
 }
 
 TEST(Solver, nothing_to_do_takes_no_iteration) {
@@ -212,16 +248,51 @@ TEST(Solver, bad_numbers_are_refused_on_all_ranks) {
   EXPECT_THROW(solve_whole(whole, {}), Error);
 }
 
-TEST(Solver, light_bodies_stop_heavy_ones_by_their_exact_impulses) {
-  for (double ratio : {1e3, 1e6, 1e9}) {
-    WholeProblem whole;  // light on heavy on ground, both falling
+TEST(Solver, mass_ratios_do_not_limit_accuracy) {
+  // One on the other on the ground, both falling. A heavy one on a light one makes the problem as
+  // ill-conditioned as the ratio.
+  const double below_over_above[] = {1e9, 1e6, 1e3, 1e-3};
+  for (double ratio : below_over_above) {
+    WholeProblem whole;
     whole.inverse_mass = {1 / ratio, 1};
     whole.add(0, ground, -Vec3::UnitZ(), Vec3(0, 0, 1), 0.5);
     whole.add(0, 1, Vec3::UnitZ(), Vec3::Zero(), 0.5);
     const Solved solved = solve_whole(whole, tight());
     EXPECT_TRUE(solved.report.converged);
-    EXPECT_NEAR(solved.impulse[0].z(), -(ratio + 1), 1e-8 * ratio);
+    EXPECT_NEAR(solved.impulse[0].z(), -(ratio + 1), 1e-7 * (ratio + 1));
   }
+}
+
+TEST(Solver, ranks_without_bodies_take_part) {
+  const WholeProblem whole = shaken_block(3, 0.4, 0);
+  const int last = testing_world().size - 1;
+  const Solved solved = solve_whole(whole, {}, std::vector<int>(whole.bodies(), last));
+  EXPECT_TRUE(solved.report.converged);
+  EXPECT_EQ(solved.impulse, solve_whole(whole, {}).impulse);
+}
+
+TEST(Solver, never_ends_worse_than_it_started) {
+  const WholeProblem whole = shaken_block(5, 1.5, 0.02);
+  for (int iterations : {0, 1, 3, 10}) {
+    const Solved solved =
+        solve_whole(whole, {.tolerance = 1e-12, .max_iterations = iterations, .prox = 0});
+    EXPECT_LE(solved.report.residual, 1);
+    EXPECT_FALSE(solved.report.converged);
+    EXPECT_EQ(solved.report.iterations, iterations);
+  }
+}
+
+TEST(Solver, proximal_solution_stays_near_the_warm_start) {
+  // Two contacts share a load in any way: the proximal term keeps the way of the start.
+  WholeProblem whole;
+  whole.inverse_mass = {1};
+  for (double x : {-0.6, 0.6}) whole.add(0, ground, Vec3(x, 0, -0.8), Vec3(0, 0, 1), 0.8);
+  const Solved free = solve_whole(whole, {.tolerance = 1e-8, .prox = 1e-2});
+  std::vector<Vec3> squeezed = free.impulse;
+  squeezed[0].x() += 0.1;
+  squeezed[1].x() -= 0.1;
+  const Solved kept = solve_whole(whole, {.tolerance = 1e-8, .prox = 1e-2}, {}, squeezed);
+  EXPECT_NEAR(kept.impulse[0].x(), squeezed[0].x(), 0.02);
 }
 
 }  // namespace

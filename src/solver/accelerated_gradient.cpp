@@ -35,7 +35,7 @@ class DelayedSum {
   std::array<double, 3> local_{}, global_{};
 };
 
-constexpr int forced_restart = 100;  // without it true Coulomb friction stalls
+constexpr int forced_restart = 100;  // of true Coulomb friction, which stalls otherwise
 constexpr int longest_unchecked = 50;
 constexpr double first_lipschitz = 2;  // 1 at least, 3.4–4 in piles
 
@@ -43,11 +43,11 @@ constexpr double first_lipschitz = 2;  // 1 at least, 3.4–4 in piles
 /// wants.
 class Momentum {
  public:
-  explicit Momentum(double eps) : eps_(eps) {}
+  Momentum(double eps, bool forced) : eps_(eps), forced_(forced) {}
 
   double next(bool restart, double lipschitz) {
     ++since_restart_;
-    if (restart || since_restart_ >= forced_restart) {
+    if (restart || (forced_ && since_restart_ >= forced_restart)) {
       since_restart_ = 0;
       t_ = 1;
       return 0;
@@ -55,33 +55,20 @@ class Momentum {
     const double t = (1 + std::sqrt(1 + 4 * t_ * t_)) / 2;
     const double fista = (t_ - 1) / t;
     t_ = t;
-    const double q = std::sqrt((lipschitz + eps_) / eps_);  // infinite without a proximal term
-    return eps_ > 0 ? std::min(fista, (q - 1) / (q + 1)) : fista;
+    if (eps_ == 0) return fista;
+    const double q = std::sqrt((lipschitz + eps_) / eps_);
+    return std::min(fista, (q - 1) / (q + 1));
   }
 
  private:
   double eps_;
+  bool forced_;
   double t_ = 1;
   int since_restart_ = 0;
 };
 
 /// Float iterates differ from exact ones by about this much of their norm.
 constexpr double float_noise = 6e-8;
-
-template <class Real, int dimension>
-Impulses<dimension, double> admissible(const ContactSystem<dimension>& system,
-                                       const Impulses<dimension, Real>& iterate) {
-  Impulses<dimension, double> exact = convert_impulses<dimension, double>(iterate);
-  if constexpr (std::is_same_v<Real, float>)
-    with_friction(system.friction, [&](auto model) {
-      for (std::size_t at = 0; at < exact.size(); ++at) {
-        DoublePack p[dimension];
-        project<model()>(system.contacts.blocks[at], exact[at].at, p);
-        std::copy_n(p, dimension, exact[at].at);
-      }
-    });
-  return exact;
-}
 
 /// Iterates in one precision from `best` on, until it meets the tolerance, the iterations are used
 /// up, or floats cannot resolve what is asked.
@@ -106,7 +93,7 @@ void descend(const ContactSystem<dimension>& system, const ContactBlocks<dimensi
   for (Index b = 0; b < contacts.owned; ++b)
     velocity[b] = row_velocity(contacts.inverse_mass[b], sums[b]);
 
-  Momentum momentum(eps);
+  Momentum momentum(eps, dimension == 3 && eps == 0 && system.friction == FrictionModel::coulomb);
   DelayedSum late(system.ghosts.comm().raw);
   double lipschitz = first_lipschitz;
   double beta = 0;
@@ -134,7 +121,7 @@ void descend(const ContactSystem<dimension>& system, const ContactBlocks<dimensi
     const auto [curvature, length2, progress] = late.wait();
     if (length2 > 0) {
       const double ratio = curvature / length2;
-      lipschitz = ratio > lipschitz ? 1.02 * ratio : 0.98 * lipschitz;
+      lipschitz = ratio > lipschitz ? 1.05 * ratio : 0.9 * lipschitz;
     }
     const double estimate = (lipschitz + eps) * std::sqrt(length2) / system.scale;
     beta = momentum.next(progress < 0, lipschitz);
@@ -151,7 +138,9 @@ void descend(const ContactSystem<dimension>& system, const ContactBlocks<dimensi
       continue;
 
     unchecked = 0;
-    Candidate<dimension> now = system.evaluate(admissible(system, iterate));
+    auto exact = convert_impulses<dimension, double>(iterate);
+    make_admissible(system, exact);  // to a double's round-off
+    Candidate<dimension> now = system.evaluate(std::move(exact));
     ++report.products;
     calibration = now.residual.relative_prox / estimate / 0.9;
     const bool fine_enough = resolved(now.residual);

@@ -79,4 +79,16 @@ auto with_friction(FrictionModel model, F&& f) {
              : f(std::integral_constant<FrictionModel, FrictionModel::convex>{});
 }
 
+/// Projects every impulse.
+template <int dimension>
+void make_admissible(const ContactSystem<dimension>& system, Impulses<dimension, double>& impulse) {
+  with_friction(system.friction, [&](auto model) {
+    for (std::size_t at = 0; at < impulse.size(); ++at) {
+      DoublePack p[dimension];
+      project<model()>(system.contacts.blocks[at], impulse[at].at, p);
+      std::copy_n(p, dimension, impulse[at].at);
+    }
+  });
+}
+
 }  // namespace spall

@@ -234,15 +234,15 @@ struct ResidualSums {
 
 /// d = p - P(p - g), g = S^-1 u~, with De Saxcé's mu |u_t| n for exact Coulomb: R = S d.
 template <FrictionModel model>
-void natural_map(const ContactBlock<1, double>& block, const DoublePack* p, const DoublePack* g,
-                 DoublePack* d) {
+inline void natural_map(const ContactBlock<1, double>& block, const DoublePack* p,
+                        const DoublePack* g, DoublePack* d) {
   const DoublePack z[1] = {p[0] - g[0]};
   project<model>(block, z, d);
   d[0] = p[0] - d[0];
 }
 template <FrictionModel model>
-void natural_map(const ContactBlock<3, double>& block, const DoublePack* p, const DoublePack* g,
-                 DoublePack* d) {
+inline void natural_map(const ContactBlock<3, double>& block, const DoublePack* p,
+                        const DoublePack* g, DoublePack* d) {
   const DoublePack* n = block.normal;
   DoublePack de_saxce{};
   if constexpr (model == FrictionModel::coulomb) {
@@ -291,7 +291,7 @@ ResidualSums residual_sums(const ContactBlocks<dimension, double>& contacts,
     const DoublePack r2 = weight * velocity_square(block, d);
     square += r2;
     most = larger(most, r2);
-    natural_map<model>(block, p, g_prox, d);
+    if (prox > 0) natural_map<model>(block, p, g_prox, d);
     energy_prox += weight * metric_product(block, d, d);
     norm2 += weight * metric_product(block, p, p);
   }
