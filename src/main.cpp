@@ -1,13 +1,12 @@
 // The program: reads the command line, calls one function, catches once.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
 #include <optional>
-
-#include <unistd.h>
 
 #include "spall/base/comm.hpp"
 #include "spall/base/require.hpp"
@@ -61,8 +60,12 @@ int dispatch(const Comm& comm, int argc, char** argv) {
   run->add_option("--set", options.overrides, "change one key, as in --set phases.impact.step=50us")
       ->take_all();
   auto* resume = app.add_subcommand("resume", "go on with a run from its restart file");
-  resume->add_option("restart", options.file, "<out>/restart.h5")->required();
-  auto* check = app.add_subcommand("check", "read a case, print bodies, memory, steps; run nothing");
+  resume->add_option("restart", options.file, "<out>/restart.h5 or <out>/after_<phase>.h5")
+      ->required();
+  resume->add_option("--out", options.out, "another folder for results");
+  resume->add_option("--set", options.overrides, "change one key for what lies ahead")->take_all();
+  auto* check =
+      app.add_subcommand("check", "read a case, print bodies, memory, steps; run nothing");
   check->add_option("case", options.file, "case file (TOML)")->required();
   check->add_option("--set", options.overrides, "change one key")->take_all();
   auto* page = app.add_subcommand("report", "make a page with pictures of a run");
@@ -80,7 +83,8 @@ int dispatch(const Comm& comm, int argc, char** argv) {
     const auto folder = options.out.empty() ? default_folder(options.file) : options.out;
     return run_case(comm, scene, folder) ? 0 : exit_interrupted;
   }
-  if (*resume) return resume_case(comm, options.file) ? 0 : exit_interrupted;
+  if (*resume)
+    return resume_case(comm, options.file, options.out, options.overrides) ? 0 : exit_interrupted;
   if (comm.rank != 0) return 0;  // what follows needs no second rank
   if (*check) fmt::print("{}", describe(read_case(options.file, options.overrides)));
   if (*page) return report(options.file);

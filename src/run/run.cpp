@@ -92,7 +92,7 @@ class Run {
         folder_(folder),
         progress_(comm, scene),
         clock_(from ? from->clock : Clock{}),
-        series_(comm, folder, series_columns(), from ? clock_.step : -1),
+        series_(comm, folder, series_columns(), from ? clock_.step - 1 : -1),
         snapshots_(comm, folder, scene, from ? clock_.step : -1),
         seconds_at_start_(MPI_Wtime()),
         last_restart_(seconds_at_start_) {
@@ -114,12 +114,10 @@ class Run {
   bool go() {
     SignalGuard guard;
     progress_.say(describe(scene_));
-    for (; clock_.phase < static_cast<std::int64_t>(scene_.phases.size()); ++clock_.phase) {
+    while (clock_.phase < static_cast<std::int64_t>(scene_.phases.size())) {
       if (clock_.step_in_phase == 0) begin_phase();
       if (!run_phase()) return false;
       end_phase();
-      clock_.step_in_phase = 0;
-      clock_.time_in_phase = 0;
     }
     finish();
     return true;
@@ -201,12 +199,13 @@ class Run {
       if (progress_.due()) progress_.show(clock_, shown_);
       if (world_.kick.steps_left == 0) at_instant();
       if (comm_.any(signal_caught != 0)) {
-        save();
+        save(restart_file());
         progress_.say(
             fmt::format("stopped by a signal; go on with: spall resume {}", restart_file()));
         return false;
       }
-      if (comm_.any(MPI_Wtime() - last_restart_ > scene_.output.restart_every)) save();
+      if (comm_.any(MPI_Wtime() - last_restart_ > scene_.output.restart_every))
+        save(restart_file());
     }
     return true;
   }
@@ -326,13 +325,18 @@ class Run {
     if (!passed_multiple(scene_.output.snapshot_every)) snapshot();
     progress_.say(fmt::format("phase {} done at {}: {} steps", phase().name,
                               readable_time(clock_.time), clock_.step_in_phase));
+    const std::string file = folder_ + "/after_" + phase().name + ".h5";
+    ++clock_.phase;
+    clock_.step_in_phase = 0;
+    clock_.time_in_phase = 0;
+    if (clock_.phase < static_cast<std::int64_t>(scene_.phases.size())) save(file);
   }
 
   std::string restart_file() const { return folder_ + "/restart.h5"; }
 
   /// Both the run that goes on and the one that resumes start from the file's state: pairs searched
   /// anew.
-  void save() {
+  void save(const std::string& file) {
     StageTimer timer(world_.times, "output");
     RestartState state{.case_file = scene_.file,
                        .case_text = scene_.text,
@@ -345,7 +349,7 @@ class Run {
     for_each_scalar([&](const std::string& name, double value) { state.scalars[name] = value; });
     account_.save(state.scalars);
     verdict_.save(state.scalars);
-    write_restart(comm_, restart_file(), state);
+    write_restart(comm_, file, state);
     world_.bodies = std::move(state.bodies);
     world_.neighbours = Neighbours{};
     world_.neighbours.carried = std::move(state.contacts);
@@ -470,10 +474,15 @@ bool run_case(const Comm& comm, const Case& scene, const std::string& folder) {
   return Run(comm, scene, folder, nullptr).go();
 }
 
-bool resume_case(const Comm& comm, const std::string& file) {
+bool resume_case(const Comm& comm, const std::string& file, const std::string& folder,
+                 const std::vector<std::string>& overrides) {
   const RestartState state = read_restart(comm, file);
-  const Case scene = parse_case(state.case_text, state.case_file, state.overrides);
-  return Run(comm, scene, std::filesystem::path(file).parent_path().string(), &state).go();
+  std::vector<std::string> all = state.overrides;
+  all.insert(all.end(), overrides.begin(), overrides.end());
+  const Case scene = parse_case(state.case_text, state.case_file, all);
+  std::string own = std::filesystem::path(file).parent_path().string();
+  if (own.empty()) own = ".";
+  return Run(comm, scene, folder.empty() ? own : folder, &state).go();
 }
 
 }  // namespace spall

@@ -16,7 +16,10 @@ namespace spall {
 /// restart file was written. Collective.
 bool run_case(const Comm& comm, const Case& scene, const std::string& folder);
 
-/// Goes on with the run whose restart file is `file`, in the folder of that file. Collective.
-bool resume_case(const Comm& comm, const std::string& file);
+/// Goes on with the run whose restart file is `file`, in the folder of that file unless another is
+/// named; there the series begins with the resumed step. `overrides` may change what lies ahead:
+/// many impacts can start from one aggregate. Collective.
+bool resume_case(const Comm& comm, const std::string& file, const std::string& folder = "",
+                 const std::vector<std::string>& overrides = {});
 
 }  // namespace spall
