@@ -3,8 +3,8 @@
 #include "spall/force/gravity.hpp"
 
 #include <Eigen/Geometry>
-#include <random>
 
+#include "gravity_sets.hpp"
 #include "spall/base/require.hpp"
 #include "spall/force/lanes.hpp"
 #include "testing.hpp"
@@ -13,41 +13,6 @@ namespace spall {
 namespace {
 
 constexpr double eps = std::numeric_limits<double>::epsilon();
-
-struct Points {
-  std::vector<double> mass;
-  std::vector<Vec3> position, velocity;
-  std::size_t size() const { return mass.size(); }
-};
-
-/// A ball of bodies, the same on every rank; masses over six decades, as radii 100 : 1 give.
-Points random_ball(std::size_t count, unsigned seed) {
-  std::mt19937_64 random(seed);
-  std::uniform_real_distribution<double> uniform(-1, 1);
-  Points points;
-  while (points.size() < count) {
-    const Vec3 place(uniform(random), uniform(random), uniform(random));
-    if (place.norm() > 1) continue;
-    points.position.push_back(80 * place);
-    points.velocity.push_back(0.1 * Vec3(uniform(random), uniform(random), uniform(random)));
-    points.mass.push_back(1e5 * std::pow(10.0, 3 * uniform(random)));
-  }
-  return points;
-}
-
-/// The rows of `all` that `comm.rank` owns: unequal shares, and none on rank 1 of three or more.
-Points share(const Comm& comm, const Points& all) {
-  Points mine;
-  for (std::size_t b = 0; b < all.size(); ++b) {
-    int owner = static_cast<int>((b * b / 7) % comm.size);
-    if (comm.size >= 3 && owner == 1) owner = 0;
-    if (owner != comm.rank) continue;
-    mine.mass.push_back(all.mass[b]);
-    mine.position.push_back(all.position[b]);
-    mine.velocity.push_back(all.velocity[b]);
-  }
-  return mine;
-}
 
 GravitySettings direct() {
   GravitySettings settings;
@@ -222,6 +187,30 @@ TEST(Gravity, bodies_without_a_finite_mass_are_refused_on_every_rank) {
   for (const Vec3& a :
        evaluate_gravity(comm, off, mine.mass, mine.position, mine.velocity).acceleration)
     EXPECT_EQ(a, Vec3::Zero());
+}
+
+TEST(Gravity, outside_a_shell_is_a_point_mass_and_inside_is_nothing) {
+  const Comm comm = testing_world();
+  // Directions on a golden spiral: the sum differs from the sphere's by about 1/N.
+  const std::size_t count = 4000;
+  Points shell;
+  for (std::size_t k = 0; k < count; ++k) {
+    const double z = 1 - (2 * k + 1.0) / count, angle = k * pi * (3 - std::sqrt(5.0));
+    const double rho = std::sqrt(1 - z * z);
+    shell.position.push_back(50 * Vec3(rho * std::cos(angle), rho * std::sin(angle), z));
+    shell.mass.push_back(1e6);
+    shell.velocity.push_back(Vec3::Zero());
+  }
+  const Points mine = share(comm, shell);
+  const std::vector<Vec3> places = {{100, 0, 0}, {0, -20, 10}, shell.position[7]};
+  const GravityField field = evaluate_gravity_at(comm, direct(), mine.mass, mine.position, places);
+  const double gm = direct().constant * 1e6 * count;
+  EXPECT_LE((field.acceleration[0] + gm / 1e4 * Vec3::UnitX()).norm(), 1e-3 * gm / 1e4);
+  EXPECT_NEAR(field.potential[0], -gm / 100, 1e-3 * gm / 100);
+  EXPECT_LE(field.acceleration[1].norm(), 1e-3 * gm / 2500);
+  EXPECT_NEAR(field.potential[1], -gm / 50, 1e-3 * gm / 50);
+  // On the shell half of the outside pull; a body that lies there adds nothing.
+  EXPECT_NEAR(field.acceleration[2].norm(), gm / 5000, 0.05 * gm / 5000);
 }
 
 TEST(Gravity, a_held_field_changes_by_no_more_than_was_allowed) {

@@ -23,12 +23,12 @@ struct Outline {
 struct PairMeasure {
   double radii;             ///< sum
   double squared_distance;  ///< of the centres
-  double weight;            ///< the larger of (mass of one) / (acceleration of the other)
+  double weight;            ///< mass of one / acceleration of the other, summed over both ways
 };
 
 PairMeasure measure_pair(const Cell& a, const Cell& b) {
   return {a.radius + b.radius, (b.center - a.center).squaredNorm(),
-          std::max(a.mass / b.pull, b.mass / a.pull)};
+          a.mass / b.pull + b.mass / a.pull};
 }
 
 /// Of two near cells the larger is opened; keys decide between equals.
@@ -204,19 +204,28 @@ class Walk {
       if (tree_.owner[c] < 0) measure_inner(c);
   }
 
-  /// Whether some cell of rank `rank` may have to open `cell`, which is this rank's: the bound
-  /// leaves nothing out because only smaller cells and leaves open a cell.
+  /// Whether rank `rank` holds bodies of a top cell.
+  bool has_part(Index top_cell, int rank) const {
+    if (tree_.owner[top_cell] >= 0) return tree_.owner[top_cell] == rank;
+    return std::ranges::any_of(tree_.cells[top_cell].children,
+                               [&](Index half) { return has_part(half, rank); });
+  }
+
+  /// Whether `cell`, which is this rank's, may have to be opened for some cell of rank `rank` in
+  /// `top_cell`. That may be the top cell itself, or one below it, of which bounds are known: only
+  /// cells that are not larger than `cell`, and leaves, open it.
   bool is_needed(const Cell& cell, int rank, Index top_cell = 0) const {
     const Cell& by = tree_.cells[top_cell];
     const Outline& outline = outlines_[top_cell];
     constexpr double slack = 1 - 1e-12;  // for round-off
     if (are_far({cell.radius + std::max(cell.radius, outline.largest_leaf),
                  slack * outline.box.squared_distance(cell.center),
-                 std::max(cell.mass / by.pull, by.mass / cell.pull)}))
+                 cell.mass / by.pull + by.mass / cell.pull}))
       return false;
-    if (!by.inner() || tree_.owner[top_cell] >= 0) return tree_.owner[top_cell] == rank;
+    if (tree_.owner[top_cell] >= 0 || (!is_larger(by, cell) && !are_far(measure_pair(by, cell))))
+      return has_part(top_cell, rank);
     return std::ranges::any_of(by.children,
-                               [&](Index child) { return is_needed(cell, rank, child); });
+                               [&](Index half) { return is_needed(cell, rank, half); });
   }
 
   enum class Content { closed, halves, bodies };
@@ -382,6 +391,7 @@ class Walk {
     one_sided_.assign(1, eights(leaf));
     for (std::size_t k = begin; k < stack_.size(); ++k) {
       const Cell& source = tree_.cells[stack_[k]];
+      require(source.first != Cell::none, "gravity tree: a cell that is needed was not sent");
       if (source.holder == Cell::Holder::elsewhere)
         one_sided_.push_back(eights(source));
       else if (source.first > leaf.first)
@@ -429,7 +439,7 @@ TreeSettings tree_settings(double accuracy) {
   // of `accuracy` (bench/results/gravity.md).
   TreeSettings settings;
   settings.order = accuracy > 3e-3 ? 4 : accuracy > 5e-5 ? 5 : 6;
-  settings.accuracy = accuracy * (settings.order == 4 ? 1 : 1.8);
+  settings.accuracy = accuracy * (settings.order == 4 ? 1.5 : 3);
   return settings;
 }
 

@@ -230,9 +230,12 @@ class RoughField {
     double pull;      ///< where pulls cancel, a tenth of their sum, or all would be opened there
     double gradient;  ///< sum of mass / distance^3
   };
-  Sample at(const Vec3& place) const {
+  /// Without stretch `own`, counted among those that are not divided: it would pull itself.
+  Sample at(const Vec3& place, std::size_t own) const {
     Lanes x{}, y{}, z{}, sum{}, gradient{};
-    for (const Puller& p : pullers_) {
+    for (std::size_t k = 0; k < pullers_.size(); ++k) {
+      Puller p = pullers_[k];
+      if (k == own / lane_count) p.mass[own % lane_count] = 0;
       const Lanes dx = p.x - place.x(), dy = p.y - place.y(), dz = p.z - place.z();
       const Lanes inverse = inverse_sqrt(dx * dx + (dy * dy + (dz * dz + p.softening)));
       const Lanes weight = p.mass * inverse * inverse;
@@ -262,6 +265,7 @@ struct Builder {
   const RoughField& rough;
   std::size_t leaf_size;
   double reach;
+  std::size_t stretch = 0;  // the one below which cells grow
 
   void grow(Index cell, std::size_t begin, std::size_t end) {
     tree.cells[cell].key = rows[begin].key;
@@ -294,7 +298,7 @@ struct Builder {
       high = high.cwiseMax(Vec3::Map(body));
       mass += body[6];
     }
-    const RoughField::Sample field = rough.at((low + high) / 2);
+    const RoughField::Sample field = rough.at((low + high) / 2, stretch);
     cell.pull = field.pull;
     const double radius = (high - low).norm() / 2;
     constexpr double thin = 0.01;  // in a pile of equal bodies it is at least 0.05
@@ -378,9 +382,11 @@ Octree grow_octree(const Comm& comm, std::span<const double> mass, std::span<con
   tree.cells.reserve(top.size() + 4 * count / leaf_size);
   tree.eights.reserve(count / lane_count + count / lane_count / 4);
   Builder builder{tree, own, here, rough, static_cast<std::size_t>(leaf_size), reach};
-  for (std::size_t s = 0; s < top.size(); ++s)
+  for (std::size_t s = 0; s < top.size(); ++s) {
     if (tree.owner[s] == comm.rank)
       builder.grow(static_cast<Index>(s), first_at(own, top[s].low), first_at(own, top[s].high));
+    if (tree.owner[s] >= 0) ++builder.stretch;
+  }
   return tree;
 }
 

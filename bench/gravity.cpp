@@ -1,0 +1,171 @@
+// Error against time of the gravity methods, as CSV: bench_gravity SET BODIES, SET = ball or pile.
+// SPDX-License-Identifier: BSD-3-Clause
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cstdio>
+#include <random>
+#include <string>
+
+#include "spall/base/require.hpp"
+#include "spall/force/attract.hpp"
+#include "spall/force/gravity_direct.hpp"
+#include "spall/force/gravity_tree.hpp"
+
+namespace spall {
+namespace {
+
+struct Points {
+  std::vector<double> mass;
+  std::vector<Vec3> position;
+  std::size_t size() const { return mass.size(); }
+};
+
+/// "ball": homogeneous. "pile": two touching balls, radii 10 : 1 and of one density, in an ejecta
+/// cloud a hundred radii wide that holds a tenth of the bodies.
+Points make_set(const std::string& name, std::size_t count) {
+  require(name == "ball" || name == "pile", "set '{}': must be ball or pile", name);
+  std::mt19937_64 random(1);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  Points points;
+  while (points.size() < count) {
+    Vec3 x(uniform(random), uniform(random), uniform(random));
+    if (x.norm() > 1) continue;
+    double mass = 1;
+    const double part = name == "pile" ? uniform(random) : 1;  // -1 … 1
+    if (part < -0.8) {
+      x = x.normalized() * std::pow(10, 1 + uniform(random));
+      mass = 1e-2;
+    } else if (part < 0.1) {
+      x = 0.1 * x + Vec3(1.1, 0, 0);
+      mass = 1e-3;
+    }
+    points.position.push_back(x);
+    points.mass.push_back(mass);
+  }
+  return points;
+}
+
+std::vector<Eight> pack(const Points& points, std::size_t stride) {
+  const std::size_t count = (points.size() + stride - 1) / stride;
+  std::vector<Eight> eights((count + lane_count - 1) / lane_count);
+  for (std::size_t k = 0; k < eights.size() * lane_count; ++k) {
+    const std::size_t b = std::min(k, count - 1) * stride;
+    Eight& e = eights[k / lane_count];
+    e.x[k % lane_count] = points.position[b].x();
+    e.y[k % lane_count] = points.position[b].y();
+    e.z[k % lane_count] = points.position[b].z();
+    e.mass[k % lane_count] = k < count ? points.mass[b] : 0;
+  }
+  return eights;
+}
+
+/// The exact acceleration of every `stride`-th body.
+std::vector<Vec3> exact_sample(const Points& points, std::size_t stride) {
+  std::vector<Eight> sample = pack(points, stride), all = pack(points, 1);
+  const std::span<Eight> sources[] = {all};
+  attract<false, false>(sample, sources);
+  std::vector<Vec3> result;
+  for (std::size_t k = 0; k * stride < points.size(); ++k) {
+    const Pull& pull = sample[k / lane_count].pull;
+    const std::size_t lane = k % lane_count;
+    result.emplace_back(pull.x[lane], pull.y[lane], pull.z[lane]);
+  }
+  return result;
+}
+
+template <class F>
+double seconds(const Comm& comm, F&& f) {
+  check_mpi(MPI_Barrier(comm.raw), "MPI_Barrier");
+  const double start = MPI_Wtime();
+  f();
+  return comm.max(MPI_Wtime() - start);
+}
+
+double median(std::vector<double> values) {
+  std::ranges::sort(values);
+  return values[values.size() / 2];
+}
+
+void run(const Comm& comm, const std::string& name, std::size_t count) {
+  const Points all = make_set(name, count);
+  Points mine, few;  // every rank a stretch of the rows; few: for the time of the exact sum
+  const std::size_t direct_count = std::min<std::size_t>(count, 8000);
+  for (std::size_t b = comm.rank * count / comm.size; b < (comm.rank + 1) * count / comm.size;
+       ++b) {
+    mine.mass.push_back(all.mass[b]);
+    mine.position.push_back(all.position[b]);
+    if (mine.size() <= direct_count / comm.size) {
+      few.mass.push_back(all.mass[b]);
+      few.position.push_back(all.position[b]);
+    }
+  }
+  const std::size_t stride = std::max<std::size_t>(1, count / 4000);
+  const std::vector<Vec3> exact = exact_sample(all, stride);
+  const double few_count = comm.sum(static_cast<double>(few.size()));
+  // The sum that other codes are compared with meets each pair twice.
+  std::vector<Eight> plain = pack(few, 1), plain_sources = plain;
+  const std::span<Eight> sources[] = {plain_sources};
+  const double plain_scale = 1.0 * count * count / few.size() / few.size() / comm.size;
+
+  for (double accuracy : {1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5}) {
+    const TreeSettings settings = tree_settings(accuracy);
+    GravityField field;
+    std::vector<double> tree_times, direct_times, plain_times;
+    for (int repeat = 0; repeat < 5; ++repeat) {
+      tree_times.push_back(seconds(comm, [&] {
+        field = evaluate_gravity_tree(comm, 1, settings, mine.mass, mine.position, {});
+      }));
+      const double scale = count / few_count * (count / few_count);
+      direct_times.push_back(scale * seconds(comm, [&] {
+                               evaluate_gravity_direct(comm, 1, few.mass, few.position, {});
+                             }));
+      plain_times.push_back(plain_scale *
+                            seconds(comm, [&] { attract<false, false>(plain, sources); }));
+    }
+    std::vector<double> found(3 * exact.size());
+    Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
+    double forces = 0, torques = 0;
+    for (std::size_t b = 0; b < mine.size(); ++b) {
+      const std::size_t row = comm.rank * count / comm.size + b;
+      if (row % stride == 0) Vec3::Map(&found[3 * (row / stride)]) = field.acceleration[b];
+      const Vec3 f = mine.mass[b] * field.acceleration[b];
+      force += f;
+      torque += mine.position[b].cross(f);
+      forces += f.norm();
+      torques += mine.position[b].norm() * f.norm();
+    }
+    comm.sum(found);
+    force = comm.sum(force);
+    torque = comm.sum(torque);
+    forces = comm.sum(forces);
+    torques = comm.sum(torques);
+    std::vector<double> errors;
+    double squares = 0;
+    for (std::size_t k = 0; k < exact.size(); ++k) {
+      errors.push_back((Vec3::Map(&found[3 * k]) - exact[k]).norm() / exact[k].norm());
+      squares += errors.back() * errors.back();
+    }
+    std::ranges::sort(errors);
+    if (comm.rank == 0)
+      fmt::print("{},{},{},{},{:.0e},{:.3e},{:.3e},{:.3e},{:.5f},{:.5f},{:.5f},{:.1e},{:.1e}\n",
+                 name, count, comm.size, settings.order, accuracy,
+                 std::sqrt(squares / errors.size()), errors[errors.size() * 99 / 100],
+                 errors.back(), median(tree_times), median(direct_times), median(plain_times),
+                 force.norm() / forces, torque.norm() / torques);
+    std::fflush(stdout);
+  }
+}
+
+}  // namespace
+}  // namespace spall
+
+int main(int argc, char** argv) {
+  spall::Session session(argc, argv);
+  try {
+    spall::require(argc == 3, "usage: bench_gravity ball|pile BODIES");
+    spall::run(session.world(), argv[1], std::stoul(argv[2]));
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "bench_gravity: {}\n", error.what());
+    spall::Session::abort_all(1);
+  }
+}
