@@ -166,7 +166,7 @@ TEST(Methods, agree_on_a_convex_problem) {
     for (SolverMethod method : all_methods) {
       const SolverSettings settings{.method = method,
                                     .friction = FrictionModel::convex,
-                                    .tolerance = 1e-8,
+                                    .tolerance = 1e-6,
                                     .max_iterations = 100000,
                                     .prox = 0};
       solved.push_back(solve_whole(whole, settings, random_owners(whole.bodies(), comm.size)));
@@ -176,7 +176,7 @@ TEST(Methods, agree_on_a_convex_problem) {
     // Velocities are unique, impulses need not be.
     for (const Solved& other : solved)
       for (Index b = 0; b < whole.bodies(); ++b)
-        EXPECT_LT((other.linear[b] - solved[0].linear[b]).norm(), 1e-5);
+        EXPECT_LT((other.linear[b] - solved[0].linear[b]).norm(), 1e-4);
   }
 }
 

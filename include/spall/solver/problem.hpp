@@ -35,6 +35,7 @@ struct ContactProblem {
   Index contacts() const { return static_cast<Index>(i.size()); }
 };
 
+/// apgd and barzilai_borwein minimise: convex friction only. See solver/methods.hpp.
 enum class SolverMethod { accelerated, apgd, barzilai_borwein, sor };
 enum class FrictionModel { convex, coulomb };
 
@@ -43,7 +44,7 @@ struct SolverSettings {
   FrictionModel friction = FrictionModel::coulomb;
   double tolerance = 1e-2;  ///< on E (on E_eps where `prox` > 0): relative to impulses all zero
   int max_iterations = 1000;
-  double prox = 4e-3;       ///< eps of the proximal Coulomb problem; 0: none (solver.md)
+  double prox = 4e-3;  ///< of `accelerated`: weight eps of staying near the warm start; 0: none
   double relaxation = 1.0;  ///< of `sor`
 };
 
@@ -71,7 +72,9 @@ struct SolverResult {
 };
 
 /// Solves for `impulse` (one a contact: the warm start and proximal centre in, the solution out;
-/// the same bits on both ranks of a boundary contact). Collective.
+/// the same bits on both ranks of a boundary contact). The warm start is scaled, between none and
+/// all of it, to serve best. Throws Error on numbers that are not finite or out of range, and on a
+/// method that cannot do the friction asked for. Collective.
 SolverResult solve(const ContactProblem& problem, const Ghosts& ghosts,
                    const SolverSettings& settings, std::vector<Vec3>& impulse);
 
