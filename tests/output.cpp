@@ -11,6 +11,7 @@
 #include "../src/output/files.hpp"
 #include "../src/output/h5.hpp"
 #include "spall/base/require.hpp"
+#include "spall/domain/pack.hpp"
 #include "spall/output/restart.hpp"
 #include "spall/output/results.hpp"
 #include "spall/output/series.hpp"
@@ -40,6 +41,7 @@ void add_body(Bodies& bodies, BodyId id) {
   bodies.position.push_back(Vec3(std::sin(x), std::cos(x), std::tan(x)));
   bodies.velocity.push_back(Vec3(std::exp(-x), -0.0, 5e-324 * x));
   bodies.angular_velocity.push_back(Vec3(std::cbrt(x), 1e300 / x, -x));
+  resize(bodies, static_cast<Index>(bodies.id.size()));  // fields that this test does not name
 }
 
 /// `count` bodies, dealt over the ranks out of order.
@@ -136,11 +138,11 @@ TEST(Snapshot, a_resumed_run_goes_on_and_a_new_one_starts_over) {
     EXPECT_FALSE(std::filesystem::exists(folder + "/snapshots/000003.h5.unfinished"));
     EXPECT_FALSE(std::filesystem::exists(folder + "/snapshots/000003.h5"));
   }
-  for (int step = 26; step < 80; ++step) writer.write(dealt(comm, 5), step, step);
+  for (int step = 26; step < 50; ++step) writer.write(dealt(comm, 5), step, step);
   writer.write_index();
   if (comm.rank == 0) {
-    EXPECT_EQ(times().size(), 57u);
-    EXPECT_EQ(times().back(), 79);
+    EXPECT_EQ(times().size(), 27u);
+    EXPECT_EQ(times().back(), 49);
   }
 }
 

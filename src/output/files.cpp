@@ -1,5 +1,5 @@
-// POSIX: only fsync of the file, rename, fsync of the folder survives a crash between any two
-// calls. SPDX-License-Identifier: BSD-3-Clause
+// A rename outlives the process; fsync of file and folder around it outlives the machine.
+// SPDX-License-Identifier: BSD-3-Clause
 #include "files.hpp"
 
 #include <fcntl.h>
@@ -37,17 +37,18 @@ std::string unfinished(const std::string& path) {
   return path + ".unfinished";
 }
 
-void put_in_place(const std::string& path) {
-  sync(unfinished(path));
+void put_in_place(const std::string& path, Outlives what) {
+  if (what == Outlives::power) sync(unfinished(path));
   require(std::rename(unfinished(path).c_str(), path.c_str()) == 0, "cannot write '{}': {}", path,
           std::strerror(errno));
+  if (what == Outlives::process) return;
   const auto folder = std::filesystem::path(path).parent_path();
   sync(folder.empty() ? "." : folder.string());
 }
 
-void put_in_place(const Comm& comm, const std::string& path) {
+void put_in_place(const Comm& comm, const std::string& path, Outlives what) {
   barrier(comm);  // every rank has closed the file
-  if (comm.rank == 0) put_in_place(path);
+  if (comm.rank == 0) put_in_place(path, what);
   barrier(comm);
 }
 

@@ -1,4 +1,4 @@
-// Files that appear whole or not at all: written beside their place, synced, then renamed.
+// Files that appear whole or not at all: written beside their place, then renamed.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -12,11 +12,15 @@ namespace spall {
 /// Where a file is written before it takes its place.
 std::string unfinished(const std::string& path);
 
-/// Moves the closed file `unfinished(path)` to `path`, data on the disk first: whenever the run is
-/// killed, `path` is the old file or the new one. This rank alone.
-void put_in_place(const std::string& path);
+/// What a file that was put in place outlives: the end of the process, or that of the machine too,
+/// at the price of waiting for the disk.
+enum class Outlives { process, power };
+
+/// Moves the closed file `unfinished(path)` to `path`: whenever the run is killed, `path` is the
+/// old file or the new one. This rank alone.
+void put_in_place(const std::string& path, Outlives what = Outlives::process);
 /// The same by rank 0 for all ranks, which see the file afterwards. Collective.
-void put_in_place(const Comm& comm, const std::string& path);
+void put_in_place(const Comm& comm, const std::string& path, Outlives what = Outlives::process);
 
 /// A text file that appears whole. This rank alone.
 void write_whole(const std::string& path, const std::string& text);

@@ -159,7 +159,7 @@ void write_restart(const Comm& comm, const std::string& path, const RestartState
     write_checked(file, comm, "/contacts/" + name, field, rows);
   });
   file.close();
-  put_in_place(comm, path);
+  put_in_place(comm, path, Outlives::power);
 }
 
 RestartState read_restart(const Comm& comm, const std::string& path) {
