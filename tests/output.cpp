@@ -40,6 +40,7 @@ void add_body(Bodies& bodies, BodyId id) {
   bodies.position.push_back(Vec3(std::sin(x), std::cos(x), std::tan(x)));
   bodies.velocity.push_back(Vec3(std::exp(-x), -0.0, 5e-324 * x));
   bodies.angular_velocity.push_back(Vec3(std::cbrt(x), 1e300 / x, -x));
+  bodies.acceleration.push_back(Vec3(x, -x, 1 / x));
 }
 
 /// `count` bodies, dealt over the ranks out of order.
