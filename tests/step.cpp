@@ -48,9 +48,9 @@ TEST(Impact, equal_spheres_head_on_part_as_restitution_says) {
   const double v = 3, h = 0.01;
   for (double e : {0.0, 0.3, 1.0})
     for (double gap : {0.0, 0.29 * v * h, 2.5 * v * h}) {
-      World world = make_world(testing_world(),
-                               {{.velocity = {v, 0, 0}}, {.position = {2 + gap, 0, 0}}},
-                               {.friction = 0.5, .restitution = e});
+      World world =
+          make_world(testing_world(), {{.velocity = {v, 0, 0}}, {.position = {2 + gap, 0, 0}}},
+                     {.friction = 0.5, .restitution = e});
       advance(world, h, 5);
       const auto after = spheres_of(world);
       // One contact: the solver is exact to round-off; e = 0 closes the gap first, then sticks.
@@ -86,8 +86,8 @@ TEST(Impact, oblique_on_a_plane_slips_or_sticks) {
         const bool slips = std::tan(theta) > 3.5 * mu * (1 + e);
         ++(slips ? slipped : stuck);
         const double e_t = slips ? 1 - slip : 5.0 / 7;
-        const double spin = (slips ? 2.5 * mu * (1 + e) * v * std::cos(theta)
-                                   : 5.0 / 7 * v * std::sin(theta)) / r;
+        const double spin =
+            (slips ? 2.5 * mu * (1 + e) * v * std::cos(theta) : 5.0 / 7 * v * std::sin(theta)) / r;
         // The solver's tolerance, 1e-10, on one contact.
         EXPECT_NEAR(after.velocity.z(), e * v * std::cos(theta), 1e-9 * v) << mu << " " << theta;
         EXPECT_NEAR(after.velocity.x(), e_t * v * std::sin(theta), 1e-9 * v) << mu << " " << theta;
@@ -146,8 +146,9 @@ TEST(Impact, a_fast_sphere_is_never_missed_however_long_the_step) {
 TEST(Friction, a_sliding_sphere_starts_to_roll) {
   const double v0 = 1, mu = 0.2, g = 9.8, r = 0.3;
   const double rolls_at = 2 * v0 / (7 * mu * g), h = rolls_at / 100.3;
-  World world = make_world(
-      testing_world(), {{.radius = r, .position = {0, 0, r}, .velocity = {v0, 0, 0}}}, {.friction = mu});
+  World world =
+      make_world(testing_world(), {{.radius = r, .position = {0, 0, r}, .velocity = {v0, 0, 0}}},
+                 {.friction = mu});
   world.planes = {floor_plane};
   world.uniform_gravity = {0, 0, -g};
   for (int k = 1; k <= 110; ++k) {
@@ -169,15 +170,16 @@ TEST(Friction, a_sphere_on_an_incline_rolls_up_to_three_and_a_half_mu) {
   const int steps = 20;
   for (double mu : {0.0, 0.1, 0.3})
     for (double slope : {0.2, 0.34, 0.36, 1.0}) {
-      World world = make_world(testing_world(), {{.radius = r, .position = {0, 0, r}}}, {.friction = mu});
+      World world =
+          make_world(testing_world(), {{.radius = r, .position = {0, 0, r}}}, {.friction = mu});
       const double theta = std::atan(slope);
       world.planes = {floor_plane};
       world.uniform_gravity = {g * std::sin(theta), 0, -g * std::cos(theta)};
       advance(world, h, steps);
       const Sphere s = spheres_of(world)[0];
       const bool rolls = slope <= 3.5 * mu;
-      const double a = rolls ? 5.0 / 7 * g * std::sin(theta)
-                             : g * (std::sin(theta) - mu * std::cos(theta));
+      const double a =
+          rolls ? 5.0 / 7 * g * std::sin(theta) : g * (std::sin(theta) - mu * std::cos(theta));
       const double turn = (rolls ? a : 2.5 * mu * g * std::cos(theta)) / r;
       const double t = (steps - 0.5) * h;
       EXPECT_NEAR(s.velocity.x(), a * t, 1e-8 * g * t) << mu << " " << slope;
@@ -219,10 +221,10 @@ TEST(Gravity, two_bodies_fall_together_and_bounce_as_kepler_and_restitution_say)
                        (std::acos(std::sqrt(ratio)) + std::sqrt(ratio * (1 - ratio)));
   const double impact = std::sqrt(2 * mu * (1 / (2 * r) - 1 / x0));  // relative speed
   for (double h : {falls / 200.4, falls / 400.4}) {
-    World world = make_world(testing_world(),
-                             {{.mass = m, .position = {-x0 / 2, 0, 0}},
-                              {.mass = m, .position = {x0 / 2, 0, 0}}},
-                             {.friction = 0.5, .restitution = e});
+    World world = make_world(
+        testing_world(),
+        {{.mass = m, .position = {-x0 / 2, 0, 0}}, {.mass = m, .position = {x0 / 2, 0, 0}}},
+        {.friction = 0.5, .restitution = e});
     world.gravity = gravity;
     double met = 0, speed = 0, rebound = 0;
     evaluate_field(world);
@@ -255,8 +257,8 @@ TEST(Gravity, two_bodies_fall_together_and_bounce_as_kepler_and_restitution_say)
 
 // Cohesion -----------------------------------------------------------------------------------
 
-/// Pulls a cohesive pair apart with the force `pull` on each; returns the gap and the speed at which
-/// it opens.
+/// Pulls a cohesive pair apart with the force `pull` on each; returns the gap and the speed at
+/// which it opens.
 std::pair<double, double> pulled_apart(double pull, double h, int steps, double range) {
   const double m = 2;
   World world = make_world(testing_world(), {{.mass = m}, {.mass = m, .position = {2, 0, 0}}},
