@@ -31,14 +31,14 @@ Dealt deal(const Comm& comm, const Bodies& all, const std::vector<int>& owner,
   std::map<BodyId, Index> here;
   const auto take = [&](Index b) {
     if (!here.emplace(b, mine.bodies.size()).second) return;
-    mine.bodies.id.push_back(b);
-    mine.bodies.group.push_back(0);
-    mine.bodies.material.push_back(0);
-    mine.bodies.radius.push_back(all.radius[b]);
-    mine.bodies.mass.push_back(all.mass[b]);
-    mine.bodies.position.push_back(all.position[b]);
-    mine.bodies.velocity.push_back(all.velocity[b]);
-    mine.bodies.angular_velocity.push_back(Vec3::Zero());
+    const Index row = append_row(mine.bodies);
+    mine.bodies.id[row] = b;
+    mine.bodies.group[row] = 0;
+    mine.bodies.material[row] = 0;
+    mine.bodies.radius[row] = all.radius[b];
+    mine.bodies.mass[row] = all.mass[b];
+    mine.bodies.position[row] = all.position[b];
+    mine.bodies.velocity[row] = all.velocity[b];
   };
   for (Index b = 0; b < all.size(); ++b)
     if (owner[b] == comm.rank) take(b);

@@ -33,15 +33,16 @@ std::string fresh_folder(const Comm& comm) {
 /// Body `id` with values that depend on it alone and fill all bits of a double.
 void add_body(Bodies& bodies, BodyId id) {
   const auto x = static_cast<double>(id + 1);
-  bodies.id.push_back(id);
-  bodies.group.push_back(static_cast<std::int32_t>(id % 3));
-  bodies.material.push_back(static_cast<std::int32_t>(id % 2));
-  bodies.radius.push_back(1 / x);
-  bodies.mass.push_back(id == 0 ? infinity : std::sqrt(x));
-  bodies.position.push_back(Vec3(std::sin(x), std::cos(x), std::tan(x)));
-  bodies.velocity.push_back(Vec3(std::exp(-x), -0.0, 5e-324 * x));
-  bodies.angular_velocity.push_back(Vec3(std::cbrt(x), 1e300 / x, -x));
-  resize(bodies, static_cast<Index>(bodies.id.size()));  // fields that this test does not name
+  const Index row = append_row(bodies);
+  bodies.id[row] = id;
+  bodies.group[row] = static_cast<std::int32_t>(id % 3);
+  bodies.material[row] = static_cast<std::int32_t>(id % 2);
+  bodies.radius[row] = 1 / x;
+  bodies.mass[row] = id == 0 ? infinity : std::sqrt(x);
+  bodies.position[row] = Vec3(std::sin(x), std::cos(x), std::tan(x));
+  bodies.velocity[row] = Vec3(std::exp(-x), -0.0, 5e-324 * x);
+  bodies.angular_velocity[row] = Vec3(std::cbrt(x), 1e300 / x, -x);
+  bodies.acceleration[row] = Vec3(x, -x, 1 / x);
 }
 
 /// `count` bodies, dealt over the ranks out of order.
@@ -66,7 +67,7 @@ void expect_same_bits(const Bodies& a, const Bodies& b) {
   std::vector<bool> same;
   const auto fields = [](const Bodies& bodies) {
     return std::tie(bodies.id, bodies.group, bodies.material, bodies.radius, bodies.mass,
-                    bodies.position, bodies.velocity, bodies.angular_velocity);
+                    bodies.position, bodies.velocity, bodies.angular_velocity, bodies.acceleration);
   };
   std::apply(
       [&](const auto&... field_a) {

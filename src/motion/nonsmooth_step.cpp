@@ -202,31 +202,43 @@ void drift(Bodies& bodies, const Correction& correction, double h) {
   }
 }
 
-/// A correction is an impulse pair given along the old normal and taken back along the new one:
-/// neither exerts a torque, so angular momentum stays exact, as a displacement alone would not
-/// leave it.
-void take_back(World& world, const Contacts& contacts, const Correction& correction, double h) {
+/// Moving bodies apart by the correction P along n changes angular momentum by h P n x u, with u
+/// their relative velocity: as they move out they must turn slower. The torque t = -h P n x u is
+/// given back at the new positions, n' apart by d', as an impulse pair q = t x n' / d' and, for the
+/// rest along n', in spins. Bodies without relative motion get nothing, however fast they part.
+void keep_angular_momentum(World& world, const Contacts& contacts, const Correction& correction,
+                           double h) {
+  if (correction.change.empty()) return;
   Bodies& bodies = world.bodies;
+  const auto moves = [&](Index b) { return b < bodies.owned && std::isfinite(bodies.mass[b]); };
   double gained = 0;
-  if (!correction.change.empty())
-    for (Index b = 0; b < bodies.owned; ++b)
-      if (std::isfinite(bodies.mass[b]))
-        gained -= h * bodies.mass[b] *
-                  bodies.acceleration[b].dot(Eigen::Map<const Vec3>(correction.change[b].linear));
-  auto add = [&](Index b, const Vec3& impulse) {
-    if (b >= bodies.owned || !std::isfinite(bodies.mass[b])) return;
-    const Vec3 dv = impulse / bodies.mass[b];
-    gained += impulse.dot(bodies.velocity[b] + dv / 2);
+  for (Index b = 0; b < bodies.owned; ++b)
+    if (moves(b))
+      gained -= h * bodies.mass[b] *
+                bodies.acceleration[b].dot(Eigen::Map<const Vec3>(correction.change[b].linear));
+
+  std::vector<Vec3> impulse(bodies.owned, Vec3::Zero()), turn(bodies.owned, Vec3::Zero());
+  for (Index c = 0; c < contacts.size(); ++c) {
+    const Index i = contacts.i[c], j = contacts.j[c];
+    if (correction.impulse[c].isZero(0) || j == ground) continue;
+    const Vec3 u = bodies.velocity[j] - bodies.velocity[i];
+    const Vec3 torque = -h * correction.impulse[c].cross(u);
+    const Vec3 apart = bodies.position[j] - bodies.position[i];
+    const Vec3 q = torque.cross(apart) / apart.squaredNorm();
+    const Vec3 rest = apart.dot(torque) / apart.squaredNorm() * apart;
+    if (moves(i)) impulse[i] -= q;
+    if (moves(j)) impulse[j] += q;
+    for (Index b : {i, j})
+      if (moves(b)) turn[b] += rest / 2;
+  }
+  for (Index b = 0; b < bodies.owned; ++b) {
+    if (!moves(b)) continue;
+    const Vec3 dv = impulse[b] / bodies.mass[b];
+    const Vec3 dw = turn[b] / (0.4 * bodies.mass[b] * bodies.radius[b] * bodies.radius[b]);
+    gained += impulse[b].dot(bodies.velocity[b] + dv / 2) +
+              turn[b].dot(bodies.angular_velocity[b] + dw / 2);
     bodies.velocity[b] += dv;
-  };
-  for (Index c = 0; c < static_cast<Index>(correction.impulse.size()); ++c) {
-    if (correction.impulse[c].isZero(0) || contacts.j[c] == ground) continue;
-    const double size = correction.impulse[c].dot(contacts.normal[c]);
-    const Vec3 normal =
-        separation(bodies, world.planes, contacts.i[c], contacts.j[c], contacts.plane[c]).normal;
-    const Vec3 rest = size * (contacts.normal[c] - normal);
-    add(contacts.i[c], -rest);
-    add(contacts.j[c], rest);
+    bodies.angular_velocity[b] += dw;
   }
   world.ledger.corrections += gained;
 }
@@ -279,7 +291,7 @@ StepReport nonsmooth_step(World& world, double h, const SolverSettings& solver, 
     StageTimer timer(world.times, "motion");
     const Correction correction = correct_overlaps(world, contacts, h, report);
     drift(bodies, correction, h);
-    take_back(world, contacts, correction, h);
+    keep_angular_momentum(world, contacts, correction, h);
   }
   kick.load = 0;
   --kick.steps_left;

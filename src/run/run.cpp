@@ -96,11 +96,7 @@ class Run {
         snapshots_(comm, folder, scene, from ? clock_.step : -1),
         seconds_at_start_(MPI_Wtime()),
         last_restart_(seconds_at_start_) {
-    world_.comm = comm;
-    world_.planes = scene.planes;
-    world_.law = scene.contact;
-    world_.gravity = scene.gravity;
-    world_.uniform_gravity = scene.uniform_gravity;
+    world_ = make_world(comm, scene);
     if (from) {
       world_.bodies = from->bodies;
       world_.neighbours.carried = from->contacts;

@@ -84,14 +84,14 @@ Aim add_impactor(const Comm& comm, const Case& scene, const Impactor& impactor, 
   const BodyId next = 1 + static_cast<BodyId>(comm.max(
                               highest == bodies.id.end() ? -1.0 : static_cast<double>(*highest)));
   if (std::ranges::find(bodies.id, aim.struck) == bodies.id.end()) return aim;
-  bodies.id.push_back(next);
-  bodies.group.push_back(static_cast<std::int32_t>(scene.groups.size()));
-  bodies.material.push_back(impactor.material);
-  bodies.radius.push_back(impactor.radius);
-  bodies.mass.push_back(impactor.mass);
-  bodies.position.push_back(aim.position);
-  bodies.velocity.push_back(aim.velocity);
-  bodies.angular_velocity.push_back(Vec3::Zero());
+  const Index row = append_row(bodies);
+  bodies.id[row] = next;
+  bodies.group[row] = static_cast<std::int32_t>(scene.groups.size());
+  bodies.material[row] = impactor.material;
+  bodies.radius[row] = impactor.radius;
+  bodies.mass[row] = impactor.mass;
+  bodies.position[row] = aim.position;
+  bodies.velocity[row] = aim.velocity;
   ++bodies.owned;
   return aim;
 }

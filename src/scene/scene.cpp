@@ -148,14 +148,15 @@ Bodies make_bodies(const Case& scene, const Comm& comm) {
       if (!random) check_clear(scene, group, placed, id, center);
       if (grid) grid->add(center);
       if (id >= first_owned && id < end_owned) {
-        bodies.id.push_back(id);
-        bodies.group.push_back(static_cast<std::int32_t>(g));
-        bodies.material.push_back(group.material);
-        bodies.radius.push_back(group.packing.radius);
-        bodies.mass.push_back(mass);
-        bodies.position.push_back(center);
-        bodies.velocity.push_back(group.velocity + group.spin.cross(center - group.volume.center));
-        bodies.angular_velocity.push_back(group.spin);
+        const Index row = append_row(bodies);
+        bodies.id[row] = id;
+        bodies.group[row] = static_cast<std::int32_t>(g);
+        bodies.material[row] = group.material;
+        bodies.radius[row] = group.packing.radius;
+        bodies.mass[row] = mass;
+        bodies.position[row] = center;
+        bodies.velocity[row] = group.velocity + group.spin.cross(center - group.volume.center);
+        bodies.angular_velocity[row] = group.spin;
       }
       ++id;
     };

@@ -52,4 +52,15 @@ struct World {
   }
 };
 
+/// A world with a case's laws and no bodies yet.
+inline World make_world(const Comm& comm, const Case& scene) {
+  World world;
+  world.comm = comm;
+  world.planes = scene.planes;
+  world.law = scene.contact;
+  world.gravity = scene.gravity;
+  world.uniform_gravity = scene.uniform_gravity;
+  return world;
+}
+
 }  // namespace spall

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <type_traits>
 #include <vector>
 
 #include "spall/base/types.hpp"
@@ -40,6 +41,18 @@ void for_each_field(BodiesLike& bodies, F&& f) {
   f("velocity", bodies.velocity);
   f("angular_velocity", bodies.angular_velocity);
   f("acceleration", bodies.acceleration);
+}
+
+/// Appends a row of zeros to every field and returns its place; `owned` is left to the caller.
+inline Index append_row(Bodies& bodies) {
+  for_each_field(bodies, [](const char*, auto& field) {
+    using T = typename std::remove_cvref_t<decltype(field)>::value_type;
+    if constexpr (std::is_same_v<T, Vec3>)
+      field.push_back(Vec3::Zero());
+    else
+      field.push_back(T{});
+  });
+  return bodies.size() - 1;
 }
 
 }  // namespace spall
