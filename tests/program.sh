@@ -84,7 +84,7 @@ for arguments in --help keys "check $cases/hello/case.toml"; do
 done
 
 # A run that is stopped by a signal and goes on ends where one ends that was left alone.
-sed 's/count = 300/count = 40/; s/radius = "10 m"/radius = "5 m"/; s/duration = "4 h"/duration = "40 min"/' \
+sed 's/count = 300/count = 40/; s/radius = "10 m"/radius = "6 m"/; s/duration = "4 h"/duration = "40 min"/' \
   "$cases/hello/case.toml" >small.toml
 on_ranks "$ranks" run small.toml --out whole || fail "a small run: $(cat stderr)"
 timeout -k 2 60 "$mpiexec" --oversubscribe -n "$ranks" "$spall" run small.toml --out stopped \
