@@ -49,8 +49,7 @@ inline std::vector<Sphere> spheres_of(const World& world) {
   const Bodies& bodies = world.bodies;
   std::vector<double> rows;
   for (Index b = 0; b < bodies.owned; ++b) {
-    rows.insert(rows.end(),
-                {static_cast<double>(bodies.id[b]), bodies.radius[b], bodies.mass[b]});
+    rows.insert(rows.end(), {static_cast<double>(bodies.id[b]), bodies.radius[b], bodies.mass[b]});
     for (const Vec3* v : {&bodies.position[b], &bodies.velocity[b], &bodies.angular_velocity[b]})
       rows.insert(rows.end(), v->data(), v->data() + 3);
   }

@@ -1,0 +1,111 @@
+#!/bin/bash
+# What the program says and how it ends: bad input, help, a run that is stopped and goes on.
+# SPDX-License-Identifier: BSD-3-Clause
+# usage: program.sh SPALL MPIEXEC RANKS CASES, in a folder to write in
+set -u
+spall=$1 mpiexec=$2 ranks=$3 cases=$4
+work=program_$ranks
+rm -rf "$work"
+mkdir "$work" && cd "$work" || exit 1
+failures=0
+
+fail() {
+  echo "FAILED: $*"
+  failures=$((failures + 1))
+}
+
+on_ranks() {  # ranks, arguments of the program
+  local n=$1
+  shift
+  timeout -k 2 20 "$mpiexec" --oversubscribe -n "$n" "$spall" "$@" >stdout 2>stderr
+}
+
+# A case with some lines changed: s/what/by what/ for sed.
+write_case() {
+  cat >plain.toml <<'END'
+title = "two spheres"
+[materials.rock]
+density = "1600 kg/m^3"
+[contact]
+friction = 0.5
+[[groups]]
+name = "left"
+material = "rock"
+volume = {shape = "sphere", radius = "1 m"}
+[[groups]]
+name = "right"
+material = "rock"
+volume = {shape = "sphere", radius = "1 m", center = ["3 m", "0 m", "0 m"]}
+velocity = ["-1 m/s", "0 m/s", "0 m/s"]
+[[phases]]
+name = "meet"
+step = "0.1 s"
+duration = "2 s"
+END
+  sed "$1" plain.toml >"$2"
+}
+
+# Ends soon, not with 0, and says it once: a line with all of the given words.
+refuses() {  # name, ranks, file, words…
+  local name=$1 n=$2 file=$3 code word
+  shift 3
+  on_ranks "$n" run "$file" --out "${out:-out}"
+  code=$?
+  [ $code -ne 0 ] || fail "$name: exit code is 0"
+  [ $code -ne 124 ] && [ $code -ne 137 ] || fail "$name: hangs"
+  [ "$(grep -c '^spall: ' stderr)" = 1 ] || fail "$name: not one message: $(cat stderr)"
+  for word in "$@"; do
+    grep '^spall: ' stderr | grep -qF -- "$word" || fail "$name: no '$word' in: $(cat stderr)"
+  done
+}
+
+write_case 's/^friction = .*/fricton = 0.5/' unknown.toml
+refuses "an unknown key" "$ranks" unknown.toml unknown.toml:5 fricton friction
+write_case 's/^friction = .*/friction = "much"/' type.toml
+refuses "a wrong type" "$ranks" type.toml type.toml:5 contact.friction
+write_case 's/^step = .*/step = "0.1 kg"/' unit.toml
+refuses "a wrong unit" "$ranks" unit.toml unit.toml:17 step kg
+write_case '0,/radius = "1 m"/s//radius = "-1 m"/' radius.toml
+refuses "a negative radius" "$ranks" radius.toml radius.toml:9 radius
+refuses "a missing file" "$ranks" nowhere.toml nowhere.toml
+write_case 's/center = \["3 m"/center = ["1.5 m"/' overlap.toml
+refuses "overlapping bodies" "$ranks" overlap.toml overlap.toml:10 groups.right allowed_overlap
+write_case '/^\[\[groups/,/^velocity/d' none.toml
+refuses "no bodies" "$ranks" none.toml none.toml "no bodies"
+write_case '' few.toml
+refuses "more ranks than bodies" 3 few.toml few.toml "2 bodies" "3 ranks"
+touch file
+out=file/below refuses "an unwritable folder" "$ranks" few.toml file/below
+
+for arguments in --help keys "check $cases/hello/case.toml"; do
+  # shellcheck disable=SC2086
+  on_ranks "$ranks" $arguments || fail "spall $arguments: exit code is not 0"
+  [ -s stdout ] || fail "spall $arguments: prints nothing"
+done
+
+# A run that is stopped by a signal and goes on ends where one ends that was left alone.
+sed 's/count = 300/count = 40/; s/radius = "10 m"/radius = "6 m"/; s/duration = "4 h"/duration = "40 min"/' \
+  "$cases/hello/case.toml" >small.toml
+on_ranks "$ranks" run small.toml --out whole || fail "a small run: $(cat stderr)"
+timeout -k 2 60 "$mpiexec" --oversubscribe -n "$ranks" "$spall" run small.toml --out stopped \
+  >stdout 2>stderr &
+job=$!
+for _ in $(seq 500); do  # until it has begun to step
+  [ "$(cat stopped/series.csv 2>/dev/null | wc -l)" -gt 3 ] && break
+  sleep 0.02
+done
+kill -TERM $job  # the launcher hands it on to the ranks
+wait $job
+[ -s stopped/restart.h5 ] || fail "no restart file after SIGTERM: $(cat stderr)"
+[ ! -e stopped/results.toml ] || fail "the run was over before it was stopped"
+on_ranks "$ranks" resume stopped/restart.h5 || fail "resume: $(cat stderr)"
+for key in dv beta; do
+  a=$(sed -n "s/^$key *= *\([^ ]*\).*/\1/p" whole/results.toml | head -n 1)
+  b=$(sed -n "s/^$key *= *\([^ ]*\).*/\1/p" stopped/results.toml | head -n 1)
+  # Pairs are searched anew after a restart: sums in another order, spread by the collisions.
+  awk -v a="$a" -v b="$b" 'BEGIN { d = a - b; if (d < 0) d = -d; s = a < 0 ? -a : a;
+    exit !(a != "" && s > 0 && d <= 0.02 * s) }' || fail "$key is $b after a stop, $a without"
+done
+
+[ $failures -eq 0 ] && echo "all as it should be"
+exit $((failures > 0))
