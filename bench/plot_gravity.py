@@ -56,7 +56,7 @@ def main():
         f"{about}. `bench/run_gravity.sh build/release` makes these figures anew.",
         "",
         "Speed-up: time of the plain direct sum, in which every body meets every other, over the time",
-        "of the tree, measured in turns in one run (medians of 5). FDPS: its own speed-up over the same",
+        "of the tree, processor time of the slowest rank, measured in turns in one run. FDPS: its own speed-up over the same",
         "sum on the machine where it was measured, interpolated (below 6e-5: extrapolated).",
         "",
         "| set | bodies | rms error | tree, 1 rank | FDPS 7.1, 1 rank | ratio |",

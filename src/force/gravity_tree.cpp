@@ -439,7 +439,7 @@ TreeSettings tree_settings(double accuracy) {
   // of `accuracy` (bench/results/gravity.md).
   TreeSettings settings;
   settings.order = accuracy > 3e-3 ? 4 : accuracy > 5e-5 ? 5 : 6;
-  settings.accuracy = accuracy * (settings.order == 4 ? 1.5 : 3);
+  settings.accuracy = accuracy * (settings.order == 4 ? 1.5 : 2.4);
   return settings;
 }
 
