@@ -172,12 +172,7 @@ TEST(Friction, a_sphere_on_an_incline_rolls_up_to_three_and_a_half_mu) {
   const int steps = 20;
   for (double mu : {0.0, 0.1, 0.3})
     for (double slope : {0.2, 0.34, 0.36, 1.0}) {
-<<<<<<< HEAD
-      World world =
-          make_world(testing_world(), {{.radius = r, .position = {0, 0, r}}}, {.friction = mu});
-=======
       World world = make_world(alone(), {{.radius = r, .position = {0, 0, r}}}, {.friction = mu});
->>>>>>> physics-tests
       const double theta = std::atan(slope);
       world.planes = {floor_plane};
       world.uniform_gravity = {g * std::sin(theta), 0, -g * std::cos(theta)};
@@ -228,11 +223,7 @@ TEST(Gravity, two_bodies_fall_together_and_bounce_as_kepler_and_restitution_say)
   const double impact = std::sqrt(2 * mu * (1 / (2 * r) - 1 / x0));  // relative speed
   for (double h : {falls / 200.4, falls / 400.4}) {
     World world = make_world(
-<<<<<<< HEAD
-        testing_world(),
-=======
         alone(),
->>>>>>> physics-tests
         {{.mass = m, .position = {-x0 / 2, 0, 0}}, {.mass = m, .position = {x0 / 2, 0, 0}}},
         {.friction = 0.5, .restitution = e});
     world.gravity = gravity;
