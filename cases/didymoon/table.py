@@ -32,9 +32,10 @@ def text(value):
 
 
 def print_table(heading, rows, left):
-    """`left` columns of text, the others of numbers."""
+    """The first `left` columns and a note are text, the others numbers."""
     print("| " + " | ".join(heading) + " |")
-    print("|" + "|".join("---" if k < left else "--:" for k in range(len(heading))) + "|")
+    print("|" + "|".join("---" if k < left or name == "note" else "--:"
+                         for k, name in enumerate(heading)) + "|")
     for row in rows:
         print("| " + " | ".join(row) + " |")
 
@@ -62,7 +63,7 @@ def main(folders):
                 for row in (reference.rows if reference else []) if bool(row.when) == of_one]
         if rows:
             print(f"\n## {name}\n")
-            print_table(["", "", "where", reference.title, "corrected", "Spall", "note"], rows, 3)
+            print_table(["", "", "source", "printed", "corrected", "Spall", "note"], rows, 3)
 
 
 if __name__ == "__main__":
