@@ -35,10 +35,8 @@ std::string default_folder(const std::string& file) {
 }
 
 void list_cases() {
-  for (const auto& entry : std::filesystem::recursive_directory_iterator("cases")) {
-    if (entry.path().extension() != ".toml") continue;
-    fmt::print("{:<36} {}\n", entry.path().string(), read_case(entry.path().string()).title);
-  }
+  for (const std::string& file : find_cases("cases"))
+    fmt::print("{:<36} {}\n", file, read_case(file).title);
 }
 
 int report(const std::string& folder) {

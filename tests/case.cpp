@@ -2,6 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "spall/scene/case.hpp"
 
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
 #include "spall/base/require.hpp"
 #include "testing.hpp"
 
@@ -231,6 +236,32 @@ TEST(Case, nothing_to_simulate_is_an_error) {
 TEST(Case, a_missing_file_and_a_folder_are_errors) {
   EXPECT_THROW(read_case("no/such/case.toml"), Error);
   EXPECT_THROW(read_case("."), Error);
+}
+
+TEST(Case, a_reference_lies_beside_the_case_and_must_be_there) {
+  const auto folder =
+      std::filesystem::temp_directory_path() / fmt::format("spall_reference_{}", getpid());
+  std::filesystem::create_directories(folder);
+  const std::string file = (folder / "case.toml").string();
+  const std::string reference = (folder / "source.toml").string();
+  std::ofstream(file) << "reference = \"source.toml\"\n" << good;
+  const auto complaint_of = [&](const std::vector<std::string>& overrides) -> std::string {
+    try {
+      read_case(file, overrides);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(complaint_of({}),
+            fmt::format("{}:1:13: reference: there is no file '{}'", file, reference));
+  std::ofstream(reference) << "title = \"a source\"\n";
+  EXPECT_EQ(read_case(file).reference, reference);
+  EXPECT_EQ(find_cases(folder.string()), std::vector<std::string>{file});
+  EXPECT_EQ(complaint_of({"reference=none.toml"}),
+            fmt::format("--set reference=none.toml: reference: there is no file '{}'",
+                        (folder / "none.toml").string()));
+  std::filesystem::remove_all(folder);
 }
 
 TEST(Case, the_reference_lists_every_key) {

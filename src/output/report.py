@@ -202,6 +202,28 @@ def tables(run):
     return f"<div class=tables>{''.join(parts)}</div>"
 
 
+def beside(reference):
+    """The source's values and this run's, a row each."""
+    def cell(value, unit=""):
+        if value is None:
+            return "<td class=value></td>"
+        if isinstance(value, list):
+            value = " to ".join(number(one) for one in value)
+        else:
+            value = number(value)
+        return f"<td class=value>{value} <span class=note>{html.escape(unit)}</span></td>"
+
+    lines = ["<tr><th><th class=value>source<th class=value>corrected<th class=value>this run"
+             "<th>note</tr>"]
+    for row in reference.rows:
+        where = f"<br><span class=note>{html.escape(row.source)}</span>" if row.source else ""
+        lines.append(f"<tr><td>{html.escape(row.name)}{where}</td>{cell(row.printed, row.unit)}"
+                     f"{cell(row.check, row.unit)}{cell(row.result, row.unit)}"
+                     f"<td class=note>{html.escape(row.note)}</td></tr>")
+    return (f"<h2>Beside {html.escape(reference.title)}</h2><p>{html.escape(reference.source)}</p>"
+            f"<section><table class=beside>{''.join(lines)}</table></section>")
+
+
 STYLE = """
 body { font: 15px/1.5 system-ui, "DejaVu Sans", sans-serif; color: #1c2430; background: #f6f7f9;
        margin: 0 auto; max-width: 1120px; padding: 24px; }
@@ -220,13 +242,18 @@ section { break-inside: avoid; background: white; border-radius: 8px; padding: 1
           margin: 0 0 16px; box-shadow: 0 1px 3px #0002; }
 table { border-collapse: collapse; width: 100%; font-size: 13px; }
 td { padding: 2px 8px 2px 0; vertical-align: top; border-top: 1px solid #eef0f3; }
+th { padding: 2px 8px 4px 0; text-align: left; font-weight: 600; }
 .value { font-variant-numeric: tabular-nums; text-align: right; } .note { color: #5b6472; }
+.beside td, .beside th { padding: 5px 16px 5px 0; }
+.beside .value { white-space: nowrap; } .beside td:nth-child(4) { font-weight: 600; }
+.beside td:first-child { white-space: nowrap; } .beside td .note { font-weight: 400; }
 """
 
 
 def main(folder):
     run = Run(folder)
     import report_figures as figures
+    from report_reference import read_reference
     pictures = os.path.join(folder, "report")
     os.makedirs(pictures, exist_ok=True)
 
@@ -260,6 +287,8 @@ def main(folder):
             "deflection", figures.read_outs(run.results["read_out"], lines),
             "Velocity change of the largest clump along the flight of the impactor. It goes on "
             "changing while ejecta leave, so it is given with its time."))
+    if run.results and (reference := read_reference(folder, run.results)):
+        body.append(beside(reference))
     if parts := run.series_parts():
         body.append("<h2>The run in time</h2>" + figure(
             "series", figures.series(run, parts),

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 #include "files.hpp"
 #include "spall/base/require.hpp"
@@ -116,6 +117,16 @@ std::string ResultTable::toml() const {
 void write_results(const Comm& comm, const std::string& folder, const ResultTable& table) {
   make_folder(comm, folder);
   if (comm.rank == 0) write_whole(folder + "/results.toml", table.toml());
+}
+
+void keep_reference(const Comm& comm, const std::string& folder, const std::string& file) {
+  make_folder(comm, folder);
+  if (comm.rank != 0) return;
+  const std::string copy = folder + "/reference.toml";
+  if (file.empty())
+    std::filesystem::remove(copy);
+  else
+    write_whole(copy, read_whole(file));
 }
 
 }  // namespace spall

@@ -96,6 +96,7 @@ class Run {
         snapshots_(comm, folder, scene, from ? clock_.step : -1),
         seconds_at_start_(MPI_Wtime()),
         last_restart_(seconds_at_start_) {
+    keep_reference(comm, folder, scene.reference);
     world_ = make_world(comm, scene);
     if (from) {
       world_.bodies = from->bodies;
@@ -401,6 +402,7 @@ class Run {
     const Diagnostics sums = diagnose(world_);
     if (!verdict_.has_impact()) verdict_.look_at_pile(world_);
     ResultTable table;
+    add_case(table);
     verdict_.add_to(table, scene_.binary);
     add_conservation(table, sums);
     const double steps = static_cast<double>(std::max<std::int64_t>(clock_.step, 1));
@@ -423,6 +425,18 @@ class Run {
     write_results(comm_, folder_, table);
     snapshots_.write_index();
     series_.write_hdf5();
+  }
+
+  /// What tells the runs of a sweep apart.
+  void add_case(ResultTable& table) {
+    double cohesion = scene_.contact.cohesion;
+    for (const Phase& phase : scene_.phases) {
+      cohesion = phase.cohesion.value_or(cohesion);
+      if (!phase.impactor) continue;
+      table.add("case", "cohesion", cohesion, "N", "during the impact");
+      table.add("case", "impactor_mass", phase.impactor->mass, "kg");
+      table.add("case", "impactor_speed", phase.impactor->speed, "m/s");
+    }
   }
 
   void add_conservation(ResultTable& table, const Diagnostics& sums) {
@@ -475,9 +489,13 @@ bool resume_case(const Comm& comm, const std::string& file, const std::string& f
   const RestartState state = read_restart(comm, file);
   std::vector<std::string> all = state.overrides;
   all.insert(all.end(), overrides.begin(), overrides.end());
-  const Case scene = parse_case(state.case_text, state.case_file, all);
+  Case scene = parse_case(state.case_text, state.case_file, all);
   std::string own = std::filesystem::path(file).parent_path().string();
   if (own.empty()) own = ".";
+  // Away from its case a run still has the copy beside its restart file.
+  const std::string copy = own + "/reference.toml";
+  if (!std::filesystem::is_regular_file(scene.reference))
+    scene.reference = std::filesystem::is_regular_file(copy) ? copy : "";
   return Run(comm, scene, folder.empty() ? own : folder, &state).go();
 }
 

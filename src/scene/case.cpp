@@ -170,6 +170,12 @@ void read_phase(Section& in, Phase& phase, const SolverSettings& solver) {
 void read_case_keys(Section& in, Case& scene) {
   std::int64_t seed = 1;
   in.take("title", "what is simulated", scene.title);
+  in.take("reference", "file with values of a source, for the report; beside the case",
+          scene.reference);
+  if (in.has("reference")) {
+    scene.reference = (std::filesystem::path(scene.file).parent_path() / scene.reference).string();
+    scene.reference_place = in.place("reference");
+  }
   in.take("seed", "of random packings", seed, 0);
   scene.seed = static_cast<std::uint64_t>(seed);
   in.take("allowed_overlap", "of two bodies at the start, in units of the smaller radius",
@@ -326,7 +332,22 @@ Case read_case(const std::string& file, const std::vector<std::string>& override
   require(in.good(), "{}: cannot be opened: {}", file, std::strerror(errno));
   require(!std::filesystem::is_directory(file), "{}: is a folder; a case file is wanted", file);
   const std::string text{std::istreambuf_iterator<char>(in), {}};
-  return parse_case(text, file, overrides);
+  Case scene = parse_case(text, file, overrides);
+  require(scene.reference_place.empty() || std::filesystem::is_regular_file(scene.reference),
+          "{}: there is no file '{}'", scene.reference_place, scene.reference);
+  return scene;
+}
+
+std::vector<std::string> find_cases(const std::string& folder) {
+  std::vector<std::string> files;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+    const std::filesystem::path& path = entry.path();
+    if (path.extension() != ".toml") continue;
+    if (path.stem() == "case" || !std::filesystem::exists(path.parent_path() / "case.toml"))
+      files.push_back(path.string());
+  }
+  std::ranges::sort(files);
+  return files;
 }
 
 std::string case_reference() {

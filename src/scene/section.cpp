@@ -142,14 +142,15 @@ std::string Section::place_of(const toml::source_region& source) const {
   return fmt::format("{}:{}:{}", file_, source.begin.line, source.begin.column);
 }
 
-std::string Section::place() const {
-  return table_ ? fmt::format("{}: {}", place_of(table_->source()), path_) : "";
+std::string Section::place(std::string_view key) const {
+  if (!table_) return "";
+  const toml::node* node = table_->get(key);
+  return fmt::format("{}: {}", place_of(node ? node->source() : table_->source()),
+                     key.empty() ? path_ : path_of(key));
 }
 
 void Section::fail(std::string_view key, std::string_view what) const {
-  const toml::node* node = table_->get(key);
-  throw Error(fmt::format("{}: {} {}", place_of(node ? node->source() : table_->source()),
-                          path_of(key), what));
+  throw Error(fmt::format("{} {}", place(key), what));
 }
 
 void Section::check(std::string_view key, bool ok, std::string_view what) const {

@@ -75,8 +75,8 @@ class Section {
   bool reads(bool condition) const { return reference_ || condition; }
   /// Throws Error, which says `what` is wrong with `key`, unless `ok`.
   void check(std::string_view key, bool ok, std::string_view what) const;
-  /// Where this table is in the file: "cases/x.toml:12:5: groups.cloud".
-  std::string place() const;
+  /// Where this table or a key of it is in the file: "cases/x.toml:12:5: groups.cloud".
+  std::string place(std::string_view key = "") const;
 
  private:
   struct Key {

@@ -39,4 +39,8 @@ class ResultTable {
 /// Writes `folder`/results.toml by rank 0, as a whole. Collective.
 void write_results(const Comm& comm, const std::string& folder, const ResultTable& table);
 
+/// Keeps a copy of `file`, a source's values, as `folder`/reference.toml beside the results; an
+/// empty name removes the copy of a former run. Collective.
+void keep_reference(const Comm& comm, const std::string& folder, const std::string& file);
+
 }  // namespace spall

@@ -114,6 +114,8 @@ struct Case {
   std::string text;                    ///< the file as read: with `overrides` gives the case again
   std::vector<std::string> overrides;  ///< "key.path=value"
   std::string title;
+  std::string reference;        ///< file with a source's values, for the report; empty: none
+  std::string reference_place;  ///< where the case asks for it, for messages
   std::uint64_t seed = 1;
   std::vector<Material> materials;
   ContactLaw contact;
@@ -134,9 +136,13 @@ struct Case {
 /// file, line, key and what would be right.
 Case read_case(const std::string& file, const std::vector<std::string>& overrides = {});
 
-/// The same from the text of a file: how a restart gets its case back.
+/// The same from the text of a file: how a restart gets its case back. Files that the case names
+/// need not be there any more.
 Case parse_case(const std::string& text, const std::string& file,
                 const std::vector<std::string>& overrides = {});
+
+/// The case files in a folder and below it, sorted. Beside a case.toml other files are not cases.
+std::vector<std::string> find_cases(const std::string& folder);
 
 /// Every key of a case file with its unit, default and meaning: written by the reader itself.
 std::string case_reference();
