@@ -29,6 +29,22 @@ Vec3 contact_velocity(const Bodies& bodies, Index i, Index j, double kappa, cons
   return u - kappa * surface.cross(normal);
 }
 
+namespace {
+
+/// The narrowest gap of the pair in a step `h` of free flight. What flies past at some distance is
+/// no contact, though it crosses the tangent plane on which a contact would stop it.
+double narrowest_gap(const Bodies& bodies, Index i, Index j, const Separation& s, double h) {
+  if (j == ground) return s.gap + h * std::min(0.0, s.normal.dot(-bodies.velocity[i]));
+  const Vec3 apart = bodies.position[j] - bodies.position[i];
+  const Vec3 u = bodies.velocity[j] - bodies.velocity[i];
+  const double approach = -apart.dot(u);
+  if (approach <= 0) return s.gap;
+  const double nearest = std::min(h, approach / u.squaredNorm());
+  return (apart + nearest * u).norm() - bodies.radius[i] - bodies.radius[j];
+}
+
+}  // namespace
+
 Contacts find_contacts(const Bodies& bodies, const std::vector<Plane>& planes, const Pairs& pairs,
                        double h, double cohesion_range) {
   Contacts contacts;
@@ -36,14 +52,8 @@ Contacts find_contacts(const Bodies& bodies, const std::vector<Plane>& planes, c
   for (Index p = 0; p < pairs.size(); ++p) {
     const Index i = pairs.i[p], j = pairs.j[p];
     const Separation s = separation(bodies, planes, i, j, pairs.plane[p]);
-    Vec3 u = -bodies.velocity[i];
-    double small = bodies.radius[i];
-    if (j != ground) {
-      u += bodies.velocity[j];
-      small = std::min(small, bodies.radius[j]);
-    }
-    const double closing = std::max(0.0, -s.normal.dot(u));
-    if (s.gap > std::max(h * closing + near_contact * small, cohesion_range)) continue;
+    const double near = std::max(near_contact * smaller_radius(bodies, i, j), cohesion_range);
+    if (s.gap > near && narrowest_gap(bodies, i, j, s, h) > near) continue;
     contacts.i.push_back(i);
     contacts.j.push_back(j);
     contacts.plane.push_back(pairs.plane[p]);

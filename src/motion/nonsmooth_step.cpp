@@ -16,10 +16,6 @@ namespace {
 constexpr double tolerated_overlap = 1e-4;
 constexpr double most_correction = 0.1;  // of the smaller radius, in a step
 
-double smaller_radius(const Bodies& bodies, Index i, Index j) {
-  return j == ground ? bodies.radius[i] : std::min(bodies.radius[i], bodies.radius[j]);
-}
-
 double inverse(double mass) {
   return std::isfinite(mass) ? 1 / mass : 0;
 }

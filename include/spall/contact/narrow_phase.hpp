@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
+
 #include "spall/contact/broad_phase.hpp"
 #include "spall/contact/contacts.hpp"
 
@@ -18,6 +20,11 @@ struct Separation {
 Separation separation(const Bodies& bodies, const std::vector<Plane>& planes, Index i, Index j,
                       std::int32_t plane);
 
+/// Of the pair, m; a plane has none.
+inline double smaller_radius(const Bodies& bodies, Index i, Index j) {
+  return j == ground ? bodies.radius[i] : std::min(bodies.radius[i], bodies.radius[j]);
+}
+
 /// Relative velocity of j against i at the contact, u = v_j - v_i - kappa (r_i omega_i + r_j
 /// omega_j) x n, m/s.
 Vec3 contact_velocity(const Bodies& bodies, Index i, Index j, double kappa, const Vec3& normal);
@@ -26,7 +33,7 @@ Vec3 contact_velocity(const Bodies& bodies, Index i, Index j, double kappa, cons
 /// may close its neighbour in the same step.
 inline constexpr double near_contact = 0.01;
 
-/// All pairs whose gap can close within a step `h` (s) at their present approach speed, or is no
+/// All pairs whose gap becomes, within a step `h` (s) of flight at their present velocities, no
 /// wider than the range of cohesion or than `near_contact`. Impulses are the pairs'.
 Contacts find_contacts(const Bodies& bodies, const std::vector<Plane>& planes, const Pairs& pairs,
                        double h, double cohesion_range);
