@@ -126,6 +126,12 @@ RestartState read_state(const Comm& comm, const std::string& path) {
 
 }  // namespace
 
+double find_scalar(const Scalars& scalars, const std::string& name) {
+  const auto found = scalars.find(name);
+  require(found != scalars.end(), "the restart file has no '{}'", name);
+  return found->second;
+}
+
 void write_restart(const Comm& comm, const std::string& path, const RestartState& state) {
   auto file = h5::File::create(unfinished(path), comm);
   file.write<std::int32_t>("/format", std::array{format_version});

@@ -4,8 +4,6 @@
 
 #include <algorithm>
 
-#include "spall/base/require.hpp"
-
 namespace spall {
 
 void Account::book_event(const Diagnostics& before, double potential_before,
@@ -32,34 +30,30 @@ Balance Account::balance(const Diagnostics& sums, double gravitational, double b
   result.unexplained_energy = energy - initial_;
   result.momentum_drift = (sums.momentum - momentum_).norm();
   result.angular_momentum_drift = (sums.angular_momentum - angular_momentum_).norm();
+  unexplained_ = result.unexplained_energy;
+  momentum_scale_ = std::max(momentum_scale_, sums.momentum_scale);
+  angular_scale_ = std::max(angular_scale_, sums.angular_momentum_scale);
   momentum_drift_ = std::max(momentum_drift_, result.momentum_drift);
   angular_momentum_drift_ = std::max(angular_momentum_drift_, result.angular_momentum_drift);
   return result;
 }
 
-template <class Self, class F>
-void Account::for_each(Self& self, F&& f) {
-  f("account.opened", self.opened_);
-  f("account.initial", self.initial_);
-  f("account.given", self.given_);
-  for (int k = 0; k < 3; ++k) {
-    f("account.momentum." + std::to_string(k), self.momentum_[k]);
-    f("account.angular_momentum." + std::to_string(k), self.angular_momentum_[k]);
-  }
-  f("account.momentum_drift", self.momentum_drift_);
-  f("account.angular_momentum_drift", self.angular_momentum_drift_);
+void Account::add_drifts(ResultTable& table, double momentum, double angular_momentum) const {
+  table.add("conservation", "linear", momentum_drift_ / (momentum > 0 ? momentum : momentum_scale_),
+            "", "largest drift of momentum, of the impactor's");
+  table.add("conservation", "angular",
+            angular_momentum_drift_ / (angular_momentum > 0 ? angular_momentum : angular_scale_),
+            "", "largest drift of angular momentum, of the impactor's on the pile's rim");
 }
 
-void Account::save(std::map<std::string, double>& scalars) const {
-  for_each(*this, [&](const std::string& name, double value) { scalars[name] = value; });
-}
-
-void Account::load(const std::map<std::string, double>& scalars) {
-  for_each(*this, [&](const std::string& name, double& value) {
-    const auto found = scalars.find(name);
-    require(found != scalars.end(), "the restart file has no '{}'", name);
-    value = found->second;
-  });
+void Account::add_energies(ResultTable& table, const Diagnostics& sums,
+                           double gravitational) const {
+  table.add("conservation", "energy_unexplained",
+            sums.dissipated > 0 ? unexplained_ / sums.dissipated : 0, "",
+            "energy that no entry explains, of what was dissipated");
+  table.add("conservation", "dissipated", sums.dissipated, "J");
+  table.add("conservation", "kinetic", sums.kinetic, "J");
+  table.add("conservation", "gravitational", gravitational, "J");
 }
 
 }  // namespace spall

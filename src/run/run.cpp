@@ -16,8 +16,8 @@
 #include "spall/output/results.hpp"
 #include "spall/output/series.hpp"
 #include "spall/output/snapshot.hpp"
-#include "spall/run/account.hpp"
 #include "spall/run/progress.hpp"
+#include "spall/run/record.hpp"
 #include "spall/run/verdict.hpp"
 #include "spall/scene/impactor.hpp"
 #include "spall/scene/scene.hpp"
@@ -30,53 +30,22 @@ void catch_signal(int number) {
   signal_caught = number;
 }
 
-/// Ctrl-C and SIGTERM end a run between two steps, after a restart file.
+/// A signal ends a run between two steps, after a restart file. mpirun hands on SIGUSR1 as it is, but
+/// kills a second after it handed on SIGINT or SIGTERM.
 class SignalGuard {
  public:
   SignalGuard() {
     signal_caught = 0;
-    for (int k = 0; k < 2; ++k) before_[k] = std::signal(numbers_[k], catch_signal);
+    for (int k = 0; k < 3; ++k) before_[k] = std::signal(numbers_[k], catch_signal);
   }
   ~SignalGuard() {
-    for (int k = 0; k < 2; ++k) std::signal(numbers_[k], before_[k]);
+    for (int k = 0; k < 3; ++k) std::signal(numbers_[k], before_[k]);
   }
 
  private:
-  static constexpr int numbers_[2] = {SIGINT, SIGTERM};
-  void (*before_[2])(int);
+  static constexpr int numbers_[3] = {SIGINT, SIGTERM, SIGUSR1};
+  void (*before_[3])(int);
 };
-
-const std::vector<std::string> stages = {"gravity", "neighbours", "contacts", "solver",
-                                         "motion",  "output",     "analysis"};
-
-std::vector<std::string> series_columns() {
-  std::vector<std::string> names = {"phase",
-                                    "contacts",
-                                    "kinetic",
-                                    "gravitational",
-                                    "bonds",
-                                    "dissipated",
-                                    "corrections",
-                                    "unexplained",
-                                    "momentum_x",
-                                    "momentum_y",
-                                    "momentum_z",
-                                    "angular_x",
-                                    "angular_y",
-                                    "angular_z",
-                                    "momentum_drift",
-                                    "angular_drift",
-                                    "rms_speed",
-                                    "residual",
-                                    "residual_prox",
-                                    "residual_max",
-                                    "residual_rms",
-                                    "products",
-                                    "corrections_products",
-                                    "overlap"};
-  for (const auto& stage : stages) names.push_back("seconds_" + stage);
-  return names;
-}
 
 /// Steps of `h` from `time` until the next multiple of `every`; at least 1.
 std::int64_t steps_to_multiple(double time, double h, double every) {
@@ -92,7 +61,7 @@ class Run {
         folder_(folder),
         progress_(comm, scene),
         clock_(from ? from->clock : Clock{}),
-        series_(comm, folder, series_columns(), from ? clock_.step - 1 : -1),
+        series_(comm, folder, Record::columns(), from ? clock_.step - 1 : -1),
         snapshots_(comm, folder, scene, from ? clock_.step : -1),
         seconds_at_start_(MPI_Wtime()),
         last_restart_(seconds_at_start_) {
@@ -120,6 +89,30 @@ class Run {
     return true;
   }
 
+  /// Beside bodies, contacts and clock.
+  template <class Self, class F>
+  static void for_each_scalar(Self& self, F&& f) {
+    auto& kick = self.world_.kick;
+    f("kick.evaluated", kick.evaluated);
+    f("kick.steps_left", kick.steps_left);
+    f("kick.evaluations", kick.evaluations);
+    f("kick.interval", kick.interval);
+    f("kick.closed", kick.closed);
+    f("kick.remembered_load", kick.remembered_load);
+    f("kick.largest", kick.largest);
+    f("kick.hold", kick.hold);
+    f("kick.potential", kick.potential);
+    auto& ledger = self.world_.ledger;
+    f("ledger.dissipated", ledger.dissipated);
+    f("ledger.cohesion_work", ledger.cohesion_work);
+    f("ledger.corrections", ledger.corrections);
+    f("law.cohesion", self.world_.law.cohesion);
+    f("run.cohesion_before", self.cohesion_before_);
+    f("run.has_moved", self.has_moved_);
+    f("run.seconds", self.seconds_before_);
+    for (auto& [stage, seconds] : self.world_.times) f("seconds." + stage, seconds);
+  }
+
  private:
   const Phase& phase() const { return scene_.phases[clock_.phase]; }
   const SolverSettings& solver() const { return phase().solver ? *phase().solver : scene_.solver; }
@@ -131,7 +124,7 @@ class Run {
     progress_.say(fmt::format("phase {}: steps of {} for {}{}", phase().name,
                               readable_time(phase().step), phase().until_settled ? "at most " : "",
                               readable_time(phase().duration)));
-    has_moved_ = 0;
+    has_moved_ = false;
     if (phase().remove_drift || phase().impactor) change_bodies();
     if (phase().cohesion) {
       cohesion_before_ = world_.law.cohesion;
@@ -250,17 +243,12 @@ class Run {
 
   bool is_settled(const Diagnostics& sums) {
     if (!phase().until_settled) return false;
-    if (sums.rms_speed > phase().settled_speed) has_moved_ = 1;
-    return has_moved_ == 1 && sums.rms_speed < phase().settled_speed;
+    if (sums.rms_speed > phase().settled_speed) has_moved_ = true;
+    return has_moved_ && sums.rms_speed < phase().settled_speed;
   }
 
   void book(const StepReport& report) {
-    products_ += report.solver.products;
-    correction_products_ += report.correction_products;
-    residual_max_ = std::max(residual_max_, report.solver.residual_max);
-    squares_ += report.solver.residual_rms * report.solver.residual_rms;
-    worst_relative_ = std::max(worst_relative_, report.solver.residual);
-    unconverged_ += report.solver.converged ? 0 : 1;
+    record_.book(report);
     shown_.residual = report.solver.residual;
     if (phase().cohesion && clock_.step_in_phase == 1)
       account_.book_cohesion(cohesion_before_, world_.law.cohesion, comm_.sum(report.bonds));
@@ -276,40 +264,13 @@ class Run {
     // Velocities lag by half an interval; the kick's work up to this instant makes up for it.
     const GravityKick& kick = world_.kick;
     const double lag = kick.closed > 0 ? parts[2] * kick.closed / (kick.closed + kick.interval) : 0;
-    const Balance b = account_.balance(sums, kick.potential + lag, -world_.law.cohesion * parts[0]);
-    momentum_scale_ = std::max(momentum_scale_, sums.momentum_scale);
-    angular_scale_ = std::max(angular_scale_, sums.angular_momentum_scale);
-    unexplained_ = b.unexplained_energy;
+    const Balance balance =
+        account_.balance(sums, kick.potential + lag, -world_.law.cohesion * parts[0]);
     shown_.rms_speed = sums.rms_speed;
     shown_.contacts = static_cast<std::int64_t>(parts[1]);
-    const Vec3 &p = sums.momentum, &l = sums.angular_momentum;
-    const SolverReport& r = report.solver;
-    std::vector<double> row = {static_cast<double>(start.phase),
-                               parts[1],
-                               sums.kinetic,
-                               b.gravitational,
-                               b.bonds,
-                               sums.dissipated,
-                               sums.corrections,
-                               b.unexplained_energy,
-                               p[0],
-                               p[1],
-                               p[2],
-                               l[0],
-                               l[1],
-                               l[2],
-                               b.momentum_drift,
-                               b.angular_momentum_drift,
-                               sums.rms_speed,
-                               r.residual,
-                               r.residual_prox,
-                               r.residual_max,
-                               r.residual_rms,
-                               static_cast<double>(r.products),
-                               static_cast<double>(report.correction_products),
-                               comm_.max(report.overlap)};
-    for (const auto& stage : stages) row.push_back(world_.times[stage]);
-    series_.append(start.step, start.time, row);
+    series_.append(start.step, start.time,
+                   Record::row(start.phase, shown_.contacts, balance, report,
+                               comm_.max(report.overlap), world_.times));
   }
 
   void snapshot() {
@@ -331,10 +292,23 @@ class Run {
 
   std::string restart_file() const { return folder_ + "/restart.h5"; }
 
+  /// Leaves with rank 0, whose scalars a restart file keeps, what the ranks know in parts.
+  void gather() {
+    std::array<double, 3> sums{world_.ledger.dissipated, world_.ledger.cohesion_work,
+                               world_.ledger.corrections};
+    comm_.sum(sums);
+    world_.ledger = comm_.rank == 0 ? Ledger{sums[0], sums[1], sums[2]} : Ledger{};
+    for (auto& [stage, seconds] : world_.times) seconds = comm_.max(seconds);
+    const double now = MPI_Wtime();
+    seconds_before_ += now - seconds_at_start_;
+    seconds_at_start_ = now;
+  }
+
   /// Both the run that goes on and the one that resumes start from the file's state: pairs searched
   /// anew.
   void save(const std::string& file) {
     StageTimer timer(world_.times, "output");
+    gather();
     RestartState state{.case_file = scene_.file,
                        .case_text = scene_.text,
                        .overrides = scene_.overrides,
@@ -343,7 +317,8 @@ class Run {
                        .bodies = world_.bodies,
                        .contacts = remember(world_.bodies, world_.neighbours.pairs, false)};
     resize(state.bodies, state.bodies.owned);
-    for_each_scalar([&](const std::string& name, double value) { state.scalars[name] = value; });
+    save_scalars(*this, state.scalars);
+    record_.save(state.scalars);
     account_.save(state.scalars);
     verdict_.save(state.scalars);
     write_restart(comm_, file, state);
@@ -353,48 +328,12 @@ class Run {
     last_restart_ = MPI_Wtime();
   }
 
-  void load(const std::map<std::string, double>& scalars) {
-    for_each_scalar([&](const std::string& name, double& value) {
-      const auto found = scalars.find(name);
-      require(found != scalars.end(), "the restart file has no '{}'", name);
-      value = found->second;
-    });
+  void load(const Scalars& scalars) {
+    load_scalars(*this, scalars);
+    if (comm_.rank > 0) world_.ledger = {};
+    record_.load(scalars);
     account_.load(scalars);
     verdict_.load(scalars);
-  }
-
-  /// Everything beside bodies, contacts and clock that a run must not forget.
-  template <class F>
-  void for_each_scalar(F&& f) {
-    GravityKick& kick = world_.kick;
-    double steps_left = kick.steps_left, evaluations = static_cast<double>(kick.evaluations);
-    double evaluated = kick.evaluated ? 1 : 0;
-    f("kick.evaluated", evaluated);
-    kick.evaluated = evaluated != 0;
-    f("kick.steps_left", steps_left);
-    f("kick.evaluations", evaluations);
-    kick.steps_left = static_cast<int>(steps_left);
-    kick.evaluations = static_cast<std::int64_t>(evaluations);
-    f("kick.interval", kick.interval);
-    f("kick.closed", kick.closed);
-    f("kick.remembered_load", kick.remembered_load);
-    f("kick.largest", kick.largest);
-    f("kick.hold", kick.hold);
-    f("kick.potential", kick.potential);
-    f("law.cohesion", world_.law.cohesion);
-    f("run.cohesion_before", cohesion_before_);
-    f("run.has_moved", has_moved_);
-    f("run.products", products_);
-    f("run.correction_products", correction_products_);
-    f("run.residual_max", residual_max_);
-    f("run.residual_squares", squares_);
-    f("run.residual_relative", worst_relative_);
-    f("run.unconverged", unconverged_);
-    f("run.seconds", seconds_before_);
-    for (auto& [stage, seconds] : world_.times) f("seconds." + stage, seconds);
-    f("run.unexplained", unexplained_);
-    f("run.momentum_scale", momentum_scale_);
-    f("run.angular_scale", angular_scale_);
   }
 
   void finish() {
@@ -405,16 +344,7 @@ class Run {
     add_case(table);
     verdict_.add_to(table, scene_.binary);
     add_conservation(table, sums);
-    const double steps = static_cast<double>(std::max<std::int64_t>(clock_.step, 1));
-    table.add("solver", "residual_max", residual_max_, "m/s", "largest of all contacts and steps");
-    table.add("solver", "residual_rms", std::sqrt(squares_ / steps), "m/s",
-              "over contacts and steps");
-    table.add("solver", "residual_relative", worst_relative_, "", "largest E of a step");
-    table.add("solver", "products", static_cast<std::int64_t>(products_));
-    table.add("solver", "products_a_step", products_ / steps);
-    table.add("solver", "steps", clock_.step);
-    table.add("solver", "steps_not_converged", static_cast<std::int64_t>(unconverged_));
-    table.add("solver", "correction_products", static_cast<std::int64_t>(correction_products_));
+    record_.add_to(table, clock_.step);
     table.add("gravity", "evaluations", world_.kick.evaluations);
     const double total = MPI_Wtime() - seconds_at_start_ + seconds_before_;
     table.add("time", "total_s", comm_.max(total), "s");
@@ -443,21 +373,10 @@ class Run {
     const bool free = scene_.planes.empty() && scene_.uniform_gravity.isZero(0) &&
                       std::none_of(scene_.groups.begin(), scene_.groups.end(),
                                    [](const Group& group) { return group.fixed; });
-    if (free) {
-      // An impactor's own momentum is the measure; else what the bodies carry in all.
-      const double p = verdict_.has_impact() ? verdict_.impactor_momentum() : momentum_scale_;
-      const double l = verdict_.has_impact() ? p * verdict_.pile_radius() : angular_scale_;
-      table.add("conservation", "linear", account_.largest_momentum_drift() / p, "",
-                "largest drift of momentum, of the impactor's");
-      table.add("conservation", "angular", account_.largest_angular_momentum_drift() / l, "",
-                "largest drift of angular momentum, of the impactor's on the pile's rim");
-    }
-    table.add("conservation", "energy_unexplained",
-              unexplained_ / std::max(sums.dissipated, 1e-300), "",
-              "energy that no entry explains, of what was dissipated");
-    table.add("conservation", "dissipated", sums.dissipated, "J");
-    table.add("conservation", "kinetic", sums.kinetic, "J");
-    table.add("conservation", "gravitational", world_.kick.potential, "J");
+    // An impactor's own momentum is the measure of its impact.
+    const double unit = verdict_.has_impact() ? verdict_.impactor_momentum() : 0;
+    if (free) account_.add_drifts(table, unit, unit * verdict_.pile_radius());
+    account_.add_energies(table, sums, world_.kick.potential);
   }
 
   const Comm& comm_;
@@ -469,12 +388,11 @@ class Run {
   Series series_;
   SnapshotWriter snapshots_;
   World world_;
+  Record record_;
   Account account_;
   Verdict verdict_;
-  double cohesion_before_ = 0, has_moved_ = 0;
-  double products_ = 0, correction_products_ = 0, residual_max_ = 0, squares_ = 0;
-  double worst_relative_ = 0, unconverged_ = 0, unexplained_ = 0;
-  double momentum_scale_ = 0, angular_scale_ = 0;  // largest sums of m |v|, m |x| |v| so far
+  double cohesion_before_ = 0;  // N
+  bool has_moved_ = false;
   double seconds_before_ = 0, seconds_at_start_, last_restart_;
 };
 

@@ -2,9 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "spall/run/verdict.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
-#include "spall/base/require.hpp"
 #include "spall/contact/narrow_phase.hpp"
 
 namespace spall {
@@ -109,7 +110,7 @@ void Verdict::add_to(ResultTable& table, const std::optional<Binary>& binary) co
 }
 
 template <class Self, class F>
-void Verdict::for_each(Self& self, F&& f) {
+void Verdict::for_each_scalar(Self& self, F&& f) {
   auto vector = [&](const std::string& name, auto& v) {
     for (int k = 0; k < 3; ++k) f(name + "." + std::to_string(k), v[k]);
   };
@@ -137,21 +138,16 @@ void Verdict::for_each(Self& self, F&& f) {
   }
 }
 
-void Verdict::save(std::map<std::string, double>& scalars) const {
+void Verdict::save(Scalars& scalars) const {
   scalars["verdict.impactor"] = static_cast<double>(before_.impactor);
   scalars["verdict.read_outs"] = static_cast<double>(rows_.size());
-  for_each(*this, [&](const std::string& name, double value) { scalars[name] = value; });
+  save_scalars(*this, scalars);
 }
 
-void Verdict::load(const std::map<std::string, double>& scalars) {
-  auto find = [&](const std::string& name) {
-    const auto found = scalars.find(name);
-    require(found != scalars.end(), "the restart file has no '{}'", name);
-    return found->second;
-  };
-  before_.impactor = static_cast<BodyId>(find("verdict.impactor"));
-  rows_.resize(static_cast<std::size_t>(find("verdict.read_outs")));
-  for_each(*this, [&](const std::string& name, double& value) { value = find(name); });
+void Verdict::load(const Scalars& scalars) {
+  before_.impactor = static_cast<BodyId>(find_scalar(scalars, "verdict.impactor"));
+  rows_.resize(static_cast<std::size_t>(find_scalar(scalars, "verdict.read_outs")));
+  load_scalars(*this, scalars);
 }
 
 }  // namespace spall

@@ -23,15 +23,34 @@ struct Clock {
   double since_impact = -1;        ///< s since the impactor was added; negative: not yet
 };
 
+/// Whatever must go on beside bodies, contacts and clock, by name.
+using Scalars = std::map<std::string, double>;
+
+/// An Error where the restart file has no such entry.
+double find_scalar(const Scalars& scalars, const std::string& name);
+
+/// Both go through `Self::for_each_scalar(self, f)`, which calls f(name, value) for what it keeps.
+template <class Self>
+void save_scalars(const Self& self, Scalars& scalars) {
+  Self::for_each_scalar(
+      self, [&](const std::string& name, auto v) { scalars[name] = static_cast<double>(v); });
+}
+template <class Self>
+void load_scalars(Self& self, const Scalars& scalars) {
+  Self::for_each_scalar(self, [&]<class T>(const std::string& name, T& v) {
+    v = static_cast<T>(find_scalar(scalars, name));
+  });
+}
+
 /// Everything that a run needs to go on. Bodies and contacts are this rank's, in its own order.
 struct RestartState {
   std::string case_file;               ///< where the case was read
   std::string case_text;               ///< as it was read
   std::vector<std::string> overrides;  ///< "key.path=value", as given to --set
   Clock clock;
-  std::map<std::string, double> scalars;  ///< booked energies and whatever else must go on
-  Bodies bodies;                          ///< owned rows only
-  ContactMemory contacts;                 ///< at least once on some rank
+  Scalars scalars;
+  Bodies bodies;           ///< owned rows only
+  ContactMemory contacts;  ///< at least once on some rank
 };
 
 /// Replaces `path` as a whole: a run killed meanwhile leaves the former file. Collective.

@@ -2,10 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <map>
-#include <string>
-
 #include "spall/output/diagnostics.hpp"
+#include "spall/output/restart.hpp"
+#include "spall/output/results.hpp"
 
 namespace spall {
 
@@ -30,21 +29,36 @@ class Account {
 
   Balance balance(const Diagnostics& sums, double gravitational, double bonds);
 
-  void save(std::map<std::string, double>& scalars) const;
-  void load(const std::map<std::string, double>& scalars);
+  /// Drifts over these units (kg m/s, kg m^2/s), or where they are 0 over what the bodies carry.
+  void add_drifts(ResultTable& table, double momentum, double angular_momentum) const;
+  void add_energies(ResultTable& table, const Diagnostics& sums, double gravitational) const;
 
-  double largest_momentum_drift() const { return momentum_drift_; }
-  double largest_angular_momentum_drift() const { return angular_momentum_drift_; }
+  void save(Scalars& scalars) const { save_scalars(*this, scalars); }
+  void load(const Scalars& scalars) { load_scalars(*this, scalars); }
+  template <class Self, class F>
+  static void for_each_scalar(Self& self, F&& f) {
+    f("account.opened", self.opened_);
+    f("account.initial", self.initial_);
+    f("account.given", self.given_);
+    for (int k = 0; k < 3; ++k) {
+      f("account.momentum." + std::to_string(k), self.momentum_[k]);
+      f("account.angular_momentum." + std::to_string(k), self.angular_momentum_[k]);
+    }
+    f("account.momentum_drift", self.momentum_drift_);
+    f("account.angular_momentum_drift", self.angular_momentum_drift_);
+    f("account.momentum_scale", self.momentum_scale_);
+    f("account.angular_momentum_scale", self.angular_scale_);
+    f("account.unexplained", self.unexplained_);
+  }
 
  private:
-  template <class Self, class F>
-  static void for_each(Self& self, F&& f);
-
   double opened_ = 0;   // 1 when the first balance has set what follows
   double initial_ = 0;  // J, energy at the start
   double given_ = 0;    // J, by events
   Vec3 momentum_ = Vec3::Zero(), angular_momentum_ = Vec3::Zero();  // that the bodies must have
   double momentum_drift_ = 0, angular_momentum_drift_ = 0;          // largest so far
+  double momentum_scale_ = 0, angular_scale_ = 0;  // largest sums of m |v|, m |x| |v| so far
+  double unexplained_ = 0;                         // J, at the last balance
 };
 
 }  // namespace spall

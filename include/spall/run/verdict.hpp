@@ -1,8 +1,7 @@
-// What a run says in the end: the pile, the deflection at each read-out, beside what momentum
-// demands. SPDX-License-Identifier: BSD-3-Clause
+// What a run says in the end: the pile, and each read-out beside what momentum demands.
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,6 +9,7 @@
 #include "spall/analysis/deflection.hpp"
 #include "spall/analysis/interior.hpp"
 #include "spall/motion/world.hpp"
+#include "spall/output/restart.hpp"
 #include "spall/output/results.hpp"
 
 namespace spall {
@@ -34,8 +34,10 @@ class Verdict {
   double impactor_momentum() const { return before_.impactor_mass * before_.speed(); }
   double pile_radius() const { return pile_.extent / 2; }  ///< m
 
-  void save(std::map<std::string, double>& scalars) const;
-  void load(const std::map<std::string, double>& scalars);
+  void save(Scalars& scalars) const;
+  void load(const Scalars& scalars);
+  template <class Self, class F>
+  static void for_each_scalar(Self& self, F&& f);
 
  private:
   /// What is kept of each read-out.
@@ -44,8 +46,6 @@ class Verdict {
         v_ejecta, back_momentum, fastest, cone_half, cone_most, dv_impactor, dv_rebound, dv_ejecta,
         closure;
   };
-  template <class Self, class F>
-  static void for_each(Self& self, F&& f);
 
   BeforeImpact before_;
   Interior pile_;

@@ -1,0 +1,86 @@
+// Names of columns stand beside their values.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "spall/run/record.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace spall {
+
+const std::vector<std::string> stages = {"gravity", "neighbours", "contacts", "solver",
+                                         "motion",  "output",     "analysis"};
+
+namespace {
+
+/// `f(name, value)` for every column beside the stages' seconds.
+template <class F>
+void for_each_column(double phase, double contacts, const Balance& b, const StepReport& report,
+                     double overlap, F&& f) {
+  const Diagnostics& sums = b.sums;
+  const SolverReport& solver = report.solver;
+  auto vector = [&](const std::string& name, const Vec3& v) {
+    for (int k = 0; k < 3; ++k) f(name + "_" + "xyz"[k], v[k]);
+  };
+  f("phase", phase);
+  f("contacts", contacts);
+  f("kinetic", sums.kinetic);
+  f("gravitational", b.gravitational);
+  f("bonds", b.bonds);
+  f("dissipated", sums.dissipated);
+  f("corrections", sums.corrections);
+  f("unexplained", b.unexplained_energy);
+  vector("momentum", sums.momentum);
+  vector("angular", sums.angular_momentum);
+  f("momentum_drift", b.momentum_drift);
+  f("angular_drift", b.angular_momentum_drift);
+  f("rms_speed", sums.rms_speed);
+  f("residual", solver.residual);
+  f("residual_prox", solver.residual_prox);
+  f("residual_max", solver.residual_max);
+  f("residual_rms", solver.residual_rms);
+  f("products", static_cast<double>(solver.products));
+  f("corrections_products", static_cast<double>(report.correction_products));
+  f("overlap", overlap);
+}
+
+}  // namespace
+
+void Record::book(const StepReport& report) {
+  products_ += report.solver.products;
+  correction_products_ += report.correction_products;
+  residual_max_ = std::max(residual_max_, report.solver.residual_max);
+  squares_ += report.solver.residual_rms * report.solver.residual_rms;
+  worst_relative_ = std::max(worst_relative_, report.solver.residual);
+  unconverged_ += report.solver.converged ? 0 : 1;
+}
+
+std::vector<std::string> Record::columns() {
+  std::vector<std::string> names;
+  for_each_column(0, 0, {}, {}, 0, [&](const std::string& name, double) { names.push_back(name); });
+  for (const auto& stage : stages) names.push_back("seconds_" + stage);
+  return names;
+}
+
+std::vector<double> Record::row(std::int64_t phase, std::int64_t contacts, const Balance& balance,
+                                const StepReport& report, double overlap, const StageTimes& times) {
+  std::vector<double> values;
+  for_each_column(static_cast<double>(phase), static_cast<double>(contacts), balance, report,
+                  overlap, [&](const std::string&, double value) { values.push_back(value); });
+  for (const auto& stage : stages) values.push_back(times.at(stage));
+  return values;
+}
+
+void Record::add_to(ResultTable& table, std::int64_t steps) const {
+  const double count = static_cast<double>(std::max<std::int64_t>(steps, 1));
+  table.add("solver", "residual_max", residual_max_, "m/s", "largest of all contacts and steps");
+  table.add("solver", "residual_rms", std::sqrt(squares_ / count), "m/s",
+            "over contacts and steps");
+  table.add("solver", "residual_relative", worst_relative_, "", "largest E of a step");
+  table.add("solver", "products", static_cast<std::int64_t>(products_));
+  table.add("solver", "products_a_step", products_ / count);
+  table.add("solver", "steps", steps);
+  table.add("solver", "steps_not_converged", static_cast<std::int64_t>(unconverged_));
+  table.add("solver", "correction_products", static_cast<std::int64_t>(correction_products_));
+}
+
+}  // namespace spall
