@@ -138,9 +138,9 @@ TEST(Impact, a_fast_sphere_is_never_missed_however_long_the_step) {
       double given = 0;
       for (int k = 1; k <= 25; ++k) {
         given += after[k].mass * after[k].velocity.x();
-        if (k !=
-            13)  // the one that is struck; the others are passed, though behind a tangent plane
-          EXPECT_LT(after[k].velocity.x(), after[13].velocity.x() / 2) << along << " " << start;
+        // The 13th is struck; the others are passed, though they stand behind a tangent plane.
+        if (k == 13) continue;
+        EXPECT_LT(after[k].velocity.x(), after[13].velocity.x() / 2) << along << " " << start;
       }
       EXPECT_GT(given, v) << along << " " << start;
       EXPECT_LT(after[0].position.x(), first) << along << " " << start;

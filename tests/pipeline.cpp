@@ -1,0 +1,126 @@
+// A whole run, from a cloud to the table: its books, and the same physics on any number of ranks.
+// SPDX-License-Identifier: BSD-3-Clause
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+
+#include "spall/output/diagnostics.hpp"
+#include "spall/run/run.hpp"
+#include "testing.hpp"
+#include "worlds.hpp"
+
+namespace spall {
+namespace {
+
+/// A cloud falls together, rests, and is hit at 4 km/s.
+constexpr const char* mission = R"(
+title = "small mission"
+read_out = ["1 s", "5 s"]
+[materials.rock]
+density = "1600 kg/m^3"
+[contact]
+friction = 0.5
+restitution = 0.3
+cohesion_range = "1 cm"
+[[groups]]
+name = "cloud"
+material = "rock"
+volume = {shape = "sphere", radius = "8 m"}
+packing = {kind = "random", radius = "1 m", count = 120}
+[gravity]
+method = "direct"
+[output]
+series_every = "1 s"
+[[phases]]
+name = "aggregation"
+step = "10 s"
+duration = "2 h"
+until = "settled"
+settled_speed = "0.1 mm/s"
+[[phases]]
+name = "impact"
+step = "0.1 ms"
+duration = "20 ms"
+remove_drift = true
+cohesion = "1 N"
+impactor = {mass = "1 kg", diameter = "10 cm", speed = "4 km/s", direction = [1, 0, 0], distance = "0.5 m"}
+[[phases]]
+name = "evolution"
+step = "0.1 s"
+duration = "5 s"
+)";
+
+toml::table results_of_mission(const Comm& comm) {
+  const std::string folder =
+      std::filesystem::absolute(fmt::format("pipeline_{}_of_{}", comm.size, testing_world().size));
+  run_case(comm, parse_case(mission, "mission.toml", {}), folder);
+  comm.any(false);  // rank 0 has written it
+  return toml::parse_file(folder + "/results.toml");
+}
+
+double value(const toml::table& results, const char* section, const char* key) {
+  return results[section][key].value<double>().value();
+}
+
+TEST(Mission, keeps_both_momenta_and_accounts_for_its_energy) {
+  const toml::table results = results_of_mission(testing_world());
+  EXPECT_LT(value(results, "conservation", "linear"), 1e-12);
+  EXPECT_LT(value(results, "conservation", "angular"), 1e-12);
+  EXPECT_LT(value(results, "deflection", "momentum_closure"), 1e-10);
+  EXPECT_LT(std::abs(value(results, "conservation", "energy_unexplained")), 1e-2);
+  const double m = 120 * 1600 * 4 * std::numbers::pi / 3;
+  EXPECT_NEAR(value(results, "pile", "mass"), m, 1e-12 * m);
+}
+
+/// 512 spheres on a loose lattice fall together.
+std::vector<Sphere> collapsing() {
+  std::vector<Sphere> spheres;
+  for (int x = 0; x < 8; ++x)
+    for (int y = 0; y < 8; ++y)
+      for (int z = 0; z < 8; ++z)
+        spheres.push_back(
+            {.position = {2.3 * x + 0.3 * (z % 2), 2.3 * y + 0.2 * (x % 3), 2.3 * z}});
+  return spheres;
+}
+
+struct Ended {
+  std::vector<Sphere> spheres;
+  double dissipated;
+};
+
+Ended after_200_steps(const Comm& comm) {
+  World world = make_world(comm, collapsing(), {.friction = 0.5, .restitution = 0.3});
+  world.gravity = {.method = GravityMethod::direct, .constant = 1e-3};
+  for (int k = 0; k < 200; ++k) nonsmooth_step(world, 0.5, {.tolerance = 1e-4}, 8);
+  return {spheres_of(world), diagnose(world).dissipated};
+}
+
+Vec3 mean_square(const std::vector<Sphere>& spheres) {
+  Vec3 centre = Vec3::Zero(), sum = Vec3::Zero();
+  for (const Sphere& s : spheres) centre += s.position / static_cast<double>(spheres.size());
+  for (const Sphere& s : spheres)
+    sum += (s.position - centre).cwiseAbs2() / static_cast<double>(spheres.size());
+  return sum;
+}
+
+TEST(Aggregate, of_512_bodies_is_the_same_on_any_ranks_after_200_steps) {
+  const Ended many = after_200_steps(testing_world()), one = after_200_steps(Comm(MPI_COMM_SELF));
+  const Ended again = after_200_steps(testing_world());
+  double worst = 0;
+  for (std::size_t k = 0; k < 512; ++k) {
+    EXPECT_EQ(again.spheres[k].position, many.spheres[k].position);
+    EXPECT_EQ(again.spheres[k].velocity, many.spheres[k].velocity);
+    worst = std::max(worst, (one.spheres[k].position - many.spheres[k].position).norm());
+  }
+  // Collisions spread the solver's tolerance: a body to a fraction of its radius, the sums further.
+  EXPECT_LT(worst, 0.2);
+  const Vec3 a = mean_square(one.spheres), b = mean_square(many.spheres);
+  EXPECT_LT((a - b).norm(), 1e-2 * a.norm());
+  EXPECT_NEAR(many.dissipated, one.dissipated, 2e-2 * one.dissipated);
+}
+
+}  // namespace
+}  // namespace spall
