@@ -305,6 +305,24 @@ TEST(Cohesion, breaking_a_bond_takes_force_times_range) {
   }
 }
 
+TEST(Cohesion, as_an_impulse_takes_its_bound_in_every_step) {
+  const double m = 2, reduced = 1, bound = 3, h = 0.01;
+  for (double speed : {2.9, 3.1, 7.0}) {
+    World world = make_world(alone(),
+                             {{.mass = m, .velocity = {-speed / 2, 0, 0}},
+                              {.mass = m, .position = {2, 0, 0}, .velocity = {speed / 2, 0, 0}}},
+                             {.cohesion = bound, .cohesion_range = 1, .cohesion_is_impulse = true});
+    double expected = speed, gap = 0;  // it may close a gap, but no further
+    for (int step = 1; step <= 3; ++step) {
+      advance(world, h, 1);
+      expected = std::max(expected - bound / reduced, -gap / h);
+      gap += h * expected;
+      const auto s = spheres_of(world);
+      EXPECT_NEAR(s[1].velocity.x() - s[0].velocity.x(), expected, 1e-9 * speed) << step;
+    }
+  }
+}
+
 // Overlaps -----------------------------------------------------------------------------------
 
 TEST(Overlap, bodies_at_rest_part_without_moving_on) {
