@@ -1,0 +1,62 @@
+"""Puts the measured main job and settled step between the marks in the READMEs: write_main_job.py RUN_FOLDER
+
+SPDX-License-Identifier: BSD-3-Clause
+"""
+import csv
+import datetime
+import pathlib
+import re
+import subprocess
+import sys
+import tomllib
+
+here = pathlib.Path(__file__).resolve().parent
+# The engine of the thesis, tuned, on this pile and 2 threads: seconds of solving a step to an rms
+# natural-map residual in m/s.
+REFERENCE_SECONDS, REFERENCE_RMS = 0.127, 2.6e-4
+
+
+def replace(path, mark, text):
+    """What stands between `<!-- mark -->` and `<!-- end -->` becomes `text`."""
+    whole = path.read_text()
+    pattern = re.compile(rf"(<!-- {mark} -->\n).*?(<!-- end -->)", re.S)
+    assert pattern.search(whole), f"{path} has no '{mark}'"
+    path.write_text(pattern.sub(lambda m: m[1] + text + m[2], whole))
+
+
+def origin():
+    commit = subprocess.run(["git", "describe", "--always", "--dirty"], cwd=here, text=True,
+                            capture_output=True).stdout.strip()
+    cpu = next((line.split(":")[1].strip() for line in open("/proc/cpuinfo")
+                if line.startswith("model name")), "")
+    return f"commit {commit}, {datetime.date.today()}, 2 ranks on 2 shared cores ({cpu})"
+
+
+def main(folder):
+    with open(pathlib.Path(folder) / "results.toml", "rb") as file:
+        results = tomllib.load(file)
+    time = results["time"]
+    stages = {key[:-2]: value for key, value in time.items()
+              if key.endswith("_s") and key != "total_s"}
+    shares = ", ".join(f"{stage} {100 * value / time['total_s']:.0f} %"
+                       for stage, value in sorted(stages.items(), key=lambda s: -s[1]))
+    with open(here / "results/settled_step.csv") as file:
+        rows = list(csv.DictReader(file))
+    asked = next(row for row in rows if float(row["tolerance"]) == 0.01)
+    solving = float(asked["solver_s"])
+    job = (f"The whole main job: **{time['total_s']:.0f} s**, {results['solver']['steps']} steps "
+           f"({shares}).\n"
+           f"A step of the settled pile ({float(asked['contacts']):.0f} contacts, E_eps = 1e-2, warm): "
+           f"**{1e3 * float(asked['step_s']):.0f} ms**, {1e3 * solving:.1f} ms of it solving, to an "
+           f"rms residual of {float(asked['rms_m_s']):.1e} m/s; the engine of the thesis, tuned, solves "
+           f"{1e3 * REFERENCE_SECONDS:.0f} ms to {REFERENCE_RMS:.1e} m/s.\n"
+           f"({origin()})\n")
+    replace(here.parent / "README.md", "main job", job)
+    names = ["tolerance", "products", "solver_s", "step_s", "E", "rms_m_s"]
+    table = ["| tolerance on E_eps | products | solving, s | whole step, s | E | rms, m/s |",
+             "|--:|--:|--:|--:|--:|--:|"]
+    table += ["| " + " | ".join(row[name] for name in names) + " |" for row in rows]
+    replace(here / "README.md", "settled step", f"{origin()}\n\n" + "\n".join(table) + "\n")
+
+
+main(*sys.argv[1:])
