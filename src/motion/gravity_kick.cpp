@@ -24,9 +24,9 @@ void evaluate_field(World& world) {
   Bodies& bodies = world.bodies;
   const auto owned = static_cast<std::size_t>(bodies.owned);
   const auto mass = std::span(bodies.mass).first(owned);
-  const GravityField field =
-      evaluate_gravity(world.comm, world.gravity, mass, std::span(bodies.position).first(owned),
-                       std::span(bodies.velocity).first(owned));
+  const auto velocity = std::span(bodies.velocity).first(kick.may_hold ? owned : 0);
+  const GravityField field = evaluate_gravity(world.comm, world.gravity, mass,
+                                              std::span(bodies.position).first(owned), velocity);
   double largest = 0, fastest_fall = 0, potential = 0;
   for (Index b = 0; b < bodies.owned; ++b) {
     if (!std::isfinite(bodies.mass[b])) continue;
@@ -39,10 +39,10 @@ void evaluate_field(World& world) {
   }
   kick.largest = world.comm.max(largest);
   kick.potential = world.comm.sum(potential);
-  kick.hold = 0;
-  if (world.uniform_gravity.isZero(0))
-    kick.hold = std::min(std::sqrt(longest_fall / world.comm.max(fastest_fall)),
-                         holding_time(world.comm, world.gravity, mass, field));
+  kick.fall =
+      world.uniform_gravity.isZero(0) ? std::sqrt(longest_fall / world.comm.max(fastest_fall)) : 0;
+  kick.hold =
+      kick.may_hold ? std::min(kick.fall, holding_time(world.comm, world.gravity, mass, field)) : 0;
   ++kick.evaluations;
 }
 
@@ -55,6 +55,7 @@ void give_kick(World& world, double h, int most_steps) {
   if (!world.has_gravity()) return;
   kick.steps_left =
       static_cast<int>(std::clamp(kick.hold / h, 1.0, static_cast<double>(most_steps)));
+  kick.may_hold = kick.fall >= 2 * h;
   kick.closed = kick.interval;
   kick.interval = kick.steps_left * h;
   kick.load = (kick.closed + kick.interval) / 2;

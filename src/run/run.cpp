@@ -100,7 +100,9 @@ class Run {
     f("kick.closed", kick.closed);
     f("kick.remembered_load", kick.remembered_load);
     f("kick.largest", kick.largest);
+    f("kick.fall", kick.fall);
     f("kick.hold", kick.hold);
+    f("kick.may_hold", kick.may_hold);
     f("kick.potential", kick.potential);
     auto& ledger = self.world_.ledger;
     f("ledger.dissipated", ledger.dissipated);

@@ -23,8 +23,10 @@ struct GravityKick {
   double load = 0;             ///< s, of the kick that the coming step's contacts carry; 0: none
   double remembered_load = 0;  ///< s, of the kick that the pairs' impulses carried
   double largest = 0;          ///< m/s^2, largest acceleration of a body
+  double fall = 0;             ///< s, in which no body falls further than a kick may carry it
   double hold = 0;             ///< s, that the present field may be held
-  double potential = 0;        ///< J over all ranks, at the last evaluation; uniform field too
+  bool may_hold = true;  ///< `fall` spans two steps: the next evaluation bounds its change too
+  double potential = 0;  ///< J over all ranks, at the last evaluation; uniform field too
   std::int64_t evaluations = 0;
 };
 
