@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "spall/base/require.hpp"
-#include "spall/force/multipole.hpp"
+#include "spall/force/expansion.hpp"
 #include "spall/force/octree.hpp"
 
 namespace spall {
@@ -84,7 +84,7 @@ class Walk {
       measure_leaf(c);
   }
 
-  [[gnu::flatten]] void measure_leaf(Index c) {
+  void measure_leaf(Index c) {
     Cell& cell = tree_.cells[c];
     Row& row = moments_[c];
     Outline& outline = outlines_[c];
@@ -105,21 +105,13 @@ class Walk {
     cell.center = mass > 0 ? Vec3(place / mass) : Vec3((outline.box.low + outline.box.high) / 2);
     cell.mass = mass;
     start_row(row, mass, cell.center, mass > 0 ? Vec3(momentum / mass) : Vec3(Vec3::Zero()));
-    const Vec3 v = row.mean_velocity();
-    double squared_radius = 0, spread = 0;
-    std::array<Lanes, term_count(P - 1)> sums{};
+    double squared_radius = 0;
     for (const Eight& e : eights(cell)) {
       const Lanes x = e.x - cell.center.x(), y = e.y - cell.center.y(), z = e.z - cell.center.z();
       const Lanes r2 = x * x + (y * y + z * z);
-      const Lanes dx = e.vx - v.x(), dy = e.vy - v.y(), dz = e.vz - v.z();
       for (std::size_t k = 0; k < lane_count; ++k) squared_radius = std::max(squared_radius, r2[k]);
-      if constexpr (rates)
-        spread += sum_of_lanes(e.mass * estimate_sqrt(dx * dx + (dy * dy + dz * dz)));
-      const auto s = powers<P - 1>(x, y, z);
-      unroll<term_count(P - 1)>([&](auto k) { sums[k] += e.mass * s[k]; });
     }
-    for (int k = term_count(1); k < term_count(P - 1); ++k) row.row[k] = sum_of_lanes(sums[k]);
-    row.row[Row::spread] = spread;
+    measure_bodies<P, rates>(eights(cell), row);
     cell.radius = std::sqrt(squared_radius);
     outline.largest_leaf = cell.radius;
   }
@@ -309,7 +301,7 @@ class Walk {
     const Vec3 velocity = moments_[c].mean_velocity();
     LocalField<P> field =
         shifted(parent, cell.center - parent_center, (velocity - parent_velocity).norm());
-    attract_by_far(c, field);
+    attract_by_far<P, rates>(far_, moments_[c], cell.radius, field);
     if (cell.inner()) {
       for (int k = 0; k < 2; ++k) {
         if (tree_.cells[cell.children[k]].holder == Cell::Holder::elsewhere) continue;
@@ -319,7 +311,7 @@ class Walk {
       }
     } else {
       attract_by_near(c, end);
-      attract_by_field(c, field);
+      attract_by_field<P, rates>(field, moments_[c], eights(cell));
     }
     stack_.resize(end);
   }
@@ -328,60 +320,11 @@ class Walk {
   void sort_out(const Cell& target, Index s) {
     const Cell& source = tree_.cells[s];
     if (are_far(measure_pair(target, source)))
-      far_.push_back(s);
+      far_.push_back(&moments_[s]);
     else if (source.inner() && !(target.inner() && is_larger(target, source)))
       for (Index half : source.children) sort_out(target, half);
     else
       stack_.push_back(s);
-  }
-
-  [[gnu::flatten]] void attract_by_far(Index c, LocalField<P>& field) {
-    const Row& target = moments_[c];
-    Row nothing;  // at the target itself, where derivatives are 0
-    Vec3::Map(&nothing.row[1]) = target.center();
-    std::array<Lanes, term_count(P)> sums{};
-    Lanes rate{}, rate_by_speed{};
-    for (std::size_t k = 0; k < far_.size(); k += lane_count) {
-      std::array<const double*, lane_count> rows;
-      for (std::size_t lane = 0; lane < lane_count; ++lane)
-        rows[lane] = (k + lane < far_.size() ? moments_[far_[k + lane]] : nothing).row.data();
-      Lanes m[Row::width];
-      for (int block = 0; block < Row::width; block += 8) {
-        Lanes part[lane_count];
-        for (std::size_t lane = 0; lane < lane_count; ++lane)
-          part[lane] = *reinterpret_cast<const Lanes*>(rows[lane] + block);
-        transpose(part);
-        for (std::size_t n = 0; n < lane_count; ++n) m[block + n] = part[n];
-      }
-      const Lanes x = m[1] - target.row[1], y = m[2] - target.row[2], z = m[3] - target.row[3];
-      const Lanes r2 = x * x + (y * y + z * z);
-      const Lanes inverse = inverse_sqrt(r2);
-      const auto d = derivatives<P>(x, y, z, inverse);
-      unroll<term_count(P)>([&](auto to) {
-        constexpr MultiIndex n = multi_indices<P>[to];
-        unroll<term_count(P - 1)>([&](auto from) {
-          constexpr MultiIndex i = multi_indices<P>[from];
-          if constexpr (i.order() != 1 && i.order() + n.order() <= P)
-            sums[to] += m[from] * d[(i + n).place()];
-        });
-      });
-      if constexpr (rates) {
-        const Lanes vx = m[Row::velocity] - target.row[Row::velocity];
-        const Lanes vy = m[Row::velocity + 1] - target.row[Row::velocity + 1];
-        const Lanes vz = m[Row::velocity + 2] - target.row[Row::velocity + 2];
-        // From the edge of this cell to the centre of the other.
-        const Lanes edge = r2 * inverse - tree_.cells[c].radius;
-        const Lanes weight = inverse > 0 ? 1.0 / (edge * edge * edge) : Lanes{};
-        rate += weight * (m[Row::spread] + m[0] * estimate_sqrt(vx * vx + (vy * vy + vz * vz)));
-        rate_by_speed += weight * m[0];
-      }
-    }
-    unroll<term_count(P)>([&](auto to) {
-      constexpr double sign = multi_indices<P>[to].order() % 2 == 0 ? 1 : -1;
-      field.terms[to] += sign * sum_of_lanes(sums[to]);
-    });
-    field.rate += sum_of_lanes(rate);
-    field.rate_by_speed += sum_of_lanes(rate_by_speed);
   }
 
   /// Own leaves later on the curve are attracted in return, so that each pair is computed once.
@@ -401,34 +344,13 @@ class Walk {
     attract<true, rates>(eights(leaf), mutual_);
   }
 
-  [[gnu::flatten]] void attract_by_field(Index c, const LocalField<P>& field) {
-    const Vec3 center = tree_.cells[c].center, v = moments_[c].mean_velocity();
-    for (Eight& e : eights(tree_.cells[c])) {
-      const auto s = powers<P>(e.x - center.x(), e.y - center.y(), e.z - center.z());
-      unroll<term_count(P)>([&](auto k) {
-        constexpr MultiIndex n = multi_indices<P>[k];
-        e.pull.potential += field.terms[k] * s[k];
-        if constexpr (n.order() < P) {
-          e.pull.x += field.terms[(n + unit_index(0)).place()] * s[k];
-          e.pull.y += field.terms[(n + unit_index(1)).place()] * s[k];
-          e.pull.z += field.terms[(n + unit_index(2)).place()] * s[k];
-        }
-      });
-      if constexpr (rates) {
-        const Lanes dx = e.vx - v.x(), dy = e.vy - v.y(), dz = e.vz - v.z();
-        e.pull.rate +=
-            field.rate + field.rate_by_speed * estimate_sqrt(dx * dx + (dy * dy + dz * dz));
-      }
-    }
-  }
-
   const Comm& comm_;
   Octree& tree_;
   double squared_opening_, squared_accuracy_;
   std::vector<Row> moments_;       // of every cell
   std::vector<Outline> outlines_;  // of own and top cells
   std::vector<Index> stack_;       // near cells of the cells on the way down
-  std::vector<Index> far_;
+  std::vector<const Row*> far_;
   std::vector<std::span<Eight>> mutual_, one_sided_;
 };
 

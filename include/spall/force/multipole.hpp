@@ -127,41 +127,4 @@ struct LocalField {
   double rate = 0, rate_by_speed = 0;
 };
 
-/// Adds the moments of a part of the cell; `whole` has its mass, centre and velocity already.
-template <int P>
-[[gnu::flatten]] void add_moments(Moments<P>& whole, const Moments<P>& part) {
-  const Vec3 s = part.center() - whole.center();
-  const auto shift = powers<P - 1>(s.x(), s.y(), s.z());
-  unroll<term_count(P - 1)>([&](auto k) {
-    constexpr MultiIndex n = multi_indices<P - 1>[k];
-    if constexpr (n.order() >= 2)
-      unroll<term_count(P - 1)>([&](auto l) {
-        constexpr MultiIndex from = multi_indices<P - 1>[l];
-        if constexpr (from.inside(n) && from.order() != 1)
-          whole.row[k] += part.row[l] * shift[(n - from).place()];
-      });
-  });
-  whole.row[Moments<P>::spread] +=
-      part.row[Moments<P>::spread] +
-      part.row[0] * (part.mean_velocity() - whole.mean_velocity()).norm();
-}
-
-/// The field of a cell, seen from the centre of a part of it.
-template <int P>
-[[gnu::flatten]] LocalField<P> shifted(const LocalField<P>& field, const Vec3& s,
-                                       double velocity_change) {
-  LocalField<P> result;
-  const auto shift = powers<P>(s.x(), s.y(), s.z());
-  unroll<term_count(P)>([&](auto k) {
-    constexpr MultiIndex n = multi_indices<P>[k];
-    unroll<term_count(P)>([&](auto l) {
-      constexpr MultiIndex from = multi_indices<P>[l];
-      if constexpr (n.inside(from)) result.terms[k] += field.terms[l] * shift[(from - n).place()];
-    });
-  });
-  result.rate = field.rate + field.rate_by_speed * velocity_change;
-  result.rate_by_speed = field.rate_by_speed;
-  return result;
-}
-
 }  // namespace spall
