@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <random>
 #include <vector>
@@ -43,6 +44,21 @@ inline Points share(const Comm& comm, const Points& all) {
     mine.velocity.push_back(all.velocity[b]);
   }
   return mine;
+}
+
+/// |sum F| / sum |F| and the same of torques. Collective.
+inline std::array<double, 2> net_force_and_torque(const Comm& comm, const Points& mine,
+                                                  const std::vector<Vec3>& acceleration) {
+  Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
+  double forces = 0, torques = 0;
+  for (std::size_t b = 0; b < mine.size(); ++b) {
+    const Vec3 f = mine.mass[b] * acceleration[b];
+    force += f;
+    torque += mine.position[b].cross(f);
+    forces += f.norm();
+    torques += mine.position[b].norm() * f.norm();
+  }
+  return {comm.sum(force).norm() / comm.sum(forces), comm.sum(torque).norm() / comm.sum(torques)};
 }
 
 /// Two touching balls, radii 10 : 1 and of one density, in a thin cloud that reaches a hundred

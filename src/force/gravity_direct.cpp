@@ -9,9 +9,7 @@
 namespace spall {
 namespace {
 
-constexpr std::size_t tile = 32;        // eights: 256 bodies and their sums stay in the L1 cache
-constexpr std::size_t body_width = 7;   // doubles a body sends
-constexpr std::size_t field_width = 5;  // doubles a body gets back
+constexpr std::size_t tile = 32;  // eights: 256 bodies and their sums stay in the L1 cache
 
 /// This rank's share of the pairs of tiles, dealt out in turn.
 template <bool rates>
@@ -35,18 +33,9 @@ void attract_share(const Comm& comm, std::span<Eight> all) {
 std::vector<Eight> pack(std::span<const double> rows) {
   const std::size_t count = rows.size() / body_width;
   std::vector<Eight> all((count + lane_count - 1) / lane_count);
-  for (std::size_t b = 0; b < all.size() * lane_count; ++b) {
-    const double* row = rows.data() + std::min(b, count - 1) * body_width;
-    Eight& eight = all[b / lane_count];
-    const std::size_t lane = b % lane_count;
-    eight.x[lane] = row[0];
-    eight.y[lane] = row[1];
-    eight.z[lane] = row[2];
-    eight.vx[lane] = row[3];
-    eight.vy[lane] = row[4];
-    eight.vz[lane] = row[5];
-    eight.mass[lane] = b < count ? row[6] : 0.0;
-  }
+  for (std::size_t b = 0; b < all.size() * lane_count; ++b)
+    put_body(rows.data() + std::min(b, count - 1) * body_width, b < count, all[b / lane_count],
+             b % lane_count);
   return all;
 }
 
@@ -72,17 +61,9 @@ GravityField evaluate_gravity_direct(const Comm& comm, double constant,
     attract_share<false>(comm, all);
 
   const std::size_t count = rows.size() / body_width;
-  std::vector<double> sums(count * field_width);
-  for (std::size_t b = 0; b < count; ++b) {
-    const Pull& pull = all[b / lane_count].pull;
-    const std::size_t lane = b % lane_count;
-    double* row = sums.data() + b * field_width;
-    row[0] = pull.x[lane];
-    row[1] = pull.y[lane];
-    row[2] = pull.z[lane];
-    row[3] = pull.potential[lane];
-    row[4] = pull.rate[lane];
-  }
+  std::vector<double> sums(count * felt_width);
+  for (std::size_t b = 0; b < count; ++b)
+    get_felt(all[b / lane_count], b % lane_count, sums.data() + b * felt_width);
   comm.sum(sums);
 
   GravityField field;
@@ -93,7 +74,7 @@ GravityField evaluate_gravity_direct(const Comm& comm, double constant,
   // d/dt of d/d^3 is (1 - 3 n n^T) dv / d^3, and that matrix stretches by at most 2.
   const double bound = 2 * (1 + estimate_error);
   for (std::size_t b = 0; b < owned; ++b) {
-    const double* row = sums.data() + (first + b) * field_width;
+    const double* row = sums.data() + (first + b) * felt_width;
     field.acceleration[b] = constant * Vec3::Map(row);
     field.potential[b] = -constant * row[3];
     if (rates) field.rate[b] = constant * bound * row[4];

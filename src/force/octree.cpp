@@ -15,8 +15,6 @@ namespace {
 constexpr int key_bits_per_axis = 21;
 constexpr int key_bits = 3 * key_bits_per_axis;
 constexpr std::uint64_t key_end = std::uint64_t{1} << key_bits;
-constexpr int body_width = 7;  // doubles: position, velocity, mass
-constexpr int felt_width = 5;
 
 /// The cube that the curve fills. Bodies beyond it, ejecta, lie on its faces as far as the curve is
 /// concerned; cells know their true sizes.
@@ -315,14 +313,9 @@ struct Builder {
       const double* body = bodies.data() + std::size_t{body_width} * b;
       Eight& eight = tree.eights[cell.first + k / lane_count];
       const std::size_t lane = k % lane_count;
-      eight.x[lane] = body[0];
-      eight.y[lane] = body[1];
-      eight.z[lane] = body[2];
-      eight.vx[lane] = body[3];
-      eight.vy[lane] = body[4];
-      eight.vz[lane] = body[5];
-      eight.mass[lane] = begin + k < end ? body[6] : 0.0;
-      if (begin + k < end)
+      const bool present = begin + k < end;
+      put_body(body, present, eight, lane);
+      if (present)
         tree.place[b] = static_cast<Index>((cell.first + k / lane_count) * lane_count + lane);
     }
   }
@@ -392,16 +385,8 @@ Octree grow_octree(const Comm& comm, std::span<const double> mass, std::span<con
 
 std::vector<Octree::Felt> Octree::felt(const Comm& comm) const {
   std::vector<double> rows(place.size() * felt_width);
-  for (std::size_t b = 0; b < place.size(); ++b) {
-    const Pull& pull = eights[place[b] / lane_count].pull;
-    const std::size_t lane = place[b] % lane_count;
-    double* row = rows.data() + b * felt_width;
-    row[0] = pull.x[lane];
-    row[1] = pull.y[lane];
-    row[2] = pull.z[lane];
-    row[3] = pull.potential[lane];
-    row[4] = pull.rate[lane];
-  }
+  for (std::size_t b = 0; b < place.size(); ++b)
+    get_felt(eights[place[b] / lane_count], place[b] % lane_count, rows.data() + b * felt_width);
   rows = exchange_rows(comm, rows, came, went, felt_width);
   std::vector<Felt> result(went_row.size());
   for (std::size_t k = 0; k < went_row.size(); ++k) {

@@ -20,6 +20,29 @@ struct Eight {
   Pull pull;
 };
 
+/// Bodies and what they feel as they travel between ranks.
+inline constexpr int body_width = 7;  ///< doubles: position, velocity, mass
+inline constexpr int felt_width = 5;  ///< doubles: sums of m d/d^3, m/d, m |dv|/d^3
+
+/// A body into its place; `present` false makes it massless, a copy that fills up its eight.
+inline void put_body(const double* row, bool present, Eight& eight, std::size_t lane) {
+  eight.x[lane] = row[0];
+  eight.y[lane] = row[1];
+  eight.z[lane] = row[2];
+  eight.vx[lane] = row[3];
+  eight.vy[lane] = row[4];
+  eight.vz[lane] = row[5];
+  eight.mass[lane] = present ? row[6] : 0.0;
+}
+
+inline void get_felt(const Eight& eight, std::size_t lane, double* row) {
+  row[0] = eight.pull.x[lane];
+  row[1] = eight.pull.y[lane];
+  row[2] = eight.pull.z[lane];
+  row[3] = eight.pull.potential[lane];
+  row[4] = eight.pull.rate[lane];
+}
+
 /// The bodies of `is` feel those of all `sources`; with `mutual` those also feel the bodies of
 /// `is`, each pair with the same bits. `rates` false leaves the sums of m |dv|/d^3 out.
 template <bool mutual, bool rates>
