@@ -1,10 +1,12 @@
 // Error against time of the gravity methods, as CSV: bench_gravity SET BODIES, SET = ball or pile.
 // SPDX-License-Identifier: BSD-3-Clause
+#include <malloc.h>
 #include <time.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cstdio>
+#include <fstream>
 #include <random>
 #include <string>
 
@@ -12,6 +14,7 @@
 #include "spall/force/attract.hpp"
 #include "spall/force/gravity_direct.hpp"
 #include "spall/force/gravity_tree.hpp"
+#include "spall/force/octree.hpp"
 
 namespace spall {
 namespace {
@@ -90,6 +93,18 @@ double seconds(const Comm& comm, F&& f) {
   return comm.max(now() - start);
 }
 
+/// Largest memory of a rank since `forget_peak`, bytes; Linux keeps it.
+void forget_peak() {
+  malloc_trim(0);
+  std::ofstream("/proc/self/clear_refs") << "5";
+}
+double peak_memory() {
+  std::ifstream status("/proc/self/status");
+  for (std::string line; std::getline(status, line);)
+    if (line.starts_with("VmHWM:")) return 1024 * std::stod(line.substr(6));
+  return 0;
+}
+
 double median(std::vector<double> values) {
   std::ranges::sort(values);
   return values[values.size() / 2];
@@ -119,10 +134,18 @@ void run(const Comm& comm, const std::string& name, std::size_t count) {
   for (double accuracy : {1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5}) {
     const TreeSettings settings = tree_settings(accuracy);
     GravityField field;
-    std::vector<double> tree_times, direct_times, plain_times;
+    std::vector<double> tree_times, build_times, direct_times, plain_times;
+    field = {};
+    forget_peak();
+    const double before = comm.sum(peak_memory());
+    field = evaluate_gravity_tree(comm, 1, settings, mine.mass, mine.position, {});
+    const double memory = comm.sum(peak_memory()) - before;
     for (int repeat = 0; repeat < (count > 200000 ? 1 : 5); ++repeat) {
       tree_times.push_back(seconds(comm, [&] {
         field = evaluate_gravity_tree(comm, 1, settings, mine.mass, mine.position, {});
+      }));
+      build_times.push_back(seconds(comm, [&] {
+        grow_octree(comm, mine.mass, mine.position, {}, settings.leaf_size, settings.reach());
       }));
       const double scale = count / few_count * (count / few_count);
       direct_times.push_back(scale * seconds(comm, [&] {
@@ -156,11 +179,13 @@ void run(const Comm& comm, const std::string& name, std::size_t count) {
     }
     std::ranges::sort(errors);
     if (comm.rank == 0)
-      fmt::print("{},{},{},{},{:.0e},{:.3e},{:.3e},{:.3e},{:.5f},{:.5f},{:.5f},{:.1e},{:.1e}\n",
-                 name, count, comm.size, settings.order, accuracy,
-                 std::sqrt(squares / errors.size()), errors[errors.size() * 99 / 100],
-                 errors.back(), median(tree_times), median(direct_times), median(plain_times),
-                 force.norm() / forces, torque.norm() / torques);
+      fmt::print(
+          "{},{},{},{},{:.0e},{:.3e},{:.3e},{:.3e},{:.5f},{:.5f},{:.5f},{:.5f},{:.0f},{:.1e},{:.1e}"
+          "\n",
+          name, count, comm.size, settings.order, accuracy, std::sqrt(squares / errors.size()),
+          errors[errors.size() * 99 / 100], errors.back(), median(tree_times), median(build_times),
+          median(direct_times), median(plain_times), memory / static_cast<double>(count),
+          force.norm() / forces, torque.norm() / torques);
     std::fflush(stdout);
   }
 }

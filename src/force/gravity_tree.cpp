@@ -369,8 +369,7 @@ GravityField evaluate_gravity_tree(const Comm& comm, double constant, const Tree
                                    std::span<const double> mass, std::span<const Vec3> position,
                                    std::span<const Vec3> velocity) {
   const bool rates = comm.any(!velocity.empty());
-  const double reach = std::pow(settings.accuracy, 1.0 / settings.order);
-  Octree tree = grow_octree(comm, mass, position, velocity, settings.leaf_size, reach);
+  Octree tree = grow_octree(comm, mass, position, velocity, settings.leaf_size, settings.reach());
   if (tree.cells.empty()) return {};
   const auto walk = [&]<int P>(std::integral_constant<int, P>) {
     if (rates)

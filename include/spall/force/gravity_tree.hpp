@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cmath>
 #include <span>
 
 #include "spall/force/gravity.hpp"
@@ -16,6 +17,9 @@ struct TreeSettings {
   double opening = 0.9;    ///< below 1, or the series does not converge
   double accuracy = 1e-4;  ///< of one pair of cells
   int leaf_size = 32;      ///< bodies
+
+  /// Of a light leaf, over the distance on which the field changes: see `grow_octree`.
+  double reach() const { return std::pow(accuracy, 1.0 / order); }
 };
 
 /// The cheapest settings whose rms relative force error was measured to be below `accuracy`.
