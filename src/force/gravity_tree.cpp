@@ -393,7 +393,7 @@ GravityField evaluate_gravity_tree(const Comm& comm, double constant, const Tree
 
   GravityField field;
   const double bound = 2 * (1 + 2 * estimate_error);  // see gravity_direct.cpp
-  for (const Octree::Felt& felt : tree.felt(comm)) {
+  for (const Octree::Felt& felt : tree.take_felt(comm)) {
     field.acceleration.push_back(constant * felt.pull);
     field.potential.push_back(-constant * felt.potential);
     if (rates) field.rate.push_back(constant * bound * felt.rate);

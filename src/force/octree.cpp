@@ -156,9 +156,10 @@ std::vector<int> deal_out(const Comm& comm, std::span<const Stretch> all) {
 }
 
 /// Rows of `width` doubles, `counts[r]` of them to rank r; returns those that come.
-std::vector<double> exchange_rows(const Comm& comm, std::span<const double> rows,
+std::vector<double> exchange_rows(const Comm& comm, std::vector<double> rows,
                                   std::span<const int> counts, std::span<const int> coming,
                                   int width) {
+  if (comm.size == 1) return rows;
   const auto scaled = [&](std::span<const int> c) {
     std::vector<int> n(c.begin(), c.end());
     for (int& v : n) v *= width;
@@ -264,11 +265,20 @@ struct Builder {
   std::size_t leaf_size;
   double reach;
   std::size_t stretch = 0;  // the one below which cells grow
+  struct Leaf {
+    Index cell;
+    std::size_t begin, end;  // rows
+  };
+  std::vector<Leaf> leaves{};
+  Index eights = 0;  // of all leaves
 
   void grow(Index cell, std::size_t begin, std::size_t end) {
     tree.cells[cell].key = rows[begin].key;
     if (is_leaf(tree.cells[cell], begin, end)) {
-      fill_leaf(tree.cells[cell], begin, end);
+      tree.cells[cell].first = eights;
+      eights += tree.cells[cell].count =
+          static_cast<Index>((end - begin + lane_count - 1) / lane_count);
+      leaves.push_back({cell, begin, end});
       return;
     }
     // The highest bit in which the first and last key differ is where the cell has two halves.
@@ -304,10 +314,13 @@ struct Builder {
            mass >= thin * field.gradient * radius * radius * radius;
   }
 
-  void fill_leaf(Cell& cell, std::size_t begin, std::size_t end) {
-    cell.first = static_cast<Index>(tree.eights.size());
-    cell.count = static_cast<Index>((end - begin + lane_count - 1) / lane_count);
-    tree.eights.resize(cell.first + cell.count);
+  /// When all leaves are known: memory for no more than them.
+  void fill_leaves() {
+    tree.eights.resize(eights);
+    for (const auto& [cell, begin, end] : leaves) fill_leaf(tree.cells[cell], begin, end);
+  }
+
+  void fill_leaf(const Cell& cell, std::size_t begin, std::size_t end) {
     for (std::size_t k = 0; k < cell.count * lane_count; ++k) {
       const Index b = rows[std::min(begin + k, end - 1)].row;
       const double* body = bodies.data() + std::size_t{body_width} * b;
@@ -332,7 +345,7 @@ Octree grow_octree(const Comm& comm, std::span<const double> mass, std::span<con
   tree.origin = cube.center;
 
   // Where the curve is cut, and who gets which part.
-  const auto rows = sorted_keys(
+  auto rows = sorted_keys(
       mass.size(), [&](std::size_t b) -> Vec3 { return position[b] - cube.center; }, cube.half);
   // Known to all: enough cells for a rough field, and shares that are equal to 1/16.
   const double grain = bodies / std::max(512, 8 * comm.size);
@@ -363,8 +376,9 @@ Octree grow_octree(const Comm& comm, std::span<const double> mass, std::span<con
     Vec3::Map(row + 3) = velocity.empty() ? Vec3::Zero() : velocity[b];
     row[6] = mass[b];
   }
-  const std::vector<double> here = exchange_rows(comm, going, tree.went, tree.came, body_width);
-  going = {};
+  rows = {};
+  const std::vector<double> here =
+      exchange_rows(comm, std::move(going), tree.went, tree.came, body_width);
 
   // Cells below the stretches that are this rank's.
   const std::size_t count = here.size() / body_width;
@@ -373,21 +387,22 @@ Octree grow_octree(const Comm& comm, std::span<const double> mass, std::span<con
       cube.half);
   tree.place.resize(count);
   tree.cells.reserve(top.size() + 4 * count / leaf_size);
-  tree.eights.reserve(count / lane_count + count / lane_count / 4);
   Builder builder{tree, own, here, rough, static_cast<std::size_t>(leaf_size), reach};
   for (std::size_t s = 0; s < top.size(); ++s) {
     if (tree.owner[s] == comm.rank)
       builder.grow(static_cast<Index>(s), first_at(own, top[s].low), first_at(own, top[s].high));
     if (tree.owner[s] >= 0) ++builder.stretch;
   }
+  builder.fill_leaves();
   return tree;
 }
 
-std::vector<Octree::Felt> Octree::felt(const Comm& comm) const {
+std::vector<Octree::Felt> Octree::take_felt(const Comm& comm) {
   std::vector<double> rows(place.size() * felt_width);
   for (std::size_t b = 0; b < place.size(); ++b)
     get_felt(eights[place[b] / lane_count], place[b] % lane_count, rows.data() + b * felt_width);
-  rows = exchange_rows(comm, rows, came, went, felt_width);
+  eights = {};
+  rows = exchange_rows(comm, std::move(rows), came, went, felt_width);
   std::vector<Felt> result(went_row.size());
   for (std::size_t k = 0; k < went_row.size(); ++k) {
     const double* row = rows.data() + k * felt_width;

@@ -47,12 +47,12 @@ struct Octree {
   Index top = 0;
   std::vector<int> owner;     ///< of the top cells without children there; -1 of the others
   std::vector<Eight> eights;  ///< bodies of own leaves
-  /// Sum over `eights` of what bodies feel, back at the rows they came from. Collective.
+  /// What bodies feel, back at the rows they came from; `eights` are given up. Collective.
   struct Felt {
     Vec3 pull;
     double potential, rate;
   };
-  std::vector<Felt> felt(const Comm& comm) const;
+  std::vector<Felt> take_felt(const Comm& comm);
 
   std::vector<Index> place;     ///< of each body that came: 8 * eight + lane
   std::vector<int> came, went;  ///< bodies from and to each rank
