@@ -81,17 +81,18 @@ void descend(const ContactSystem<dimension>& system, const ContactBlocks<dimensi
     return !std::is_same_v<Real, float> || 10 * float_noise * residual.norm < tolerance;
   };
   const auto finished = [&] {
-    return best.residual.relative_prox <= tolerance || report.iterations >= settings.max_iterations;
+    return best.residual.relative_prox <= tolerance || used_up(settings, report);
   };
   if (finished() || !resolved(best.residual)) return;
 
   // Two iterates, the sums of their impulses on bodies, and the velocities of the point y between.
   auto iterate = convert_impulses<dimension, Real>(best.impulse), before = iterate;
   Rows<dimension, Real> sums(contacts.rows), sums_before(contacts.rows);
-  Rows<dimension, Real> velocity(contacts.rows);
   add_contacts(contacts, iterate, sums.data());
-  for (Index b = 0; b < contacts.owned; ++b)
-    velocity[b] = row_velocity(contacts.inverse_mass[b], sums[b]);
+  complete_rows(contacts, sums);
+  Rows<dimension, Real> velocity = sums;
+  become_velocities(contacts, velocity.data());
+  velocity.back() = Row<dimension, Real>();
 
   Momentum momentum(eps, dimension == 3 && eps == 0 && system.friction == FrictionModel::coulomb);
   DelayedSum late(system.ghosts.comm().raw);
@@ -116,6 +117,7 @@ void descend(const ContactSystem<dimension>& system, const ContactBlocks<dimensi
     });
     std::swap(iterate, before);
     std::swap(sums, sums_before);
+    complete_rows(contacts, sums);
 
     // Scalars of the iteration before this one: their sum had a whole pass to arrive.
     const auto [curvature, length2, progress] = late.wait();
@@ -134,8 +136,7 @@ void descend(const ContactSystem<dimension>& system, const ContactBlocks<dimensi
     ++report.iterations;
     ++report.products;
     const bool promising = iterations > 1 && estimate * calibration <= tolerance;
-    if (!promising && unchecked < longest_unchecked && report.iterations < settings.max_iterations)
-      continue;
+    if (!promising && unchecked < longest_unchecked && !used_up(settings, report)) continue;
 
     unchecked = 0;
     auto exact = convert_impulses<dimension, double>(iterate);
