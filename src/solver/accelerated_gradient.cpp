@@ -35,19 +35,29 @@ class DelayedSum {
   std::array<double, 3> local_{}, global_{};
 };
 
-constexpr int forced_restart = 100;  // of true Coulomb friction, which stalls otherwise
+constexpr int forced_restart = 100;  // at first, of true Coulomb friction, which stalls otherwise
 constexpr int longest_unchecked = 50;
+constexpr int fewest_iterations = 12;  // or a resting pile keeps its warm start's error, and creeps
 constexpr double first_lipschitz = 2;  // 1 at least, 3.4–4 in piles
 
 /// Momentum of FISTA (Beck & Teboulle 2009), capped at what a problem of strong convexity `eps`
-/// wants.
+/// wants. Forced restarts come half as often where the residual halved since the one before, and
+/// twice as often, down to `forced_restart`, where it did not.
 class Momentum {
  public:
   Momentum(double eps, bool forced) : eps_(eps), forced_(forced) {}
 
+  /// The residual of the best iterate yet.
+  void reached(double residual) { reached_ = residual; }
+
   double next(bool restart, double lipschitz) {
     ++since_restart_;
-    if (restart || (forced_ && since_restart_ >= forced_restart)) {
+    const bool must = forced_ && since_restart_ >= period_;
+    if (must) {
+      period_ = reached_ < before_ / 2 ? 2 * period_ : std::max(period_ / 2, forced_restart);
+      before_ = reached_;
+    }
+    if (restart || must) {
       since_restart_ = 0;
       t_ = 1;
       return 0;
@@ -65,6 +75,8 @@ class Momentum {
   bool forced_;
   double t_ = 1;
   int since_restart_ = 0;
+  int period_ = forced_restart;
+  double reached_ = 1, before_ = 1;
 };
 
 /// Float iterates differ from exact ones by about this much of their norm.
@@ -81,7 +93,8 @@ void descend(const ContactSystem<dimension>& system, const ContactBlocks<dimensi
     return !std::is_same_v<Real, float> || 10 * float_noise * residual.norm < tolerance;
   };
   const auto finished = [&] {
-    return best.residual.relative_prox <= tolerance || used_up(settings, report);
+    return (best.residual.relative_prox <= tolerance && report.iterations >= fewest_iterations) ||
+           best.residual.relative_prox == 0 || used_up(settings, report);
   };
   if (finished() || !resolved(best.residual)) return;
 
@@ -135,7 +148,8 @@ void descend(const ContactSystem<dimension>& system, const ContactBlocks<dimensi
     ++unchecked;
     ++report.iterations;
     ++report.products;
-    const bool promising = iterations > 1 && estimate * calibration <= tolerance;
+    const bool promising = iterations > 1 && report.iterations >= fewest_iterations &&
+                           estimate * calibration <= tolerance;
     if (!promising && unchecked < longest_unchecked && !used_up(settings, report)) continue;
 
     unchecked = 0;
@@ -146,6 +160,7 @@ void descend(const ContactSystem<dimension>& system, const ContactBlocks<dimensi
     calibration = now.residual.relative_prox / estimate / 0.9;
     const bool fine_enough = resolved(now.residual);
     if (now.residual.relative_prox < best.residual.relative_prox) best = std::move(now);
+    momentum.reached(best.residual.relative_prox);
     if (finished() || !fine_enough) return;
   }
 }
