@@ -35,30 +35,29 @@ class DelayedSum {
   std::array<double, 3> local_{}, global_{};
 };
 
-constexpr int forced_restart = 100;  // at first, of true Coulomb friction, which stalls otherwise
+constexpr int patience = 100;
 constexpr int longest_unchecked = 50;
 constexpr int fewest_iterations = 12;  // or a resting pile keeps its warm start's error, and creeps
 constexpr double first_lipschitz = 2;  // 1 at least, 3.4–4 in piles
 
 /// Momentum of FISTA (Beck & Teboulle 2009), capped at what a problem of strong convexity `eps`
-/// wants. Forced restarts come half as often where the residual halved since the one before, and
-/// twice as often, down to `forced_restart`, where it did not.
+/// wants. True Coulomb friction, which is no minimisation, stalls without forced restarts: one
+/// after `patience` iterations in which the residual did not halve.
 class Momentum {
  public:
   Momentum(double eps, bool forced) : eps_(eps), forced_(forced) {}
 
   /// The residual of the best iterate yet.
-  void reached(double residual) { reached_ = residual; }
+  void reached(double residual) {
+    if (residual > mark_ / 2) return;
+    mark_ = residual;
+    since_progress_ = 0;
+  }
 
   double next(bool restart, double lipschitz) {
-    ++since_restart_;
-    const bool must = forced_ && since_restart_ >= period_;
-    if (must) {
-      period_ = reached_ < before_ / 2 ? 2 * period_ : std::max(period_ / 2, forced_restart);
-      before_ = reached_;
-    }
-    if (restart || must) {
-      since_restart_ = 0;
+    ++since_progress_;
+    if (restart || (forced_ && since_progress_ >= patience)) {
+      since_progress_ = 0;
       t_ = 1;
       return 0;
     }
@@ -74,9 +73,8 @@ class Momentum {
   double eps_;
   bool forced_;
   double t_ = 1;
-  int since_restart_ = 0;
-  int period_ = forced_restart;
-  double reached_ = 1, before_ = 1;
+  int since_progress_ = 0;  // or since a restart
+  double mark_ = 1;
 };
 
 /// Float iterates differ from exact ones by about this much of their norm.
@@ -107,7 +105,7 @@ void descend(const ContactSystem<dimension>& system, const ContactBlocks<dimensi
   become_velocities(contacts, velocity.data());
   velocity.back() = Row<dimension, Real>();
 
-  Momentum momentum(eps, dimension == 3 && eps == 0 && system.friction == FrictionModel::coulomb);
+  Momentum momentum(eps, dimension == 3 && system.friction == FrictionModel::coulomb);
   DelayedSum late(system.ghosts.comm().raw);
   double lipschitz = first_lipschitz;
   double beta = 0;
