@@ -5,23 +5,16 @@ SPDX-License-Identifier: BSD-3-Clause
 import csv
 import datetime
 import pathlib
-import re
 import subprocess
 import sys
 import tomllib
+
+from readme import replace_section
 
 here = pathlib.Path(__file__).resolve().parent
 # The engine of the thesis, tuned, on this pile and 2 threads: seconds of solving a step to an rms
 # natural-map residual in m/s.
 REFERENCE_SECONDS, REFERENCE_RMS = 0.127, 2.6e-4
-
-
-def replace(path, mark, text):
-    """What stands between `<!-- mark -->` and `<!-- end -->` becomes `text`."""
-    whole = path.read_text()
-    pattern = re.compile(rf"(<!-- {mark} -->\n).*?(<!-- end -->)", re.S)
-    assert pattern.search(whole), f"{path} has no '{mark}'"
-    path.write_text(pattern.sub(lambda m: m[1] + text + m[2], whole))
 
 
 def origin():
@@ -50,13 +43,13 @@ def main(folder):
            f"**{1e3 * float(asked['step_s']):.0f} ms**, {1e3 * solving:.1f} ms of it solving, to an "
            f"rms residual of {float(asked['rms_m_s']):.1e} m/s; the engine of the thesis, tuned, solves "
            f"{1e3 * REFERENCE_SECONDS:.0f} ms to {REFERENCE_RMS:.1e} m/s.\n"
-           f"({origin()})\n")
-    replace(here.parent / "README.md", "main job", job)
+           f"({origin()})")
+    replace_section(here.parent / "README.md", "main job", job)
     names = ["tolerance", "products", "solver_s", "step_s", "E", "rms_m_s"]
     table = ["| tolerance on E_eps | products | solving, s | whole step, s | E | rms, m/s |",
              "|--:|--:|--:|--:|--:|--:|"]
     table += ["| " + " | ".join(row[name] for name in names) + " |" for row in rows]
-    replace(here / "README.md", "settled step", f"{origin()}\n\n" + "\n".join(table) + "\n")
+    replace_section(here / "README.md", "settled step", f"{origin()}\n\n" + "\n".join(table))
 
 
 main(*sys.argv[1:])

@@ -6,11 +6,13 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
+#include <map>
 #include <optional>
 
 #include "spall/base/comm.hpp"
 #include "spall/base/require.hpp"
 #include "spall/run/run.hpp"
+#include "spall/run/solve_file.hpp"
 #include "spall/scene/case.hpp"
 #include "spall/scene/scene.hpp"
 
@@ -25,7 +27,19 @@ struct Options {
   std::string file;
   std::string out;
   std::vector<std::string> overrides;
+  SolverSettings solver{
+      .tolerance = 1e-4, .max_iterations = 1 << 30, .max_products = 10000, .prox = 0};
+  std::string method = "accelerated", friction = "coulomb";
+  bool evaluate = false;
 };
+
+const std::map<std::string, SolverMethod> solver_methods = {
+    {"accelerated", SolverMethod::accelerated},
+    {"apgd", SolverMethod::apgd},
+    {"bb", SolverMethod::barzilai_borwein},
+    {"sor", SolverMethod::sor}};
+const std::map<std::string, FrictionModel> friction_models = {{"coulomb", FrictionModel::coulomb},
+                                                              {"convex", FrictionModel::convex}};
 
 /// The folder of a run without --out: out/ and the name of the case's file or folder.
 std::string default_folder(const std::string& file) {
@@ -68,6 +82,19 @@ int dispatch(const Comm& comm, int argc, char** argv) {
   check->add_option("--set", options.overrides, "change one key")->take_all();
   auto* page = app.add_subcommand("report", "make a page with pictures of a run");
   page->add_option("folder", options.file, "folder that a run wrote")->required();
+  auto* solve = app.add_subcommand("solve", "solve a contact problem from an FCLIB file");
+  solve->add_option("problem", options.file, "local frictional-contact problem (HDF5)")->required();
+  solve->add_option("--method", options.method, "")
+      ->capture_default_str()
+      ->check(CLI::IsMember(solver_methods));
+  solve->add_option("--friction", options.friction, "apgd and bb need convex")
+      ->capture_default_str()
+      ->check(CLI::IsMember(friction_models));
+  solve->add_option("--tol", options.solver.tolerance, "on E")->capture_default_str();
+  solve->add_option("--max-products", options.solver.max_products, "with W")->capture_default_str();
+  solve->add_option("--prox", options.solver.prox, "eps of the proximal problem")
+      ->capture_default_str();
+  solve->add_flag("--evaluate", options.evaluate, "solve nothing: E of the file's own /solution/r");
   auto* list = app.add_subcommand("list", "list the cases under ./cases");
   auto* keys = app.add_subcommand("keys", "print every key of a case file with unit and default");
 
@@ -83,6 +110,12 @@ int dispatch(const Comm& comm, int argc, char** argv) {
   }
   if (*resume)
     return resume_case(comm, options.file, options.out, options.overrides) ? 0 : exit_interrupted;
+  if (*solve) {
+    options.solver.method = solver_methods.at(options.method);
+    options.solver.friction = friction_models.at(options.friction);
+    solve_file(comm, options.file, options.solver, options.evaluate);
+    return 0;
+  }
   if (comm.rank != 0) return 0;  // what follows needs no second rank
   if (*check) fmt::print("{}", describe(read_case(options.file, options.overrides)));
   if (*page) return report(options.file);

@@ -77,7 +77,24 @@ refuses "more ranks than bodies" 3 few.toml few.toml "2 bodies" "3 ranks"
 touch file
 out=file/below refuses "an unwritable folder" "$ranks" few.toml file/below
 
-for arguments in --help keys "check $cases/hello/case.toml"; do
+# The same for `spall solve`; problems themselves are tested elsewhere.
+refuses_problem() {  # name, arguments, words…
+  local name=$1 arguments=$2 code word
+  shift 2
+  # shellcheck disable=SC2086
+  on_ranks "$ranks" solve $arguments
+  code=$?
+  [ $code -ne 0 ] || fail "$name: exit code is 0"
+  [ $code -ne 124 ] && [ $code -ne 137 ] || fail "$name: hangs"
+  for word in "$@"; do
+    grep -qF -- "$word" stderr || fail "$name: no '$word' in: $(cat stderr)"
+  done
+}
+refuses_problem "a missing problem" nowhere.hdf5 "spall: " nowhere.hdf5
+refuses_problem "no HDF5 file" plain.toml "spall: " plain.toml
+refuses_problem "an unknown method" "plain.toml --method newton" newton accelerated sor
+
+for arguments in --help "solve --help" keys "check $cases/hello/case.toml"; do
   # shellcheck disable=SC2086
   on_ranks "$ranks" $arguments || fail "spall $arguments: exit code is not 0"
   [ -s stdout ] || fail "spall $arguments: prints nothing"

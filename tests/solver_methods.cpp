@@ -1,7 +1,5 @@
 // Every method on the same problems; the operator and the projections by brute force.
 // SPDX-License-Identifier: BSD-3-Clause
-#include <Eigen/Geometry>
-
 #include "contact_problems.hpp"
 #include "spall/base/require.hpp"
 #include "spall/solver/methods.hpp"
@@ -81,25 +79,6 @@ TEST(Projection, treats_eight_contacts_as_it_treats_one) {
     EXPECT_DOUBLE_EQ(coulomb.normal[l], two.normal);
     EXPECT_DOUBLE_EQ(coulomb.tangent_factor[l], two.tangent_factor);
   }
-}
-
-/// Block (c, e) of the Delassus matrix: what a unit impulse of contact e does to u of contact c,
-/// through every body that both touch.
-Eigen::Matrix3d delassus_block(const WholeProblem& whole, Index c, Index e) {
-  const auto lever = [&](Index k) {
-    const Vec3 n = whole.kappa[k] * whole.normal[k];
-    Eigen::Matrix3d m;  // kappa n x
-    m << 0, -n[2], n[1], n[2], 0, -n[0], -n[1], n[0], 0;
-    return m;
-  };
-  Eigen::Matrix3d block = Eigen::Matrix3d::Zero();
-  for (const Index b : {whole.i[c], whole.j[c]}) {
-    if (b == ground || (b != whole.i[e] && b != whole.j[e])) continue;
-    const double sign = (b == whole.i[c]) == (b == whole.i[e]) ? 1 : -1;
-    block += whole.inverse_mass[b] *
-             (sign * Eigen::Matrix3d::Identity() + 2.5 * lever(c) * lever(e).transpose());
-  }
-  return block;
 }
 
 TEST(Product, is_the_dense_delassus_matrix_times_the_impulses) {

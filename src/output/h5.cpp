@@ -260,6 +260,16 @@ void File::write_view_raw(const std::string& name, hid_t type, hsize_t width,
        H5Dclose, "H5Dcreate2", place(name));
 }
 
+bool File::exists(const std::string& name) const {
+  // HDF5 asks for every link on the way, the root apart.
+  for (std::size_t at = name.find('/', 1);; at = name.find('/', at + 1)) {
+    if (check(H5Lexists(file_, name.substr(0, at).c_str(), H5P_DEFAULT), "H5Lexists",
+              place(name)) == 0)
+      return false;
+    if (at == std::string::npos) return true;
+  }
+}
+
 hsize_t File::total_rows(const std::string& name) const {
   Handle set = make(H5Dopen2(file_, name.c_str(), H5P_DEFAULT), H5Dclose, "H5Dopen2", place(name));
   Handle space = make(H5Dget_space(set), H5Sclose, "H5Dget_space", place(name));

@@ -132,6 +132,7 @@ class File {
                   bool as_frames) {
     write_view_raw(name, Layout<T>::type(), Layout<T>::width, sources, total, as_frames);
   }
+  bool exists(const std::string& name) const;
   hsize_t total_rows(const std::string& name) const;
   template <class T>
   std::vector<T> read(const std::string& name, const Rows& rows) const {

@@ -35,20 +35,29 @@ class DelayedSum {
   std::array<double, 3> local_{}, global_{};
 };
 
-constexpr int forced_restart = 100;  // of true Coulomb friction, which stalls otherwise
+constexpr int patience = 100;
 constexpr int longest_unchecked = 50;
+constexpr int fewest_iterations = 12;  // or a resting pile keeps its warm start's error, and creeps
 constexpr double first_lipschitz = 2;  // 1 at least, 3.4–4 in piles
 
 /// Momentum of FISTA (Beck & Teboulle 2009), capped at what a problem of strong convexity `eps`
-/// wants.
+/// wants. True Coulomb friction, which is no minimisation, stalls without forced restarts: one
+/// after `patience` iterations in which the residual did not halve.
 class Momentum {
  public:
   Momentum(double eps, bool forced) : eps_(eps), forced_(forced) {}
 
+  /// The residual of the best iterate yet.
+  void reached(double residual) {
+    if (residual > mark_ / 2) return;
+    mark_ = residual;
+    since_progress_ = 0;
+  }
+
   double next(bool restart, double lipschitz) {
-    ++since_restart_;
-    if (restart || (forced_ && since_restart_ >= forced_restart)) {
-      since_restart_ = 0;
+    ++since_progress_;
+    if (restart || (forced_ && since_progress_ >= patience)) {
+      since_progress_ = 0;
       t_ = 1;
       return 0;
     }
@@ -64,7 +73,8 @@ class Momentum {
   double eps_;
   bool forced_;
   double t_ = 1;
-  int since_restart_ = 0;
+  int since_progress_ = 0;  // or since a restart
+  double mark_ = 1;
 };
 
 /// Float iterates differ from exact ones by about this much of their norm.
@@ -81,19 +91,21 @@ void descend(const ContactSystem<dimension>& system, const ContactBlocks<dimensi
     return !std::is_same_v<Real, float> || 10 * float_noise * residual.norm < tolerance;
   };
   const auto finished = [&] {
-    return best.residual.relative_prox <= tolerance || report.iterations >= settings.max_iterations;
+    return (best.residual.relative_prox <= tolerance && report.iterations >= fewest_iterations) ||
+           best.residual.relative_prox == 0 || used_up(settings, report);
   };
   if (finished() || !resolved(best.residual)) return;
 
   // Two iterates, the sums of their impulses on bodies, and the velocities of the point y between.
   auto iterate = convert_impulses<dimension, Real>(best.impulse), before = iterate;
   Rows<dimension, Real> sums(contacts.rows), sums_before(contacts.rows);
-  Rows<dimension, Real> velocity(contacts.rows);
   add_contacts(contacts, iterate, sums.data());
-  for (Index b = 0; b < contacts.owned; ++b)
-    velocity[b] = row_velocity(contacts.inverse_mass[b], sums[b]);
+  complete_rows(contacts, sums);
+  Rows<dimension, Real> velocity = sums;
+  become_velocities(contacts, velocity.data());
+  velocity.back() = Row<dimension, Real>();
 
-  Momentum momentum(eps, dimension == 3 && eps == 0 && system.friction == FrictionModel::coulomb);
+  Momentum momentum(eps, dimension == 3 && system.friction == FrictionModel::coulomb);
   DelayedSum late(system.ghosts.comm().raw);
   double lipschitz = first_lipschitz;
   double beta = 0;
@@ -116,6 +128,7 @@ void descend(const ContactSystem<dimension>& system, const ContactBlocks<dimensi
     });
     std::swap(iterate, before);
     std::swap(sums, sums_before);
+    complete_rows(contacts, sums);
 
     // Scalars of the iteration before this one: their sum had a whole pass to arrive.
     const auto [curvature, length2, progress] = late.wait();
@@ -133,9 +146,9 @@ void descend(const ContactSystem<dimension>& system, const ContactBlocks<dimensi
     ++unchecked;
     ++report.iterations;
     ++report.products;
-    const bool promising = iterations > 1 && estimate * calibration <= tolerance;
-    if (!promising && unchecked < longest_unchecked && report.iterations < settings.max_iterations)
-      continue;
+    const bool promising = iterations > 1 && report.iterations >= fewest_iterations &&
+                           estimate * calibration <= tolerance;
+    if (!promising && unchecked < longest_unchecked && !used_up(settings, report)) continue;
 
     unchecked = 0;
     auto exact = convert_impulses<dimension, double>(iterate);
@@ -145,6 +158,7 @@ void descend(const ContactSystem<dimension>& system, const ContactBlocks<dimensi
     calibration = now.residual.relative_prox / estimate / 0.9;
     const bool fine_enough = resolved(now.residual);
     if (now.residual.relative_prox < best.residual.relative_prox) best = std::move(now);
+    momentum.reached(best.residual.relative_prox);
     if (finished() || !fine_enough) return;
   }
 }

@@ -26,10 +26,14 @@ void for_each_place(const ContactProblem& problem, F&& f) {
   }
 }
 
-/// Normal diagonal of the Delassus operator, 1/kg.
-double diagonal(const ContactProblem& problem, Index c) {
+/// The contact's diagonal block of the Delassus operator, 1/kg.
+ContactMetric metric(const ContactProblem& problem, Index c) {
+  if (problem.matrix) return problem.matrix->metric[c];
   const Index j = problem.j[c];
-  return problem.inverse_mass[problem.i[c]] + (j == ground ? 0 : problem.inverse_mass[j]);
+  const double kappa = problem.kappa[c];
+  const double a_n =
+      problem.inverse_mass[problem.i[c]] + (j == ground ? 0 : problem.inverse_mass[j]);
+  return {a_n, (1 + 2.5 * kappa * kappa) * a_n};
 }
 
 double inverse_or_zero(double a) {
@@ -45,7 +49,7 @@ double power_of_two_below(double a) {
 PackedUnits choose_units(const ContactProblem& problem, const Comm& comm) {
   double speed = 0, most_a = 0;
   for (Index c = 0; c < problem.contacts(); ++c) {
-    const double a = diagonal(problem, c);
+    const double a = metric(problem, c).a_n;
     if (a == 0) continue;
     speed = std::max(speed, problem.free_velocity[c].cwiseAbs().maxCoeff());
     most_a = std::max(most_a, a);
@@ -64,6 +68,7 @@ ContactBlocks<dimension, double> pack(const ContactProblem& problem, const Packe
   packed.boundary = blocks_for(problem.boundary);
   for (Index b = 0; b < owned; ++b)
     packed.inverse_mass.push_back(problem.inverse_mass[b] / unit_of_inverse_mass);
+  if (problem.matrix) packed.matrix = pack(*problem.matrix, unit_of_inverse_mass);
 
   const Index zero_row = packed.rows - 1;
   ContactBlock<dimension, double> empty{};
@@ -73,7 +78,8 @@ ContactBlocks<dimension, double> pack(const ContactProblem& problem, const Packe
 
   for_each_place(problem, [&](Index c, std::size_t at, int l) {
     ContactBlock<dimension, double>& block = packed.blocks[at];
-    const double a_n = diagonal(problem, c) / unit_of_inverse_mass;
+    const ContactMetric s = metric(problem, c);
+    const double a_n = s.a_n / unit_of_inverse_mass;
     const Vec3 n = problem.normal[c], b = problem.free_velocity[c] / units.velocity;
     block.i[l] = problem.i[c];
     block.j[l] = problem.j[c] == ground ? zero_row : problem.j[c];
@@ -84,9 +90,8 @@ ContactBlocks<dimension, double> pack(const ContactProblem& problem, const Packe
     if constexpr (dimension == 1) {
       block.free_impulse[0][l] = block.inverse_a_n[l] * n.dot(b);
     } else {
-      const double kappa = problem.kappa[c];
-      const double a_t = (1 + 2.5 * kappa * kappa) * a_n;
-      block.kappa[l] = kappa;
+      const double a_t = s.a_t / unit_of_inverse_mass;
+      block.kappa[l] = problem.matrix ? 0 : problem.kappa[c];
       block.friction[l] = problem.friction[c];
       block.a_t[l] = static_cast<float>(a_t);
       block.inverse_a_t[l] = static_cast<float>(inverse_or_zero(a_t));
@@ -114,6 +119,7 @@ ContactBlocks<dimension, float> round(const ContactBlocks<dimension, double>& co
   rounded.owned = contacts.owned;
   rounded.rows = contacts.rows;
   rounded.inverse_mass.assign(contacts.inverse_mass.begin(), contacts.inverse_mass.end());
+  if (contacts.matrix) rounded.matrix = round(contacts.matrix);
   rounded.blocks.resize(contacts.blocks.size());
   for (std::size_t at = 0; at < contacts.blocks.size(); ++at) {
     const ContactBlock<dimension, double>& from = contacts.blocks[at];
@@ -140,7 +146,7 @@ Impulses<dimension, double> pack_impulses(const ContactProblem& problem, const P
                                           const std::vector<Vec3>& impulse) {
   Impulses<dimension, double> packed(total_blocks(problem));
   for_each_place(problem, [&](Index c, std::size_t at, int l) {
-    if (diagonal(problem, c) == 0) return;
+    if (metric(problem, c).a_n == 0) return;
     if constexpr (dimension == 1)
       packed[at].at[0][l] = problem.normal[c].dot(impulse[c]) / units.impulse;
     else

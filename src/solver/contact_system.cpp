@@ -7,12 +7,31 @@
 
 namespace spall {
 
+template <class Real>
+void multiply(const MatrixRows<Real>& matrix, Rows<3, Real>& rows) {
+  using Half = HalfPack<Real>;
+  const Index owned = matrix.contacts->owned();
+  std::vector<Half> p(static_cast<std::size_t>(owned) + matrix.contacts->ghosts());
+  for (Index c = 0; c < owned; ++c)
+    p[c] = __builtin_shufflevector(rows[c].at, rows[c].at, 0, 1, 2, 3);
+  matrix.contacts->gather(reinterpret_cast<double*>(p.data()), sizeof(Half) / sizeof(double));
+  for (Index c = 0; c < owned; ++c) {
+    Half u[3] = {};
+    for (auto k = matrix.start[c]; k < matrix.start[c + 1]; ++k)
+      for (int d = 0; d < 3; ++d) u[d] += matrix.blocks[k].column[d] * p[matrix.column[k]][d];
+    const Half sum = u[0] + u[1] + u[2];
+    rows[c].at = __builtin_shufflevector(p[c], sum, 0, 1, 2, 3, 4, 5, 6, 7);
+  }
+}
+template void multiply(const MatrixRows<double>&, Rows<3, double>&);
+template void multiply(const MatrixRows<float>&, Rows<3, float>&);
+
 template <int dimension>
 Rows<dimension, double> ContactSystem<dimension>::product(const DoubleImpulses& impulse) const {
   DoubleRows rows(contacts.rows);
   add_contacts(contacts, impulse, rows.data());
-  for (Index b = 0; b < contacts.owned; ++b)
-    rows[b] = row_velocity(contacts.inverse_mass[b], rows[b]);
+  complete_rows(contacts, rows);
+  become_velocities(contacts, rows.data());
   rows.back() = Row<dimension, double>();
   gather_begin(ghosts, rows);
   gather_end(ghosts, rows);

@@ -71,8 +71,28 @@ struct OneContact {
   void push(const Vec3& change, const ContactBlocks<dimension, double>& contacts,
             Rows<dimension, double>& rows) const {
     const Index i = block.i[l], j = block.j[l];
+    if constexpr (dimension == 3)
+      if (contacts.matrix) return push(change, contacts.matrix, i, contacts.owned, rows);
     if (i < contacts.owned) push(change, contacts.inverse_mass[i], i, -1, rows);
     if (j < contacts.owned) push(change, contacts.inverse_mass[j], j, 1, rows);
+  }
+
+  /// The same through a matrix, to owned contacts d: W_dc is the transpose of row c's block W_cd.
+  void push(const Vec3& change, const MatrixRows<double>& matrix, Index c, Index owned,
+            Rows<dimension, double>& rows) const {
+    for (auto k = matrix.start[c]; k < matrix.start[c + 1]; ++k)
+      if (matrix.column[k] < owned)
+        for (int e = 0; e < 3; ++e) {
+          const auto& column = matrix.blocks[k].column[e];
+          rows[matrix.column[k]].at[e] -=
+              column[0] * change[0] + column[1] * change[1] + column[2] * change[2];
+        }
+  }
+
+  /// Spheres' interior contacts meet no other rank's. A matrix's contacts are all interior; with
+  /// 1 + this for S they bound what those of other ranks, which move at once, may do.
+  double outside(const ContactBlocks<dimension, double>& contacts) const {
+    return contacts.matrix ? contacts.matrix.outside[block.i[l]] : 0;
   }
 
   Vec3 get(const Impulses<dimension, double>& p, std::size_t at) const {
@@ -125,8 +145,7 @@ Candidate<dimension> gauss_seidel(const ContactSystem<dimension>& system,
   Rows<dimension, double> velocity = best.velocity;
   std::vector<Vec3> changes;
 
-  while (report.iterations < settings.max_iterations &&
-         best.residual.relative > settings.tolerance) {
+  while (!used_up(settings, report) && best.residual.relative > settings.tolerance) {
     changes.clear();
     for_each_contact(contacts, system.boundary(), [&](const auto& contact, std::size_t at) {
       const double split =
@@ -142,18 +161,22 @@ Candidate<dimension> gauss_seidel(const ContactSystem<dimension>& system,
     });
     for_each_contact(contacts, system.interior(), [&](const auto& contact, std::size_t at) {
       const Vec3 old = contact.get(p, at);
-      const Vec3 now = contact.relaxed(system.friction, settings.relaxation, old, velocity);
+      const double relaxation = settings.relaxation / (1 + contact.outside(contacts));
+      const Vec3 now = contact.relaxed(system.friction, relaxation, old, velocity);
       contact.set(p, at, now);
       contact.push(now - old, contacts, velocity);
     });
     ++report.iterations;
     ++report.products;
 
-    if (report.iterations % sweeps_a_check == 0 || report.iterations == settings.max_iterations) {
+    if (report.iterations % sweeps_a_check == 0 || used_up(settings, report)) {
       Candidate<dimension> now = system.evaluate(p);
       ++report.products;
       velocity = now.velocity;
       if (now.residual.relative < best.residual.relative) best = std::move(now);
+    } else if (contacts.matrix && system.ghosts.comm().size > 1) {
+      velocity = system.product(p);
+      ++report.products;
     } else {
       gather_begin(system.ghosts, velocity);
       gather_end(system.ghosts, velocity);

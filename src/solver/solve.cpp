@@ -18,6 +18,10 @@ void check_shapes(const ContactProblem& problem, const Ghosts& ghosts,
               problem.free_velocity.size() == n && problem.friction.size() == n &&
               problem.cohesive_impulse.size() == n && impulse.size() == n,
           "contact problem's fields differ in length");
+  require(!problem.matrix || (problem.dimension == 3 && n == rows &&
+                              problem.matrix->owned == static_cast<Index>(rows)),
+          "contact problem has {} contacts and {} rows for a matrix of {} contacts", n, rows,
+          problem.matrix ? problem.matrix->owned : 0);
   require(problem.dimension == 1 || problem.dimension == 3, "contact dimension is {}, not 1 or 3",
           problem.dimension);
   require(settings.tolerance > 0, "solver tolerance is {}, must be positive", settings.tolerance);
@@ -93,27 +97,58 @@ Candidate<dimension> warm_start(const ContactSystem<dimension>& system,
   return warm;
 }
 
+/// The packed problem, and as a candidate no impulses at all, whose residual is its scale.
+template <int dimension>
+std::pair<ContactSystem<dimension>, Candidate<dimension>> pose(const ContactProblem& problem,
+                                                               const Ghosts& ghosts,
+                                                               FrictionModel friction,
+                                                               std::int64_t count) {
+  const PackedUnits units = choose_units(problem, ghosts.comm());
+  ContactSystem<dimension> system{.ghosts = ghosts,
+                                  .friction = friction,
+                                  .units = units,
+                                  .contacts = pack<dimension>(problem, units, ghosts.owned()),
+                                  .centre = {},
+                                  .count = count};
+  system.centre.resize(system.contacts.blocks.size());
+  Candidate<dimension> none{system.centre, Rows<dimension, double>(system.contacts.rows), {}};
+  none.residual = system.residual(none.impulse, none.velocity);
+  if (none.residual.relative > 0) {
+    system.scale = none.residual.relative;
+    none.residual.relative = none.residual.relative_prox = 1;
+  }
+  return {std::move(system), std::move(none)};
+}
+
+void report_residual(const Residual& residual, SolverReport& report) {
+  report.residual = residual.relative;
+  report.residual_prox = residual.relative_prox;
+  report.residual_max = residual.max;
+  report.residual_rms = residual.rms;
+}
+
+template <int dimension>
+SolverReport evaluate_packed(const ContactProblem& problem, const Ghosts& ghosts,
+                             FrictionModel friction, std::int64_t count,
+                             const std::vector<Vec3>& impulse) {
+  SolverReport report;
+  const auto [system, none] = pose<dimension>(problem, ghosts, friction, count);
+  auto packed = pack_impulses<dimension>(problem, system.units, impulse);
+  make_admissible(system, packed);
+  report_residual(system.evaluate(std::move(packed)).residual, report);
+  report.products = 1;
+  return report;
+}
+
 template <int dimension>
 SolverResult solve_packed(const ContactProblem& problem, const Ghosts& ghosts,
                           const SolverSettings& settings, std::int64_t count,
                           std::vector<Vec3>& impulse) {
   SolverResult result;
   SolverReport& report = result.report;
-  const PackedUnits units = choose_units(problem, ghosts.comm());
-  ContactSystem<dimension> system{.ghosts = ghosts,
-                                  .friction = settings.friction,
-                                  .units = units,
-                                  .contacts = pack<dimension>(problem, units, ghosts.owned()),
-                                  .centre = {},
-                                  .count = count};
-  system.centre.resize(system.contacts.blocks.size());
-
-  Candidate<dimension> best{system.centre, Rows<dimension, double>(system.contacts.rows), {}};
-  best.residual = system.residual(best.impulse, best.velocity);
+  auto [system, best] = pose<dimension>(problem, ghosts, settings.friction, count);
+  const PackedUnits& units = system.units;
   if (best.residual.relative > 0) {
-    system.scale = best.residual.relative;
-    best.residual.relative = best.residual.relative_prox = 1;
-
     best = warm_start(system, pack_impulses<dimension>(problem, units, impulse));
     ++report.products;
 
@@ -125,10 +160,7 @@ SolverResult solve_packed(const ContactProblem& problem, const Ghosts& ghosts,
     best = run_method(system, settings, std::move(best), report);
   }
 
-  report.residual = best.residual.relative;
-  report.residual_prox = best.residual.relative_prox;
-  report.residual_max = best.residual.max;
-  report.residual_rms = best.residual.rms;
+  report_residual(best.residual, report);
   report.converged = best.residual.relative_prox <= settings.tolerance;
 
   unpack_impulses(problem, units, best.impulse, impulse);
@@ -142,18 +174,33 @@ SolverResult solve_packed(const ContactProblem& problem, const Ghosts& ghosts,
   return result;
 }
 
+/// Contacts over all ranks, after all checks of the problem.
+std::int64_t checked_count(const ContactProblem& problem, const Ghosts& ghosts,
+                           const SolverSettings& settings, const std::vector<Vec3>& impulse) {
+  check_shapes(problem, ghosts, settings, impulse);
+  const Comm& comm = ghosts.comm();
+  const std::int64_t bad = comm.sum(count_bad(problem, impulse));
+  require(bad == 0, "contact problem has {} entries that are not finite or out of range", bad);
+  std::int64_t own = 0;
+  for (Index i : problem.i) own += i < ghosts.owned();
+  return comm.sum(own);
+}
+
 }  // namespace
+
+SolverReport evaluate(const ContactProblem& problem, const Ghosts& ghosts, FrictionModel friction,
+                      const std::vector<Vec3>& impulse) {
+  const std::int64_t count = checked_count(problem, ghosts, {.friction = friction}, impulse);
+  if (count == 0) return {};
+  return problem.dimension == 1 ? evaluate_packed<1>(problem, ghosts, friction, count, impulse)
+                                : evaluate_packed<3>(problem, ghosts, friction, count, impulse);
+}
 
 SolverResult solve(const ContactProblem& problem, const Ghosts& ghosts,
                    const SolverSettings& settings, std::vector<Vec3>& impulse) {
   const double began = MPI_Wtime();
   const Comm& comm = ghosts.comm();
-  check_shapes(problem, ghosts, settings, impulse);
-  const std::int64_t bad = comm.sum(count_bad(problem, impulse));
-  require(bad == 0, "contact problem has {} entries that are not finite or out of range", bad);
-  std::int64_t own = 0;
-  for (Index i : problem.i) own += i < ghosts.owned();
-  const std::int64_t count = comm.sum(own);
+  const std::int64_t count = checked_count(problem, ghosts, settings, impulse);
 
   SolverResult result;
   if (count == 0)

@@ -31,8 +31,7 @@ Candidate<dimension> spectral_gradient(const ContactSystem<dimension>& system,
   std::deque<double> values{0};  // of the objective, from the start's
   double step = 1;
 
-  while (report.iterations < settings.max_iterations &&
-         best.residual.relative > settings.tolerance) {
+  while (!used_up(settings, report) && best.residual.relative > settings.tolerance) {
     Impulses<dimension, double> direction = p;
     add_scaled(direction, -step, gradient);
     for (std::size_t at = 0; at < p.size(); ++at) {
@@ -59,8 +58,7 @@ Candidate<dimension> spectral_gradient(const ContactSystem<dimension>& system,
     if (curvature > 0)
       step = report.iterations % 2 == 0 ? length2 / curvature : curvature / change2;
 
-    if (report.iterations % iterations_a_check == 0 ||
-        report.iterations == settings.max_iterations) {
+    if (report.iterations % iterations_a_check == 0 || used_up(settings, report)) {
       Candidate<dimension> now = system.evaluate(p);
       ++report.products;
       gradient = system.gradient(now.velocity);

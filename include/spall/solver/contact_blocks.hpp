@@ -64,6 +64,7 @@ struct ContactBlocks {
   Index owned = 0;
   Index rows = 0;                  ///< with the zero row
   std::vector<Real> inverse_mass;  ///< of owned rows
+  MatrixRows<Real> matrix;         ///< in place of masses
 };
 
 /// The units of packed numbers: impulses in `impulse` N s, velocities in `velocity` m/s. Powers of

@@ -71,6 +71,17 @@ void gather_end(const Ghosts& ghosts, Rows<dimension, Real>& rows) {
   ghosts.gather_end(reinterpret_cast<double*>(rows.data()), width);
 }
 
+/// Rows [-p 0 | 0] of owned contacts become [-p 0 | -W p 0]. Collective.
+template <class Real>
+void multiply(const MatrixRows<Real>& matrix, Rows<3, Real>& rows);
+
+/// Completes rows of impulses by the matrix where there is one. Collective.
+template <int dimension, class Real>
+void complete_rows(const ContactBlocks<dimension, Real>& contacts, Rows<dimension, Real>& rows) {
+  if constexpr (dimension == 3)
+    if (contacts.matrix) multiply(contacts.matrix, rows);
+}
+
 /// Calls f with the friction model as a compile-time constant.
 template <class F>
 auto with_friction(FrictionModel model, F&& f) {

@@ -199,28 +199,71 @@ Row<dimension, Real> row_velocity(Real inverse_mass, const Row<dimension, Real>&
   return {inverse_mass * halves<dimension, Real>(-2.5) * impulse.at};
 }
 
-/// Velocities of y = p + momentum (p - p_before) for all owned rows, from the impulse forms of p
-/// and of the iterate before, which is cleared for the next sum. Returns |V(p) - V(y_before)|_M^2,
-/// with V(y_before) what `velocity` held: twice the kinetic energy of the difference.
+/// Rows of a problem with a matrix: a contact enters its own row with -p, and reads -(row). In
+/// impulse form [-p 0 | -W p 0] once the matrix was applied, in velocity form the halves exchanged.
+template <class Real>
+Row<3, Real> exchange_halves(const Row<3, Real>& row) {
+  return {__builtin_shufflevector(row.at, row.at, 4, 5, 6, 7, 0, 1, 2, 3)};
+}
+
+/// Owned rows from impulse to velocity form.
 template <int dimension, class Real>
-double extrapolate_rows(const ContactBlocks<dimension, Real>& contacts, Real momentum,
-                        const Row<dimension, Real>* iterate, Row<dimension, Real>* before,
-                        Row<dimension, Real>* velocity) {
+void become_velocities(const ContactBlocks<dimension, Real>& contacts, Row<dimension, Real>* rows) {
+  if constexpr (dimension == 3)
+    if (contacts.matrix) {
+      std::transform(rows, rows + contacts.owned, rows, exchange_halves<Real>);
+      return;
+    }
+  for (Index b = 0; b < contacts.owned; ++b)
+    rows[b] = row_velocity(contacts.inverse_mass[b], rows[b]);
+}
+
+/// The loop of `extrapolate_rows`: `of(b, row)` is a row's velocity form, `energy(b, change)` twice
+/// the energy of a change of it, to be summed over its numbers.
+template <int dimension, class Real, class Velocity, class Energy>
+[[gnu::always_inline]] inline double extrapolate(Index owned, Real momentum,
+                                                 const Row<dimension, Real>* iterate,
+                                                 Row<dimension, Real>* before,
+                                                 Row<dimension, Real>* velocity, Velocity&& of,
+                                                 Energy&& energy) {
   using Vector = typename Row<dimension, Real>::Vector;
   Row<dimension, double> curvature{};
-  for (Index b = 0; b < contacts.owned; ++b) {
-    const Real w = contacts.inverse_mass[b];
-    const Real mass = w > 0 ? 1 / w : 0;
-    const Vector now = row_velocity(w, iterate[b]).at;
-    const Vector change = now - velocity[b].at;
-    const Vector energy = mass * halves<dimension, Real>(0.4) * change * change;
-    curvature.at += __builtin_convertvector(energy, typename Row<dimension, double>::Vector);
-    velocity[b].at = now + momentum * (now - row_velocity(w, before[b]).at);
+  for (Index b = 0; b < owned; ++b) {
+    const Vector now = of(b, iterate[b]).at;
+    const Vector part = energy(b, now - velocity[b].at);
+    curvature.at += __builtin_convertvector(part, typename Row<dimension, double>::Vector);
+    velocity[b].at = now + momentum * (now - of(b, before[b]).at);
     before[b] = Row<dimension, Real>();
   }
   double total = 0;
   for (int k = 0; k < Row<dimension, Real>::width; ++k) total += curvature.at[k];
   return total;
+}
+
+/// Velocities of y = p + momentum (p - p_before) for all owned rows, from the impulse forms of p
+/// and of the iterate before, which is cleared for the next sum. Returns (p - y_before) . N
+/// (p - y_before) with V(y_before) what `velocity` held: twice the kinetic energy of V(p) - V(y).
+template <int dimension, class Real>
+double extrapolate_rows(const ContactBlocks<dimension, Real>& contacts, Real momentum,
+                        const Row<dimension, Real>* iterate, Row<dimension, Real>* before,
+                        Row<dimension, Real>* velocity) {
+  using Vector = typename Row<dimension, Real>::Vector;
+  if constexpr (dimension == 3)
+    if (contacts.matrix)
+      return extrapolate(
+          contacts.owned, momentum, iterate, before, velocity,
+          [](Index, const Row<3, Real>& row) { return exchange_halves(row); },
+          [](Index, const Vector& change) -> Vector {  // [-W p | -p] of the change
+            return halves<3, Real>(0) * change * exchange_halves(Row<3, Real>{change}).at;
+          });
+  const Real* w = contacts.inverse_mass.data();
+  return extrapolate(
+      contacts.owned, momentum, iterate, before, velocity,
+      [w](Index b, const Row<dimension, Real>& row) { return row_velocity(w[b], row); },
+      [w](Index b, const Vector& change) -> Vector {
+        const Real mass = w[b] > 0 ? 1 / w[b] : 0;
+        return mass * halves<dimension, Real>(0.4) * change * change;
+      });
 }
 
 /// What the natural map leaves, summed over counted contacts, in packed units.

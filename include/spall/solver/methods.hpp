@@ -6,6 +6,10 @@
 
 namespace spall {
 
+inline bool used_up(const SolverSettings& settings, const SolverReport& report) {
+  return report.iterations >= settings.max_iterations || report.products >= settings.max_products;
+}
+
 /// Nesterov's gradient method in the block-Jacobi metric with one product an iteration; the only
 /// one that knows the proximal term. Exact Coulomb friction by its normal-first projection.
 /// Collective, as all of these.

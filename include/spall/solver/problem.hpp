@@ -9,6 +9,7 @@
 #include "spall/base/types.hpp"
 #include "spall/contact/contacts.hpp"
 #include "spall/domain/ghosts.hpp"
+#include "spall/solver/delassus_matrix.hpp"
 
 namespace spall {
 
@@ -21,6 +22,10 @@ namespace spall {
 /// Rows [0, owned) of the bodies are this rank's, then ghosts as in `ghosts`; a contact's j may be
 /// `ground`. Contacts [0, boundary) have a ghost row and are evaluated on both ranks; a contact
 /// counts in sums on the rank that owns row i.
+///
+/// With a `matrix` W in place of spheres, u = free_velocity + W p in each contact's own frame
+/// (n, t1, t2): row c is owned contact c, which is the one contact (c, ground) with normal
+/// (1, 0, 0); its velocity change is -W p. Masses and kappas mean nothing then.
 struct ContactProblem {
   int dimension = 3;  ///< 1: no friction anywhere, normals only, no spins
   Index boundary = 0;
@@ -31,6 +36,7 @@ struct ContactProblem {
   std::span<const Vec3> free_velocity;       ///< m/s: D^T v_free, with the bias b added along n
   std::span<const double> friction;          ///< mu
   std::span<const double> cohesive_impulse;  ///< N s, >= 0
+  const DelassusMatrix* matrix = nullptr;
 
   Index contacts() const { return static_cast<Index>(i.size()); }
 };
@@ -44,6 +50,7 @@ struct SolverSettings {
   FrictionModel friction = FrictionModel::coulomb;
   double tolerance = 1e-2;  ///< on E (on E_eps where `prox` > 0): relative to impulses all zero
   int max_iterations = 1000;
+  int max_products = std::numeric_limits<int>::max();  ///< checks between iterations go beyond it
   double prox = 4e-3;  ///< of `accelerated`: weight eps of staying near the warm start; 0: none
   double relaxation = 1.0;  ///< of `sor`
 };
@@ -77,5 +84,9 @@ struct SolverResult {
 /// method that cannot do the friction asked for. Collective.
 SolverResult solve(const ContactProblem& problem, const Ghosts& ghosts,
                    const SolverSettings& settings, std::vector<Vec3>& impulse);
+
+/// The residual of given impulses, made admissible first. Collective.
+SolverReport evaluate(const ContactProblem& problem, const Ghosts& ghosts, FrictionModel friction,
+                      const std::vector<Vec3>& impulse);
 
 }  // namespace spall
