@@ -8,6 +8,9 @@
 #include "spall/base/timer.hpp"
 #include "spall/contact/neighbours.hpp"
 #include "spall/force/gravity.hpp"
+#include "spall/force/near_pairs.hpp"
+#include "spall/force/pair_potential.hpp"
+#include "spall/force/pair_sweep.hpp"
 #include "spall/scene/bodies.hpp"
 #include "spall/scene/case.hpp"
 
@@ -43,6 +46,9 @@ struct World {
   Vec3 uniform_gravity = Vec3::Zero();
   Bodies bodies;
   Neighbours neighbours;
+  PairPotential potential;
+  NearPairs near;
+  std::vector<PairRow> rows;  ///< of the bodies, while steps of the pair potential go on
   GravityKick kick;
   Ledger ledger;
   StageTimes times;
