@@ -98,19 +98,18 @@ int main(int argc, char** argv) {
   Session session(argc, argv);
   const Comm comm = session.world();
   try {
-    require(argc >= 5,
-            "usage: bench_lennard_jones cutoff skin steps repetitions [scale [data file]]");
-    const double cutoff = std::atof(argv[1]), skin = std::atof(argv[2]);
-    const int steps = std::atoi(argv[3]), repetitions = std::atoi(argv[4]);
-    const double scale = argc > 5 ? std::atof(argv[5]) : 1;
-    if (argc > 6) {
-      if (comm.rank == 0) write_data(argv[6], scale);
+    require(argc >= 4,
+            "usage: bench_lennard_jones cutoff steps repetitions [scale [data file to write]]");
+    const double cutoff = std::atof(argv[1]), scale = argc > 4 ? std::atof(argv[4]) : 1;
+    const int steps = std::atoi(argv[2]), repetitions = std::atoi(argv[3]);
+    if (argc > 5) {
+      if (comm.rank == 0) write_data(argv[5], scale);
       return 0;
     }
     const double start_bytes = peak_bytes();
     World world;
     world.comm = comm;
-    world.potential = {.depth = 1, .distance = std::exp2(1.0 / 6), .cutoff = cutoff, .skin = skin};
+    world.potential = {.depth = 1, .distance = std::exp2(1.0 / 6), .cutoff = cutoff};
     world.bodies = make_impact(comm, scale);
     const auto count = comm.sum(static_cast<double>(world.bodies.owned));
     potential_steps(world, h, 60);

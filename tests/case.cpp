@@ -192,7 +192,7 @@ TEST(Case, mistakes_name_file_line_key_and_what_would_be_right) {
        "is "
        "wanted"},
       {{"until = \"settled\"", "until = \"time\""},
-       "x.toml:35:1: phases.rest.settled_speed is not a key here; the keys here are name, step, "
+       "x.toml:35:1: phases.rest.settled_speed is not a key here; the keys here are name, method, step, "
        "duration, until, cohesion, remove_drift, impactor, solver"},
       {{"step = 1e-4", "step = 2"}, "x.toml:38:8: phases.hit.step is longer than the duration"},
       {{"impactor = {", "# "},

@@ -11,22 +11,21 @@
 namespace spall {
 namespace {
 
-const PairPotential lennard_jones{.depth = 0.7, .distance = 1.1, .cutoff = 1.75, .skin = 0.3};
-const PairPotential mie{
-    .depth = 0.7, .distance = 1.1, .repulsive = 9, .attractive = 5, .cutoff = 1.75, .skin = 0.3};
-const PairPotential morse{.law = PairLaw::morse,
-                          .depth = 0.7,
-                          .distance = 1.1,
-                          .steepness = 3.05,
-                          .cutoff = 1.75,
-                          .skin = 0.3};
+const PairPotential lennard_jones{.depth = 0.7, .distance = 1.1, .cutoff = 1.75};
+const PairPotential mie{.law = PairLaw::mie,
+                        .depth = 0.7,
+                        .distance = 1.1,
+                        .repulsive = 9,
+                        .attractive = 5,
+                        .cutoff = 1.75};
+const PairPotential morse{
+    .law = PairLaw::morse, .depth = 0.7, .distance = 1.1, .steepness = 3.36, .cutoff = 1.75};
 const PairPotential breaking{.law = PairLaw::morse,
                              .depth = 0.7,
                              .distance = 1.1,
-                             .steepness = 3.05,
+                             .steepness = 3.36,
                              .cutoff = 1.1 * 1.1,
-                             .breaking_strain = 0.05,
-                             .skin = 0.3};
+                             .breaking_strain = 0.05};
 
 /// Of the distance: the first neighbours of an fcc crystal are at 1, the second at 1.41. None
 /// crosses this cut-off, where the force jumps.
@@ -42,8 +41,8 @@ double textbook_force(const PairPotential& p, double r) {
     return textbook_force(whole, (1 + eps) * d) * ((1 + 2 * eps) * d - r) / (eps * d);
   }
   if (p.law == PairLaw::morse) {
-    const double e = std::exp(-p.steepness * (r - d));
-    return 2 * p.depth * p.steepness * e * (e - 1);
+    const double e = std::exp(-p.steepness * (r / d - 1));
+    return 2 * p.depth * p.steepness / d * e * (e - 1);
   }
   const double m = p.repulsive, n = p.attractive;
   return p.depth * m * n / (m - n) / r * (std::pow(d / r, m) - std::pow(d / r, n));
@@ -187,9 +186,8 @@ TEST(PairPotential, no_pair_is_lost_at_hypervelocity) {
   PairPotential p{.law = PairLaw::morse,
                   .depth = 1.5 * m * c0 * c0 / (2 * 3.36 * 3.36),
                   .distance = d,
-                  .steepness = 3.36 / d,
-                  .cutoff = 1.3 * d,
-                  .skin = 0.3 * d};
+                  .steepness = 3.36,
+                  .cutoff = 1.3 * d};
   auto spheres = crystal(d, 3.1 * d, 1);
   for (const Sphere& s : crystal(d, 3.1 * d, 1, {7.1 * d, 0.3 * d, 0.2 * d}, {-6700, 0, 0}))
     spheres.push_back(s);

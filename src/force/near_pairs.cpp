@@ -325,6 +325,11 @@ void search_near_pairs(const Comm& comm, Bodies& bodies, double range, NearPairs
   near.ghosts = make_halo(comm, bodies, reach);
   find_near_pairs(bodies, near.range, near.windows);
   near.moved = 0;
+  near.steps = 0;
+  double pairs = 0;
+  for (const NearWindow& window : near.windows)
+    pairs += static_cast<double>(window.partners.size());
+  near.pairs = comm.sum(pairs);
   ++near.searches;
   ++near.searches_since_cut;
   if (cut) {

@@ -19,8 +19,9 @@ constexpr double longest_flight = 0.1;
 }  // namespace
 
 double stiffness(const PairPotential& p) {
-  return p.law == PairLaw::morse ? 2 * p.depth * p.steepness * p.steepness
-                                 : p.repulsive * p.attractive * p.depth / (p.distance * p.distance);
+  const double curvature =
+      p.law == PairLaw::morse ? 2 * p.steepness * p.steepness : p.repulsive * p.attractive;
+  return curvature * p.depth / (p.distance * p.distance);
 }
 
 double pair_force(const PairPotential& p, double r) {
@@ -49,7 +50,7 @@ void check_step(const PairPotential& p, double h, double mass, double speed,
           "pair_potential.distance may be, with a step of {:.3g} s",
           place, h, h * speed, speed, longest_flight, longest_flight * p.distance / speed);
   if (p.law == PairLaw::morse) {
-    const double e = std::exp(p.steepness * p.distance);
+    const double e = std::exp(p.steepness);
     const double wall = p.depth * (e * e - 2 * e), motion = mass * speed * speed / 4;
     require(
         motion < wall,

@@ -82,20 +82,42 @@ void take_positions(const std::vector<PairRow>& rows, Bodies& bodies) {
   for (Index b = 0; b < bodies.owned; ++b) bodies.position[b] = vector_of(rows[b].place);
 }
 
+/// m, beyond the cut-off, up to which pairs are listed: that for which a step costs least if the
+/// bodies move on as since the last search. A sweep costs as much as there are pairs, range^3; a
+/// search, shared by the steps until the skin is used up, as much as `search` pairs a body.
+/// Counted, not timed, so that a run gives the same bits again.
+double best_skin(const World& world) {
+  constexpr double search = 120, first = 0.3, least = 0.1, most = 1.5;  // skins: of the distance
+  const NearPairs& near = world.near;
+  const double d = world.potential.distance, cutoff = world.potential.cutoff;
+  if (near.range == 0) return first * d;
+  const double bodies = world.comm.sum(static_cast<double>(world.bodies.owned));
+  const double motion = near.moved / (near.steps + 1);  // a step
+  const double density = near.pairs / bodies / std::pow(near.range, 3);
+  const auto cost = [&](double skin) {
+    return density * std::pow(cutoff + skin, 3) + search * motion / skin;
+  };
+  double best = least * d;
+  for (double skin = best; skin <= most * d; skin += 0.05 * d)
+    if (cost(skin) < cost(best)) best = skin;
+  return best;
+}
+
 /// Makes pairs and ghosts current for forces at the present positions.
 void update_pairs(World& world, bool velocities) {
   StageTimer timer(world.times, "neighbours");
-  const PairPotential& p = world.potential;
   NearPairs& near = world.near;
-  const double range = p.cutoff + p.skin;
-  if (near.range == range && near.moved > p.skin)
+  const double skin = near.range - world.potential.cutoff;
+  if (near.range > 0 && near.moved > skin)
     near.moved = displacement(world.comm, world.rows, near.found_at);
-  if (near.range != range || near.moved > p.skin) {
+  if (near.range == 0 || near.moved > skin) {
+    const double range = world.potential.cutoff + best_skin(world);
     take_positions(world.rows, world.bodies);
     search_near_pairs(world.comm, world.bodies, range, near);
     fill_rows(world.bodies, world.rows);
     return;
   }
+  ++near.steps;
   // Forces are zero between sweeps, and so those of ghosts become zero again.
   double* const rows = reinterpret_cast<double*>(world.rows.data());
   near.ghosts.gather_begin(rows, doubles_a_row);
@@ -144,6 +166,19 @@ Box kick_and_drift(World& world, const PairDamping& damping, double h, int drift
   return box;
 }
 
+/// J on this rank, of gravity's kick that was just given.
+double work_of_gravity(const World& world) {
+  if (!world.has_gravity()) return 0;
+  const Bodies& bodies = world.bodies;
+  double work = 0;
+  for (Index b = 0; b < bodies.owned; ++b) {
+    if (!std::isfinite(bodies.mass[b])) continue;
+    const Vec3 kick = world.kick.load * bodies.acceleration[b];
+    work += bodies.mass[b] * kick.dot(bodies.velocity[b] - kick / 2);
+  }
+  return work;
+}
+
 }  // namespace
 
 PotentialReport potential_steps(World& world, double h, int most_steps) {
@@ -153,6 +188,7 @@ PotentialReport potential_steps(World& world, double h, int most_steps) {
   if (world.kick.steps_left == 0) {
     evaluate_field(world);
     give_kick(world, h, most_steps);
+    report.gravity_work = work_of_gravity(world);
   }
   if (world.has_gravity()) report.steps = std::min(most_steps, world.kick.steps_left);
 

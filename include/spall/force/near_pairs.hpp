@@ -41,6 +41,8 @@ struct NearPairs {
   Index ghosts_after_cut = 0;
   int searches_since_cut = 0;
   std::int64_t searches = 0;
+  int steps = 0;     ///< that the pairs have served
+  double pairs = 0;  ///< over all ranks, of the last search
 };
 
 /// Finds all pairs nearer than `range` (m) with an owned body; ghosts current.

@@ -74,7 +74,7 @@ struct MieLanes {
 
 struct MorseLanes {
   explicit MorseLanes(const PairPotential& p)
-      : d(p.distance), a(p.steepness), depth(p.depth), slope(2 * a * depth) {}
+      : d(p.distance), a(p.steepness / d), depth(p.depth), slope(2 * a * depth) {}
   Lanes force_over_distance(const Lanes& r2) const {
     const Lanes inverse = inverse_sqrt(r2), e = exponential(a * (d - r2 * inverse));
     return slope * inverse * (e * e - e);
@@ -115,7 +115,7 @@ auto with_law(const PairPotential& p, F&& f) {
     return p.breaking_strain > 0 ? f(Breaking<Law>(p)) : f(law);
   };
   if (p.law == PairLaw::morse) return with(MorseLanes(p));
-  if (p.repulsive == 12 && p.attractive == 6) return with(LennardJonesLanes(p));
+  if (p.law == PairLaw::lennard_jones) return with(LennardJonesLanes(p));
   return with(MieLanes(p));
 }
 

@@ -64,6 +64,7 @@ inline World make_world(const Comm& comm, const Case& scene) {
   world.comm = comm;
   world.planes = scene.planes;
   world.law = scene.contact;
+  world.potential = scene.potential.value_or(PairPotential{});
   world.gravity = scene.gravity;
   world.uniform_gravity = scene.uniform_gravity;
   return world;
