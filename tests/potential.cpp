@@ -335,6 +335,34 @@ TEST(PairPotential, bond_breaks_at_its_strain) {
   }
 }
 
+TEST(PairPotential, bond_holds_a_weight_below_its_strength_and_parts_above) {
+  const double d = breaking.distance, strength = -textbook_force(breaking, 1.05 * d);
+  // Hung up at the distance of rest a weight falls to twice its static strain: 0.4 is 0.8 there.
+  for (double part : {0.4, 1.2}) {
+    World world = potential_world(
+        alone(), {{.radius = d / 2, .mass = infinity}, {.radius = d / 2, .position = {0, 0, -d}}},
+        breaking);
+    world.uniform_gravity = {0, 0, -part * strength};  // of 1 kg
+    double early = 0, late = 0;                        // furthest fall in the first and last tenth
+    const int steps = 100000;
+    for (int k = 0; k < steps && late < 10 * d; ++k) {
+      potential_steps(world, 0.01, 1);
+      double fall = 0;
+      for (Index b = 0; b < world.bodies.owned; ++b)
+        fall = std::max(fall, -d - world.bodies.position[b].z());
+      if (k < steps / 10) early = std::max(early, fall);
+      if (k >= steps - steps / 10 || fall > d) late = std::max(late, fall);
+    }
+    if (part < 1) {
+      EXPECT_GT(early, 0);
+      EXPECT_LT(late, 0.05 * d);
+      EXPECT_NEAR(late, early, 1e-3 * early);  // no vibration grows
+    } else {
+      EXPECT_GE(late, 10 * d);
+    }
+  }
+}
+
 TEST(PairPotential, too_long_a_step_is_refused_with_one_that_would_do) {
   const double m = 2, limit = 0.1 * std::sqrt(m / stiffness(morse));
   EXPECT_NO_THROW(check_step(morse, 0.99 * limit, m, 0, "here"));
