@@ -24,14 +24,10 @@ struct Unit {
 constexpr Dimension pressure{-1, 1, -2}, power{2, 1, -3};
 
 constexpr Unit units_with_prefix[] = {
-    {"m", dimension::length},
-    {"g", dimension::mass, -3},
-    {"s", dimension::time},
-    {"N", dimension::force},
-    {"Pa", pressure},
-    {"bar", pressure, 5},
-    {"J", dimension::energy},
-    {"W", power},
+    {"m", dimension::length}, {"g", dimension::mass, -3},
+    {"s", dimension::time},   {"N", dimension::force},
+    {"Pa", pressure},         {"bar", pressure, 5},
+    {"J", dimension::energy}, {"W", power},
     {"Hz", dimension::spin},
 };
 
