@@ -192,7 +192,8 @@ TEST(Case, mistakes_name_file_line_key_and_what_would_be_right) {
        "is "
        "wanted"},
       {{"until = \"settled\"", "until = \"time\""},
-       "x.toml:35:1: phases.rest.settled_speed is not a key here; the keys here are name, step, "
+       "x.toml:35:1: phases.rest.settled_speed is not a key here; the keys here are name, method, "
+       "step, "
        "duration, until, cohesion, remove_drift, impactor, solver"},
       {{"step = 1e-4", "step = 2"}, "x.toml:38:8: phases.hit.step is longer than the duration"},
       {{"impactor = {", "# "},
@@ -262,6 +263,47 @@ TEST(Case, a_reference_lies_beside_the_case_and_must_be_there) {
             fmt::format("--set reference=none.toml: reference: there is no file '{}'",
                         (folder / "none.toml").string()));
   std::filesystem::remove_all(folder);
+}
+
+TEST(Case, phases_by_a_pair_potential_need_one_and_nothing_else) {
+  const std::string bodies = R"([materials.rock]
+density = 1600
+[[groups]]
+name = "ball"
+material = "rock"
+volume = {radius = 1}
+[[phases]]
+name = "hit"
+method = "potential"
+step = 1e-4
+duration = 1
+)";
+  const std::string law = R"([pair_potential]
+law = "morse"
+depth = "2 J"
+distance = 2
+steepness = 3
+breaking_strain = "5 %"
+)";
+  const auto complaint = [](const std::string& text) -> std::string {
+    try {
+      parse_case(text, "x.toml");
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  const Case scene = parse_case(bodies + law, "x.toml");
+  EXPECT_EQ(scene.phases[0].method, Method::potential);
+  EXPECT_EQ(scene.potential->depth, 2);
+  EXPECT_DOUBLE_EQ(scene.potential->cutoff, 2.2);
+  EXPECT_EQ(complaint(bodies),
+            "x.toml: phases.hit.method = \"potential\" needs [pair_potential]: the law between two "
+            "bodies");
+  EXPECT_EQ(complaint(bodies + law + "cutoff = 3\n").substr(0, 49),
+            "x.toml:18:1: pair_potential.cutoff is not a key h");
+  EXPECT_EQ(complaint(bodies + law + "[[planes]]\n"),
+            "x.toml: [[planes]] act in phases of method = \"nonsmooth\" only, not in phases.hit");
 }
 
 TEST(Case, the_reference_lists_every_key) {

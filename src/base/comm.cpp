@@ -101,6 +101,11 @@ void Comm::sum(std::span<double> values) const {
                           MPI_SUM, raw),
             "MPI_Allreduce");
 }
+void Comm::max(std::span<double> values) const {
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_DOUBLE,
+                          MPI_MAX, raw),
+            "MPI_Allreduce");
+}
 
 std::int64_t Comm::sum_before(std::int64_t value) const {
   std::int64_t before = 0;

@@ -81,8 +81,7 @@ Ghosts make_halo(const Comm& comm, Bodies& bodies, std::vector<double>& reach) {
         static_cast<int>(all[k])};
     if (box.rank != comm.rank && whole.meets(box.box)) around.push_back(box);
   }
-  // needed_by[b]: ranks that hold a copy of b, each once, in ascending order.
-  std::vector<std::vector<int>> needed_by(bodies.owned);
+  std::vector<std::vector<double>> outgoing(comm.size);
   for (const auto& cluster : clusters) {
     near.clear();
     std::copy_if(around.begin(), around.end(), std::back_inserter(near),
@@ -90,21 +89,18 @@ Ghosts make_halo(const Comm& comm, Bodies& bodies, std::vector<double>& reach) {
     for (Index b = cluster.first; b < cluster.last && !near.empty(); ++b) {
       Box own;
       own.add(bodies.position[b], bodies.radius[b] + reach[b]);
-      for (const auto& remote : near)
-        if ((needed_by[b].empty() || needed_by[b].back() != remote.rank) && own.meets(remote.box))
-          needed_by[b].push_back(remote.rank);
+      int last = -1;  // boxes come rank by rank: a rank gets one copy
+      for (const auto& remote : near) {
+        if (remote.rank == last || !own.meets(remote.box)) continue;
+        last = remote.rank;
+        auto& row = outgoing[remote.rank];
+        row.push_back(b);
+        row.push_back(reach[b]);
+        pack_row(bodies, b, row);
+      }
     }
   }
 
-  std::vector<std::vector<double>> outgoing(comm.size);
-  for (Index b = 0; b < bodies.owned; ++b) {
-    for (int rank : needed_by[b]) {
-      auto& row = outgoing[rank];
-      row.push_back(b);
-      row.push_back(reach[b]);
-      pack_row(bodies, b, row);
-    }
-  }
   const auto incoming = comm.exchange(outgoing);
   std::vector<double> one_row;
   if (bodies.owned > 0) pack_row(bodies, 0, one_row);

@@ -94,11 +94,19 @@ void sort_bodies(const Comm& comm, Bodies& bodies) {
 
 void migrate(const Comm& comm, Bodies& bodies, ContactMemory& memory,
              const std::vector<int>& owner) {
+  // Most bodies stay: only those that leave are packed.
   std::vector<std::vector<double>> outgoing(comm.size);
-  for (Index b = 0; b < bodies.owned; ++b) pack_row(bodies, b, outgoing[owner[b]]);
-  const auto incoming = comm.exchange(outgoing);
-  resize(bodies, 0);
-  for (const auto& rows : incoming) unpack_rows(bodies, rows);
+  std::vector<Index> stays;
+  for (Index b = 0; b < bodies.owned; ++b)
+    if (owner[b] == comm.rank)
+      stays.push_back(b);
+    else
+      pack_row(bodies, b, outgoing[owner[b]]);
+  for_each_field(bodies, [&](const char*, auto& field) {
+    for (std::size_t k = 0; k < stays.size(); ++k) field[k] = field[stays[k]];
+  });
+  resize(bodies, static_cast<Index>(stays.size()));
+  for (const auto& rows : comm.exchange(outgoing)) unpack_rows(bodies, rows);
   bodies.owned = bodies.size();
   sort_bodies(comm, bodies);
   send_memory(comm, bodies, memory);

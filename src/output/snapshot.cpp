@@ -26,6 +26,7 @@ const char* unit_of(const std::string& field) {
   if (field == "velocity") return "m s-1";
   if (field == "angular_velocity") return "rad s-1";
   if (field == "mass") return "kg";
+  if (field == "heat") return "J";
   return nullptr;
 }
 

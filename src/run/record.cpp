@@ -8,7 +8,7 @@
 namespace spall {
 
 const std::vector<std::string> stages = {"gravity", "neighbours", "contacts", "solver",
-                                         "motion",  "output",     "analysis"};
+                                         "forces",  "motion",     "output",   "analysis"};
 
 namespace {
 

@@ -7,12 +7,14 @@
 #include <cmath>
 #include <csignal>
 #include <filesystem>
+#include <numeric>
 
 #include "spall/base/require.hpp"
 #include "spall/domain/migration.hpp"
 #include "spall/domain/pack.hpp"
 #include "spall/motion/gravity_kick.hpp"
 #include "spall/motion/nonsmooth_step.hpp"
+#include "spall/motion/potential_step.hpp"
 #include "spall/output/results.hpp"
 #include "spall/output/series.hpp"
 #include "spall/output/snapshot.hpp"
@@ -30,8 +32,8 @@ void catch_signal(int number) {
   signal_caught = number;
 }
 
-/// A signal ends a run between two steps, after a restart file. mpirun hands on SIGUSR1 as it is, but
-/// kills a second after it handed on SIGINT or SIGTERM.
+/// A signal ends a run between two steps, after a restart file. mpirun hands on SIGUSR1 as it is,
+/// but kills a second after it handed on SIGINT or SIGTERM.
 class SignalGuard {
  public:
   SignalGuard() {
@@ -127,11 +129,32 @@ class Run {
                               readable_time(phase().step), phase().until_settled ? "at most " : "",
                               readable_time(phase().duration)));
     has_moved_ = false;
+    forget_pairs();
     if (phase().remove_drift || phase().impactor) change_bodies();
     if (phase().cohesion) {
       cohesion_before_ = world_.law.cohesion;
       world_.law.cohesion = *phase().cohesion;
     }
+    if (by_potential()) check_potential_step();
+  }
+
+  bool by_potential() const { return phase().method == Method::potential; }
+
+  /// What the former phase's method knew of pairs and ghosts.
+  void forget_pairs() {
+    world_.near = NearPairs{};
+    if (clock_.phase == 0 || phase().method == scene_.phases[clock_.phase - 1].method) return;
+    resize(world_.bodies, world_.bodies.owned);
+    world_.neighbours = Neighbours{};
+  }
+
+  void check_potential_step() {
+    const auto& mass = world_.bodies.mass;
+    const double lightest =
+        std::accumulate(mass.begin(), mass.begin() + world_.bodies.owned, infinity,
+                        [](double a, double b) { return std::min(a, b); });
+    check_step(world_.potential, phase().step, comm_.min(lightest), largest_relative_speed(world_),
+               fmt::format("{}: phases.{}", scene_.file, phase().name));
   }
 
   /// Events that change bodies, with the sums before and after booked.
@@ -160,6 +183,7 @@ class Run {
     }
     world_.neighbours = Neighbours{};
     world_.neighbours.carried = std::move(memory);
+    world_.near = NearPairs{};
     world_.kick.interval = 0;
     world_.kick.evaluated = false;
     evaluate_field(world_);
@@ -172,8 +196,10 @@ class Run {
       const bool fresh = world_.kick.steps_left == 0;
       const bool row = fresh && (scene_.output.series_every == 0 || row_due());
       Diagnostics sums;
+      double elastic = 0;
       if (row) {
         evaluate_field(world_);
+        if (by_potential()) elastic = potential_energy(world_);
         sums = diagnose(world_);
         if (is_settled(sums)) {
           progress_.say(fmt::format("settled after {}: rms speed {:.3g} m/s",
@@ -183,11 +209,9 @@ class Run {
       }
       const auto limit = std::min<std::int64_t>(steps - clock_.step_in_phase, steps_to_event());
       const Clock start = clock_;
-      const StepReport report = nonsmooth_step(
-          world_, phase().step, solver(), static_cast<int>(std::min<std::int64_t>(limit, 1 << 30)));
-      tick();
+      const StepReport report = step(static_cast<int>(std::min<std::int64_t>(limit, 1 << 30)));
       book(report);
-      if (row) write_row(start, sums, report);
+      if (row) write_row(start, sums, elastic, report);
       if (progress_.due()) progress_.show(clock_, shown_);
       if (world_.kick.steps_left == 0) at_instant();
       if (comm_.any(signal_caught != 0)) {
@@ -200,6 +224,21 @@ class Run {
         save(restart_file());
     }
     return true;
+  }
+
+  /// One step, or as many of a pair potential as may pass before somebody asks for something.
+  StepReport step(int most) {
+    if (!by_potential()) {
+      const StepReport report = nonsmooth_step(world_, phase().step, solver(), most);
+      tick();
+      return report;
+    }
+    constexpr int most_at_once = 100;  // signals, progress and restarts wait no longer
+    const bool each = scene_.output.series_every == 0;
+    const PotentialReport done =
+        potential_steps(world_, phase().step, each ? 1 : std::min(most, most_at_once));
+    for (int k = 0; k < done.steps; ++k) tick();
+    return {.solver = {.converged = true}, .gravity_work = done.gravity_work};
   }
 
   void tick() {
@@ -257,7 +296,8 @@ class Run {
   }
 
   /// The row of the instant at which the step began; `bonds` of that instant came with the step.
-  void write_row(const Clock& start, const Diagnostics& sums, const StepReport& report) {
+  void write_row(const Clock& start, const Diagnostics& sums, double elastic,
+                 const StepReport& report) {
     StageTimer timer(world_.times, "output");
     // One reduction for what the ranks know in parts, one for what is largest on one of them.
     std::array<double, 3> parts{report.bonds, static_cast<double>(report.contacts),
@@ -267,7 +307,7 @@ class Run {
     const GravityKick& kick = world_.kick;
     const double lag = kick.closed > 0 ? parts[2] * kick.closed / (kick.closed + kick.interval) : 0;
     const Balance balance =
-        account_.balance(sums, kick.potential + lag, -world_.law.cohesion * parts[0]);
+        account_.balance(sums, kick.potential + lag, elastic - world_.law.cohesion * parts[0]);
     shown_.rms_speed = sums.rms_speed;
     shown_.contacts = static_cast<std::int64_t>(parts[1]);
     series_.append(start.step, start.time,
@@ -327,6 +367,7 @@ class Run {
     world_.bodies = std::move(state.bodies);
     world_.neighbours = Neighbours{};
     world_.neighbours.carried = std::move(state.contacts);
+    world_.near = NearPairs{};
     last_restart_ = MPI_Wtime();
   }
 

@@ -40,6 +40,10 @@ constexpr Choice<FrictionModel> friction_models[] = {{"coulomb", FrictionModel::
                                                      {"convex", FrictionModel::convex}};
 constexpr Choice<bool> cohesion_laws[] = {{"force", false}, {"impulse", true}};
 constexpr Choice<bool> aims[] = {{"head-on", true}, {"line", false}};
+constexpr Choice<Method> methods[] = {{"nonsmooth", Method::nonsmooth},
+                                      {"potential", Method::potential}};
+constexpr Choice<PairLaw> pair_laws[] = {
+    {"lennard_jones", PairLaw::lennard_jones}, {"mie", PairLaw::mie}, {"morse", PairLaw::morse}};
 constexpr Choice<bool> ends[] = {{"time", false}, {"settled", true}};
 
 void read_contact(Section& in, ContactLaw& law) {
@@ -53,6 +57,40 @@ void read_contact(Section& in, ContactLaw& law) {
           law.cohesion_is_impulse, cohesion_laws);
   in.check("cohesion", law.cohesion == 0 || law.cohesion_range > 0,
            "needs a cohesion_range: the gap up to which it acts");
+}
+
+void read_exponent(Section& in, std::string_view key, std::string_view meaning, int& exponent) {
+  std::int64_t value = exponent;
+  in.take(key, meaning, value, 1);
+  in.check(key, value <= 100, "is more than 100");
+  exponent = static_cast<int>(value);
+}
+
+void read_pair_potential(Section& in, PairPotential& p) {
+  in.need("law", "", p.law, pair_laws);
+  in.need("depth", "energy that parts a pair", p.depth, positive(energy));
+  in.need("distance", "of the centres of a pair at rest", p.distance, positive(length));
+  if (in.reads(p.law == PairLaw::mie)) {
+    read_exponent(in, "repulsive", "m of mie", p.repulsive);
+    read_exponent(in, "attractive", "n of mie", p.attractive);
+    in.check("repulsive", p.repulsive > p.attractive, "is not more than attractive");
+  }
+  if (in.reads(p.law == PairLaw::morse)) {
+    in.need("steepness", "a d of morse; (4 s - 2) for a Hugoniot slope s", p.steepness,
+            positive(number));
+    in.check("steepness", p.steepness <= 100, "is more than 100");
+  }
+  in.take("breaking_strain", "the force falls from this strain to none at twice of it",
+          p.breaking_strain, Quantity{number, 0, 1});
+  if (in.reads(p.breaking_strain == 0)) {
+    in.need("cutoff", "distance beyond which there is no force; follows from breaking_strain",
+            p.cutoff, positive(length));
+    in.check("cutoff", p.cutoff > p.distance && p.cutoff <= 6 * p.distance,
+             "is not between distance and six times of it");
+  }
+  if (p.breaking_strain > 0) p.cutoff = (1 + 2 * p.breaking_strain) * p.distance;
+  in.take("damping", "of approaching and parting while nearer than distance; 1: critical",
+          p.damping, not_negative(number));
 }
 
 void read_volume(Section& in, Volume& volume) {
@@ -148,6 +186,7 @@ void read_impactor(Section& in, Impactor& impactor) {
 
 void read_phase(Section& in, Phase& phase, const SolverSettings& solver) {
   in.need("name", "", phase.name);
+  in.take("method", "potential: bodies act by [pair_potential] alone", phase.method, methods);
   in.need("step", "", phase.step, positive(time));
   in.need("duration", "with until = \"settled\" the longest", phase.duration, positive(time));
   in.check("step", phase.step <= phase.duration, "is longer than the duration");
@@ -186,6 +225,10 @@ void read_case_keys(Section& in, Case& scene) {
     s.need("density", "of one sphere", material.density, positive(density));
   });
   in.table("contact", "where two bodies meet", [&](Section& s) { read_contact(s, scene.contact); });
+  PairPotential potential;
+  if (in.table("pair_potential", "between bodies, in phases with method = \"potential\"",
+               [&](Section& s) { read_pair_potential(s, potential); }))
+    scene.potential = potential;
   in.tables("groups", "[[groups]]: recipes of bodies",
             [&](Section& s) { read_group(s, scene.groups.emplace_back(), scene.materials); });
   in.tables("planes", "[[planes]]: half-spaces that never move", [&](Section& s) {
@@ -242,6 +285,19 @@ void check_whole(const Case& scene) {
           "{}: two phases have an impactor; there can be one", scene.file);
   require(scene.read_out.empty() || std::ranges::any_of(scene.phases, has_impactor),
           "{}: read_out tells times after the impact, but no phase has an impactor", scene.file);
+  for (const Phase& phase : scene.phases) {
+    if (phase.method != Method::potential) continue;
+    require(
+        scene.potential.has_value(),
+        "{}: phases.{}.method = \"potential\" needs [pair_potential]: the law between two bodies",
+        scene.file, phase.name);
+    require(scene.planes.empty(),
+            "{}: [[planes]] act in phases of method = \"nonsmooth\" only, not in phases.{}",
+            scene.file, phase.name);
+    require(scene.read_out.empty(),
+            "{}: read_out is for phases of method = \"nonsmooth\" only, not for phases.{}",
+            scene.file, phase.name);
+  }
   for (const Phase& phase : scene.phases)
     require(phase.cohesion.value_or(0) == 0 || scene.contact.cohesion_range > 0,
             "{}: phases.{}.cohesion needs contact.cohesion_range: the gap up to which it acts",

@@ -26,6 +26,7 @@ struct Comm {
   Vec3 sum(const Vec3& value) const;
   void sum(std::span<double> values) const;  ///< in place
   double max(double value) const;
+  void max(std::span<double> values) const;  ///< in place
   double min(double value) const;
   bool any(bool value) const;
   std::int64_t sum_before(std::int64_t value) const;  ///< over lower ranks; 0 on rank 0

@@ -8,6 +8,9 @@
 #include "spall/base/timer.hpp"
 #include "spall/contact/neighbours.hpp"
 #include "spall/force/gravity.hpp"
+#include "spall/force/near_pairs.hpp"
+#include "spall/force/pair_potential.hpp"
+#include "spall/force/pair_sweep.hpp"
 #include "spall/scene/bodies.hpp"
 #include "spall/scene/case.hpp"
 
@@ -45,6 +48,9 @@ struct World {
   Vec3 uniform_gravity = Vec3::Zero();
   Bodies bodies;
   Neighbours neighbours;
+  PairPotential potential;
+  NearPairs near;
+  std::vector<PairRow> rows;  ///< of the bodies, while steps of the pair potential go on
   GravityKick kick;
   Ledger ledger;
   StageTimes times;
@@ -60,6 +66,7 @@ inline World make_world(const Comm& comm, const Case& scene) {
   world.comm = comm;
   world.planes = scene.planes;
   world.law = scene.contact;
+  world.potential = scene.potential.value_or(PairPotential{});
   world.gravity = scene.gravity;
   world.uniform_gravity = scene.uniform_gravity;
   return world;

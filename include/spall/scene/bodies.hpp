@@ -23,6 +23,7 @@ struct Bodies {
   std::vector<Vec3> velocity;          ///< m/s
   std::vector<Vec3> angular_velocity;  ///< rad/s, world frame
   std::vector<Vec3> acceleration;      ///< m/s^2, by gravity when its field was last evaluated
+  std::vector<double> heat;            ///< J, that damping has left in the body
 
   Index size() const { return static_cast<Index>(id.size()); }
   Index ghosts() const { return size() - owned; }
@@ -41,6 +42,7 @@ void for_each_field(BodiesLike& bodies, F&& f) {
   f("velocity", bodies.velocity);
   f("angular_velocity", bodies.angular_velocity);
   f("acceleration", bodies.acceleration);
+  f("heat", bodies.heat);
 }
 
 /// Appends a row of zeros to every field and returns its place; `owned` is left to the caller.

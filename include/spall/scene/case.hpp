@@ -9,6 +9,7 @@
 
 #include "spall/base/types.hpp"
 #include "spall/force/gravity.hpp"
+#include "spall/force/pair_potential.hpp"
 #include "spall/solver/problem.hpp"
 
 namespace spall {
@@ -83,8 +84,12 @@ struct Impactor {
   bool head_on = true;
 };
 
+/// How bodies act on each other where they meet.
+enum class Method { nonsmooth, potential };
+
 struct Phase {
   std::string name;
+  Method method = Method::nonsmooth;
   double step = 0;      ///< s
   double duration = 0;  ///< s; with `until_settled` the longest
   bool until_settled = false;
@@ -119,6 +124,7 @@ struct Case {
   std::uint64_t seed = 1;
   std::vector<Material> materials;
   ContactLaw contact;
+  std::optional<PairPotential> potential;
   double allowed_overlap = 1e-3;  ///< of two bodies at the start, in units of the smaller radius
   std::vector<Group> groups;
   std::vector<Plane> planes;

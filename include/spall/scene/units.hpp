@@ -15,7 +15,7 @@ struct Dimension {
 
 namespace dimension {
 inline constexpr Dimension number{}, length{1, 0, 0}, mass{0, 1, 0}, time{0, 0, 1}, speed{1, 0, -1},
-    acceleration{1, 0, -2}, spin{0, 0, -1}, density{-3, 1, 0}, force{1, 1, -2},
+    acceleration{1, 0, -2}, spin{0, 0, -1}, density{-3, 1, 0}, force{1, 1, -2}, energy{2, 1, -2},
     gravitational_parameter{3, 0, -2}, gravitational_constant{3, -1, -2};
 }
 

@@ -1,0 +1,55 @@
+// Pairs within a range for forces between many neighbours, laid out for eight of them at a time.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "spall/base/comm.hpp"
+#include "spall/domain/ghosts.hpp"
+#include "spall/scene/bodies.hpp"
+
+namespace spall {
+
+/// A sweep over pairs keeps eight doubles of each body together; pairs name them by the place of
+/// the first: eight times the row.
+inline constexpr Index doubles_a_row = 8;
+
+/// Bodies of one stretch of the space-filling curve with their partners: every pair is with its
+/// body that comes first on the curve. A group is eight bodies, one a lane; their partners stand
+/// slot by slot, lane by lane. Bodies with about as many partners share a group; one with fewer is
+/// its own partner in the slots that are left, and so is the last body where it fills up the last
+/// group.
+struct NearWindow {
+  Index count = 0;              ///< bodies
+  std::vector<Index> rows;      ///< 8 places a group
+  std::vector<Index> slots;     ///< of each group
+  std::vector<Index> partners;  ///< 8 places a slot
+};
+
+/// A body is partner in no window after its own: once a window is done, nothing later in the same
+/// sweep changes the forces on its bodies or looks at their positions, so that they may move on at
+/// once while they are in the cache. A pair with a ghost is on both ranks, each time with the owned
+/// body.
+struct NearPairs {
+  Ghosts ghosts;
+  std::vector<NearWindow> windows;
+  double range = 0;            ///< m: all pairs nearer than this when they were found; 0: never
+  std::vector<Vec3> found_at;  ///< m, owned rows
+  double moved = 0;    ///< m: no two bodies have come nearer to each other by more since then
+  double balance = 0;  ///< largest over mean work after the last cut; 0: never cut
+  Index ghosts_after_cut = 0;
+  int searches_since_cut = 0;
+  std::int64_t searches = 0;
+  int steps = 0;     ///< that the pairs have served
+  double pairs = 0;  ///< over all ranks, of the last search
+};
+
+/// Finds all pairs nearer than `range` (m) with an owned body; ghosts current.
+void find_near_pairs(const Bodies& bodies, double range, std::vector<NearWindow>& windows);
+
+/// Finds ghosts and pairs anew; cuts the domain before where the ranks' work differs by more than a
+/// tenth. Collective.
+void search_near_pairs(const Comm& comm, Bodies& bodies, double range, NearPairs& near);
+
+}  // namespace spall

@@ -1,0 +1,47 @@
+// Central pair potentials: what a case asks for, their formulas, and the limits that they set.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "spall/base/types.hpp"
+
+namespace spall {
+
+enum class PairLaw { lennard_jones, mie, morse };
+
+/// A potential U(r) with its minimum -depth at r = distance, with d = distance, D = depth:
+///
+///   Mie:   U = D/(m - n) [n (d/r)^m - m (d/r)^n]; m, n = 12, 6 for Lennard-Jones, whose
+///          sigma is d/2^(1/6)
+///   Morse: U = D [(1 - e)^2 - 1],  e = exp(-s (r/d - 1))
+///
+/// cut at `cutoff`, from where U is counted; the force is not shifted. With a `breaking_strain` eps
+/// the force beyond r_1 = (1 + eps) d goes to zero linearly at r_2 = (1 + 2 eps) d, the cut-off of
+/// such a law: the bond breaks. Pairs nearer than d may be damped by a force -c u_n.
+struct PairPotential {
+  PairLaw law = PairLaw::lennard_jones;
+  double depth = 0;            ///< J
+  double distance = 0;         ///< m
+  int repulsive = 12;          ///< m of Mie
+  int attractive = 6;          ///< n of Mie
+  double steepness = 0;        ///< s of Morse, often written a d
+  double cutoff = 0;           ///< m
+  double breaking_strain = 0;  ///< eps; 0: no break
+  double damping = 0;          ///< of critical: c = damping * 2 sqrt(k m/2), m the lightest body's
+};
+
+/// N/m at the distance of rest: Mie m n D/d^2, Morse 2 D (s/d)^2.
+double stiffness(const PairPotential& potential);
+
+/// N, of the repulsion -dU/dr, and J; the damping apart.
+double pair_force(const PairPotential& potential, double r);
+double pair_energy(const PairPotential& potential, double r);
+
+/// Throws Error, which tells the step that would do, where `h` (s) is too long for bodies of `mass`
+/// (kg, the lightest) that meet at up to `speed` (m/s), or where such bodies would pass through
+/// each other.
+void check_step(const PairPotential& potential, double h, double mass, double speed,
+                const std::string& place);
+
+}  // namespace spall

@@ -1,0 +1,190 @@
+// One sweep over all near pairs: forces, and each body's motion as soon as its force is whole.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <span>
+
+#include "spall/force/lanes.hpp"
+#include "spall/force/near_pairs.hpp"
+
+namespace spall {
+
+using RowHalf = double __attribute__((vector_size(4 * sizeof(double))));
+
+/// What a sweep needs of a body, in one line of the cache.
+struct alignas(64) PairRow {
+  RowHalf place;  ///< x, y, z (m), inverse mass (1/kg)
+  RowHalf force;  ///< on the body (N), and the power that it dissipates (W); zero before a sweep
+};
+
+struct LaneVectors {
+  Lanes x, y, z;
+};
+
+/// Positions of the eight rows that begin at these places.
+inline LaneVectors gather_positions(const PairRow* rows, const Index* places) {
+  const double* const all = reinterpret_cast<const double*>(rows);
+  const auto two = [&](int low, int high) {
+    return __builtin_shufflevector(*reinterpret_cast<const RowHalf*>(all + places[low]),
+                                   *reinterpret_cast<const RowHalf*>(all + places[high]), 0, 1, 2,
+                                   3, 4, 5, 6, 7);
+  };
+  const Lanes a = two(0, 4), b = two(1, 5), c = two(2, 6), d = two(3, 7);
+  const Lanes ab = __builtin_shufflevector(a, b, 0, 8, 2, 10, 4, 12, 6, 14);
+  const Lanes cd = __builtin_shufflevector(c, d, 0, 8, 2, 10, 4, 12, 6, 14);
+  const Lanes ab_y = __builtin_shufflevector(a, b, 1, 9, 3, 11, 5, 13, 7, 15);
+  const Lanes cd_y = __builtin_shufflevector(c, d, 1, 9, 3, 11, 5, 13, 7, 15);
+  return {__builtin_shufflevector(ab, cd, 0, 1, 8, 9, 4, 5, 12, 13),
+          __builtin_shufflevector(ab_y, cd_y, 0, 1, 8, 9, 4, 5, 12, 13),
+          __builtin_shufflevector(ab, cd, 2, 3, 10, 11, 6, 7, 14, 15)};
+}
+
+/// Vectors, three doubles each, of the bodies whose rows begin at these places.
+inline LaneVectors gather_vectors(const double* vectors, const Index* places) {
+#ifdef __AVX512F__
+  const __m256i row =
+      _mm256_srli_epi32(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(places)), 3);
+  const __m256i at = _mm256_add_epi32(row, _mm256_add_epi32(row, row));
+  const auto gather = [&](const double* from) {
+    return _mm512_mask_i32gather_pd(_mm512_setzero_pd(), 0xff, at, from, 8);
+  };
+  return {gather(vectors), gather(vectors + 1), gather(vectors + 2)};
+#else
+  LaneVectors v;
+  for (std::size_t l = 0; l < lane_count; ++l) {
+    const double* vector = vectors + 3 * (places[l] / doubles_a_row);
+    v.x[l] = vector[0];
+    v.y[l] = vector[1];
+    v.z[l] = vector[2];
+  }
+  return v;
+#endif
+}
+
+/// Adds lane l to the force of row l, one after another: two lanes may name the same row.
+inline void add_forces(const Lanes& x, const Lanes& y, const Lanes& z, const Lanes& power,
+                       const Index* places, PairRow* rows) {
+  const Lanes xy = __builtin_shufflevector(x, y, 0, 8, 2, 10, 4, 12, 6, 14);
+  const Lanes xy_odd = __builtin_shufflevector(x, y, 1, 9, 3, 11, 5, 13, 7, 15);
+  const Lanes zw = __builtin_shufflevector(z, power, 0, 8, 2, 10, 4, 12, 6, 14);
+  const Lanes zw_odd = __builtin_shufflevector(z, power, 1, 9, 3, 11, 5, 13, 7, 15);
+  double* const all = reinterpret_cast<double*>(rows) + 4;
+  const auto add = [&](int low, int high, const Lanes& pair) {
+    *reinterpret_cast<RowHalf*>(all + places[low]) +=
+        __builtin_shufflevector(pair, pair, 0, 1, 2, 3);
+    *reinterpret_cast<RowHalf*>(all + places[high]) +=
+        __builtin_shufflevector(pair, pair, 4, 5, 6, 7);
+  };
+  add(0, 2, __builtin_shufflevector(xy, zw, 0, 1, 8, 9, 2, 3, 10, 11));
+  add(1, 3, __builtin_shufflevector(xy_odd, zw_odd, 0, 1, 8, 9, 2, 3, 10, 11));
+  add(4, 6, __builtin_shufflevector(xy, zw, 4, 5, 12, 13, 6, 7, 14, 15));
+  add(5, 7, __builtin_shufflevector(xy_odd, zw_odd, 4, 5, 12, 13, 6, 7, 14, 15));
+}
+
+/// Asks for the rows of the next window, a slot of them with each slot of this one: the processor
+/// itself looks ahead only a few slots, far less than memory takes to answer.
+class RowsAhead {
+ public:
+  RowsAhead(const NearWindow& next, const PairRow* rows)
+      : at_(next.partners.data()),
+        end_(at_ + next.partners.size()),
+        all_(reinterpret_cast<const double*>(rows)) {}
+  void ask_for_slot() {
+    if (at_ == end_) return;
+    for (std::size_t l = 0; l < lane_count; ++l) __builtin_prefetch(all_ + at_[l], 1);
+    at_ += lane_count;
+  }
+
+ private:
+  const Index* at_;
+  const Index* end_;
+  const double* all_;
+};
+
+/// What damps pairs nearer than `distance`: a force -c u_n along the line of the centres.
+struct PairDamping {
+  double distance = 0;  ///< m
+  double c = 0;         ///< kg/s
+};
+
+/// Adds the forces of all pairs nearer than `cutoff` to the rows; calls `finish(body)` for each
+/// body of a window once nothing will be added to its row and neither its position nor its velocity
+/// will be asked for again. The forces of ghosts mean nothing.
+template <bool damped, class Law, class Finish>
+void sweep_pairs(const std::vector<NearWindow>& windows, const Law& law, double cutoff,
+                 const PairDamping& damping, const double* velocity, PairRow* rows,
+                 Finish&& finish) {
+  const double cutoff2 = cutoff * cutoff, damped2 = damping.distance * damping.distance;
+  const Lanes zero{};
+  for (std::size_t w = 0; w < windows.size(); ++w) {
+    const NearWindow& window = windows[w];
+    const NearWindow& next = windows[std::min(w + 1, windows.size() - 1)];
+    RowsAhead ahead(next, rows);
+    const Index* partners = window.partners.data();
+    for (std::size_t g = 0; g < window.slots.size(); ++g) {
+      const Index* own = window.rows.data() + g * lane_count;
+      const LaneVectors xi = gather_positions(rows, own);
+      LaneVectors vi{}, sum{};
+      if constexpr (damped) vi = gather_vectors(velocity, own);
+      Lanes power{};
+      for (Index s = 0; s < window.slots[g]; ++s, partners += lane_count) {
+        ahead.ask_for_slot();
+        const LaneVectors xj = gather_positions(rows, partners);
+        const Lanes dx = xj.x - xi.x, dy = xj.y - xi.y, dz = xj.z - xi.z;
+        const Lanes r2 = dx * dx + dy * dy + dz * dz;
+        // A row that is its own partner, in a slot that it does not need, is at distance 0.
+        const auto acts = (r2 < cutoff2) & (r2 > 0.0);
+        Lanes f = law.force_over_distance(r2);
+        Lanes taken{};
+        if constexpr (damped) {
+          const LaneVectors vj = gather_vectors(velocity, partners);
+          const Lanes u = (vj.x - vi.x) * dx + (vj.y - vi.y) * dy + (vj.z - vi.z) * dz;
+          const Lanes c = damping.c * u / r2;
+          const auto near = acts & (r2 < damped2);
+          f -= near ? c : zero;
+          taken = near ? 0.5 * c * u : zero;
+          power += taken;
+        }
+        f = acts ? f : zero;
+        const Lanes fx = f * dx, fy = f * dy, fz = f * dz;
+        sum.x += fx;
+        sum.y += fy;
+        sum.z += fz;
+        add_forces(fx, fy, fz, taken, partners, rows);
+      }
+      add_forces(-sum.x, -sum.y, -sum.z, power, own, rows);
+    }
+    for (Index r = 0; r < window.count; ++r) {
+      if (r < next.count) __builtin_prefetch(velocity + 3 * (next.rows[r] / doubles_a_row), 1);
+      finish(window.rows[r] / doubles_a_row);
+    }
+  }
+}
+
+/// J, of all pairs nearer than `cutoff`; those with a ghost count half, as both ranks have them.
+template <class Law>
+double sweep_energy(const std::vector<NearWindow>& windows, const Law& law, double cutoff,
+                    const PairRow* rows, Index owned) {
+  const double at_cutoff = law.energy(spread(cutoff * cutoff))[0];
+  double energy = 0;
+  for (const NearWindow& window : windows) {
+    const Index* partners = window.partners.data();
+    for (std::size_t g = 0; g < window.slots.size(); ++g) {
+      const LaneVectors xi = gather_positions(rows, window.rows.data() + g * lane_count);
+      for (Index s = 0; s < window.slots[g]; ++s, partners += lane_count) {
+        const LaneVectors xj = gather_positions(rows, partners);
+        const Lanes dx = xj.x - xi.x, dy = xj.y - xi.y, dz = xj.z - xi.z;
+        const Lanes r2 = dx * dx + dy * dy + dz * dz;
+        Lanes share;
+        for (std::size_t l = 0; l < lane_count; ++l)
+          share[l] = partners[l] / doubles_a_row < owned ? 1 : 0.5;
+        const Lanes u = share * (law.energy(r2) - at_cutoff);
+        energy += sum_of_lanes((r2 < cutoff * cutoff) & (r2 > 0.0) ? u : Lanes{});
+      }
+    }
+  }
+  return energy;
+}
+
+}  // namespace spall

@@ -1,0 +1,26 @@
+// Steps of bodies bound by pair potentials: leapfrog as drift, kick, drift.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "spall/motion/world.hpp"
+
+namespace spall {
+
+/// What the steps were; sums are over this rank's part until reduced by whoever prints them.
+struct PotentialReport {
+  int steps = 0;            ///< made
+  double gravity_work = 0;  ///< J, of the kick at the start
+};
+
+/// Advances the world by up to `most_steps` steps of `h` (s), the last of which ends at the next
+/// kick of gravity at the latest; positions and velocities belong to its end. Collective.
+PotentialReport potential_steps(World& world, double h, int most_steps);
+
+/// J over all ranks, of the pairs as they are. Collective.
+double potential_energy(World& world);
+
+/// Largest speed (m/s) at which two bodies may meet: the box that holds all velocities is that
+/// wide. Collective.
+double largest_relative_speed(const World& world);
+
+}  // namespace spall

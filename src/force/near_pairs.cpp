@@ -1,0 +1,345 @@
+// Cells as wide as the range, in the order of a space-filling curve; a cell's surroundings are
+// copied once and compared with each of its bodies, eight candidates at a time.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "spall/force/near_pairs.hpp"
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+
+#include "spall/base/require.hpp"
+#include "spall/domain/halo.hpp"
+#include "spall/domain/migration.hpp"
+#include "spall/domain/morton.hpp"
+#include "spall/domain/partition.hpp"
+#include "spall/force/lanes.hpp"
+
+namespace spall {
+namespace {
+
+constexpr Index lane_rows = lane_count;
+constexpr Index window_rows = 16 * lane_rows;  // their forces stay in the first cache
+
+/// Bodies in the order of their cells' keys, owned ones first in each cell.
+struct Order {
+  std::vector<std::uint64_t> key;
+  std::vector<Index> row;
+};
+
+/// Least significant digits first, only those in which keys differ.
+Order sort_by_key(Order order, std::uint64_t largest) {
+  constexpr int digit = 11;
+  const std::size_t n = order.key.size();
+  Order sorted{std::vector<std::uint64_t>(n), std::vector<Index>(n)};
+  for (int shift = 0; shift < 64 && largest >> shift != 0; shift += digit) {
+    std::array<std::size_t, (1 << digit) + 1> start{};
+    const auto value = [&](std::uint64_t key) { return key >> shift & ((1 << digit) - 1); };
+    for (std::uint64_t key : order.key) ++start[value(key) + 1];
+    std::partial_sum(start.begin(), start.end(), start.begin());
+    for (std::size_t k = 0; k < n; ++k) {
+      const std::size_t at = start[value(order.key[k])]++;
+      sorted.key[at] = order.key[k];
+      sorted.row[at] = order.row[k];
+    }
+    std::swap(order, sorted);
+  }
+  return order;
+}
+
+struct Grid {
+  Vec3 low = Vec3::Constant(infinity);
+  double edge;
+
+  /// Positions beyond 2^21 cells share the outermost one.
+  std::array<std::uint64_t, 3> cell(const Vec3& x) const {
+    constexpr double last = (1 << 21) - 1;
+    const auto place = [&](int k) {
+      return static_cast<std::uint64_t>(std::max(0.0, std::min((x[k] - low[k]) / edge, last)));
+    };
+    return {place(0), place(1), place(2)};
+  }
+};
+
+inline std::uint64_t key_of(const std::array<std::uint64_t, 3>& cell) {
+  return spread_bits(cell[0]) | spread_bits(cell[1]) << 1 | spread_bits(cell[2]) << 2;
+}
+
+struct Cell {
+  std::uint64_t key;
+  Index first, ghosts, end;  // places in the order: owned bodies, then ghosts
+};
+
+/// Cells by key. Eight cells that form a cube stand together, as neighbours are asked for.
+class CellTable {
+ public:
+  explicit CellTable(const std::vector<Cell>& cells) : cells_(cells) {
+    std::size_t slots = 64;
+    while (slots < 2 * cells.size()) slots *= 2;
+    slot_.assign(slots, {0, -1});
+    for (std::size_t c = 0; c < cells.size(); ++c) {
+      std::size_t at = home(cells[c].key);
+      while (slot_[at].cell >= 0) at = (at + 1) & (slot_.size() - 1);
+      slot_[at] = {cells[c].key, static_cast<Index>(c)};
+    }
+  }
+  const Cell* find(std::uint64_t key) const {
+    for (std::size_t at = home(key);; at = (at + 1) & (slot_.size() - 1)) {
+      if (slot_[at].cell < 0) return nullptr;
+      if (slot_[at].key == key) return &cells_[slot_[at].cell];
+    }
+  }
+
+ private:
+  struct Slot {
+    std::uint64_t key;
+    Index cell;
+  };
+  std::size_t home(std::uint64_t key) const {
+    std::uint64_t x = (key >> 3) * 0x9e3779b97f4a7c15;
+    x ^= x >> 32;
+    return (x << 3 | (key & 7)) & (slot_.size() - 1);
+  }
+  const std::vector<Cell>& cells_;
+  std::vector<Slot> slot_;
+};
+
+/// Candidates for the bodies of a cell, coordinate by coordinate.
+struct Candidates {
+  std::vector<double> x, y, z;
+  std::vector<Index> row;
+  Index count = 0;
+
+  void add(const Bodies& bodies, const Order& order, Index first, Index end) {
+    if (count + (end - first) + lane_rows > static_cast<Index>(row.size())) {
+      const std::size_t size = 2 * (count + (end - first)) + 8 * lane_rows;
+      for (auto* v : {&x, &y, &z}) v->resize(size);
+      row.resize(size);
+    }
+    for (Index k = first; k < end; ++k) {
+      const Index b = order.row[k];
+      const Vec3& position = bodies.position[b];
+      x[count] = position[0];
+      y[count] = position[1];
+      z[count] = position[2];
+      row[count++] = b;
+    }
+  }
+  /// Lanes beyond the last candidate are near nobody.
+  void close() { std::fill_n(x.begin() + count, lane_rows, infinity); }
+};
+
+/// Appends the candidates from `first` on that are nearer than `range` to those already in `found`.
+void append_near(const Candidates& all, Index first, const Vec3& center, double range,
+                 std::vector<Index>& found) {
+  const Lanes x = spread(center[0]), y = spread(center[1]), z = spread(center[2]);
+  const Lanes limit = spread(range * range);
+  std::size_t count = found.size();
+  found.resize(count + all.count - first + lane_rows);
+  const auto load = [](const std::vector<double>& from, Index at) {
+    Lanes v;
+    __builtin_memcpy(&v, &from[at], sizeof v);
+    return v;
+  };
+  for (Index k = first; k < all.count; k += lane_rows) {
+    const Lanes dx = load(all.x, k) - x, dy = load(all.y, k) - y, dz = load(all.z, k) - z;
+    const Lanes r2 = dx * dx + dy * dy + dz * dz;
+#ifdef __AVX512VL__
+    const __mmask8 near = _mm512_cmp_pd_mask(r2, limit, _CMP_LT_OQ);
+    const __m256i rows = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(&all.row[k]));
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(&found[count]),
+                        _mm256_maskz_compress_epi32(near, rows));
+    count += static_cast<unsigned>(__builtin_popcount(near));
+#else
+    const auto near = r2 < limit;
+    for (Index l = 0; l < lane_rows; ++l) {
+      found[count] = all.row[k + l];
+      count += near[l] != 0;
+    }
+#endif
+  }
+  found.resize(count);
+}
+
+/// Rows as they are found, until there are enough for a window.
+class WindowMaker {
+ public:
+  explicit WindowMaker(std::vector<NearWindow>& windows) : windows_(windows) {}
+
+  std::vector<Index>& partners() { return partners_; }
+  /// All partners since the last call belong to `row`.
+  void end_row(Index row) {
+    rows_.push_back({row, first_, static_cast<Index>(partners_.size()) - first_});
+    first_ = static_cast<Index>(partners_.size());
+    if (rows_.size() == window_rows) flush();
+  }
+  void finish() {
+    if (!rows_.empty()) flush();
+    windows_.resize(made_);
+  }
+
+ private:
+  struct Row {
+    Index row, first, count;
+  };
+
+  void flush() {
+    if (made_ == windows_.size()) windows_.emplace_back();
+    NearWindow& window = windows_[made_++];
+    sort_by_count();
+    window.count = static_cast<Index>(rows_.size());
+    while (rows_.size() % lane_rows != 0) rows_.push_back({rows_.back().row, 0, 0});
+    window.rows.clear();
+    for (const Row& row : rows_) window.rows.push_back(doubles_a_row * row.row);
+    window.slots.clear();
+    Index slots = 0;
+    for (std::size_t r = 0; r < rows_.size(); r += lane_rows) {
+      window.slots.push_back(rows_[r].count);
+      slots += rows_[r].count;
+    }
+    window.partners.resize(static_cast<std::size_t>(slots) * lane_rows);
+    Index* at = window.partners.data();
+    for (std::size_t r = 0; r < rows_.size(); r += lane_rows) {
+      const Index longest = rows_[r].count;
+      for (Index lane = 0; lane < lane_rows; ++lane) {
+        const Row& row = rows_[r + lane];
+        for (Index s = 0; s < longest; ++s)
+          at[s * lane_rows + lane] =
+              doubles_a_row * (s < row.count ? partners_[row.first + s] : row.row);
+      }
+      at += longest * lane_rows;
+    }
+    rows_.clear();
+    partners_.clear();
+    first_ = 0;
+  }
+
+  /// Most partners first.
+  void sort_by_count() {
+    start_.clear();
+    for (const Row& row : rows_) {
+      if (row.count >= static_cast<Index>(start_.size())) start_.resize(row.count + 1, 0);
+      ++start_[row.count];
+    }
+    std::exclusive_scan(start_.rbegin(), start_.rend(), start_.rbegin(), 0);
+    sorted_.resize(rows_.size());
+    for (const Row& row : rows_) sorted_[start_[row.count]++] = row;
+    rows_.swap(sorted_);
+  }
+
+  std::vector<NearWindow>& windows_;
+  std::size_t made_ = 0;
+  std::vector<Row> rows_, sorted_;
+  std::vector<Index> start_;
+  std::vector<Index> partners_;
+  Index first_ = 0;
+};
+
+}  // namespace
+
+void find_near_pairs(const Bodies& bodies, double range, std::vector<NearWindow>& windows) {
+  Grid grid{.edge = range};
+  for (const Vec3& x : bodies.position) grid.low = grid.low.cwiseMin(x);
+  Order order{std::vector<std::uint64_t>(bodies.size()), std::vector<Index>(bodies.size())};
+  std::uint64_t largest = 0;
+  for (Index b = 0; b < bodies.size(); ++b) {
+    order.key[b] = key_of(grid.cell(bodies.position[b]));
+    order.row[b] = b;
+    largest = std::max(largest, order.key[b]);
+  }
+  order = sort_by_key(std::move(order), largest);
+
+  std::vector<Cell> cells;
+  for (Index k = 0; k < bodies.size(); ++k) {
+    if (cells.empty() || cells.back().key != order.key[k]) cells.push_back({order.key[k], k, k, k});
+    cells.back().end = k + 1;
+    if (order.row[k] < bodies.owned) cells.back().ghosts = k + 1;
+  }
+  order.key = {};
+  const CellTable table(cells);
+
+  Candidates candidates;
+  WindowMaker maker(windows);
+  for (const Cell& cell : cells) {
+    if (cell.first == cell.ghosts) continue;
+    candidates.count = 0;
+    candidates.add(bodies, order, cell.first, cell.end);
+    const auto at = grid.cell(bodies.position[order.row[cell.first]]);
+    // Wraps around below 0 and beyond the last cell: candidates that are far away are harmless.
+    std::uint64_t part[3][3];
+    for (int k = 0; k < 3; ++k)
+      for (int step = 0; step < 3; ++step) part[k][step] = spread_bits(at[k] + step - 1);
+    for (int n = 0; n < 27; ++n) {
+      const std::uint64_t key = part[0][n % 3] | part[1][n / 3 % 3] << 1 | part[2][n / 9] << 2;
+      if (key == cell.key) continue;
+      if (const Cell* near = table.find(key))
+        candidates.add(bodies, order, key > cell.key ? near->first : near->ghosts, near->end);
+    }
+    candidates.close();
+    for (Index k = cell.first; k < cell.ghosts; ++k) {
+      const Index row = order.row[k];
+      append_near(candidates, k - cell.first + 1, bodies.position[row], range, maker.partners());
+      maker.end_row(row);
+    }
+  }
+  maker.finish();
+}
+
+namespace {
+
+constexpr double imbalance_limit = 1.1;   // against the state just after the last cut
+constexpr double ghost_limit = 1.5;       // beyond it the bodies of two ranks have mixed
+constexpr int longest_without_cut = 100;  // searches: bodies' order in memory ages as they move
+constexpr double slot_work = 0.1;         // of a pair, beside that of a body
+
+std::vector<double> work_of(const Bodies& bodies, const NearPairs& near) {
+  std::vector<double> work(bodies.owned, 1.0);
+  if (near.range == 0) return work;
+  for (const NearWindow& window : near.windows)
+    for (Index r = 0; r < window.count; ++r)
+      work[window.rows[r] / doubles_a_row] += slot_work * window.slots[r / lane_rows];
+  return work;
+}
+
+bool needs_cut(const Comm& comm, double work, const NearPairs& near) {
+  const bool mixed =
+      near.ghosts.ghosts() > ghost_limit * near.ghosts_after_cut + 0.1 * near.ghosts.owned();
+  const double now = imbalance(comm, work);
+  return near.balance == 0 || now > imbalance_limit * near.balance || comm.any(mixed) ||
+         near.searches_since_cut >= longest_without_cut;
+}
+
+}  // namespace
+
+void search_near_pairs(const Comm& comm, Bodies& bodies, double range, NearPairs& near) {
+  const auto work = work_of(bodies, near);
+  const double total = std::accumulate(work.begin(), work.end(), 0.0);
+  const bool cut = needs_cut(comm, total, near);
+  if (cut) {
+    ContactMemory none;
+    migrate(comm, bodies, none, partition(comm, bodies, work));
+  }
+  near.range = range;
+  std::vector<double> reach(bodies.owned);
+  for (Index b = 0; b < bodies.owned; ++b) reach[b] = near.range / 2 - bodies.radius[b];
+  near.found_at.assign(bodies.position.begin(), bodies.position.begin() + bodies.owned);
+  near.ghosts = make_halo(comm, bodies, reach);
+  find_near_pairs(bodies, near.range, near.windows);
+  near.moved = 0;
+  near.steps = 0;
+  double pairs = 0;
+  for (const NearWindow& window : near.windows)
+    pairs += static_cast<double>(window.partners.size());
+  near.pairs = comm.sum(pairs);
+  ++near.searches;
+  ++near.searches_since_cut;
+  if (cut) {
+    // The first cut knows bodies only; its pairs may call for a second one.
+    const auto after = work_of(bodies, near);
+    near.balance =
+        near.balance == 0 ? 1 : imbalance(comm, std::accumulate(after.begin(), after.end(), 0.0));
+    near.ghosts_after_cut = near.ghosts.ghosts();
+    near.searches_since_cut = 0;
+  }
+}
+
+}  // namespace spall

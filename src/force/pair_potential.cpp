@@ -1,0 +1,64 @@
+// The formulas are those of the lanes; one pair is eight equal ones.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "spall/force/pair_potential.hpp"
+
+#include <cmath>
+
+#include "spall/base/require.hpp"
+#include "spall/force/pair_laws.hpp"
+
+namespace spall {
+namespace {
+
+/// Of sqrt(m/k). A lattice of Z = 12 is stable up to 0.7; compressed fourfold in stiffness by the
+/// shock of an impact up to half of it, and there the energy must still be good to 1e-3.
+constexpr double longest_step = 0.1;
+/// Of the distance of rest, flown in a step: the wall of the potential must be seen as it is.
+constexpr double longest_flight = 0.1;
+
+}  // namespace
+
+double stiffness(const PairPotential& p) {
+  const double curvature =
+      p.law == PairLaw::morse ? 2 * p.steepness * p.steepness : p.repulsive * p.attractive;
+  return curvature * p.depth / (p.distance * p.distance);
+}
+
+double pair_force(const PairPotential& p, double r) {
+  if (r >= p.cutoff) return 0;
+  return with_law(p,
+                  [&](const auto& law) { return law.force_over_distance(spread(r * r))[0] * r; });
+}
+
+double pair_energy(const PairPotential& p, double r) {
+  if (r >= p.cutoff) return 0;
+  return with_law(p, [&](const auto& law) {
+    return law.energy(spread(r * r))[0] - law.energy(spread(p.cutoff * p.cutoff))[0];
+  });
+}
+
+void check_step(const PairPotential& p, double h, double mass, double speed,
+                const std::string& place) {
+  const double k = stiffness(p), limit = longest_step * std::sqrt(mass / k);
+  require(
+      h <= limit,
+      "{}: step = {:g} s is too long for the pair potential: bodies of {:g} kg bound by {:g} N/m "
+      "need at most {:g} sqrt(m/k) = {:.3g} s",
+      place, h, mass, k, longest_step, limit);
+  require(h * speed <= longest_flight * p.distance,
+          "{}: in a step = {:g} s two bodies come {:.3g} m nearer at {:g} m/s; at most {:g} of "
+          "pair_potential.distance may be, with a step of {:.3g} s",
+          place, h, h * speed, speed, longest_flight, longest_flight * p.distance / speed);
+  if (p.law == PairLaw::morse) {
+    const double e = std::exp(p.steepness);
+    const double wall = p.depth * (e * e - 2 * e), motion = mass * speed * speed / 4;
+    require(
+        motion < wall,
+        "{}: two bodies of {:g} kg pass through each other at {:g} m/s: their energy, {:.3g} J, "
+        "is more than the potential at distance 0, {:.3g} J; pair_potential.depth must be more "
+        "than {:.3g} J",
+        place, mass, speed, motion, wall, p.depth * motion / wall);
+  }
+}
+
+}  // namespace spall
