@@ -48,22 +48,26 @@ template <class T>
 std::vector<std::vector<T>> exchange_rows(const Comm& comm,
                                           const std::vector<std::vector<T>>& outgoing) {
   std::vector<int> send(comm.size), receive(comm.size);
-  std::vector<int> send_at(comm.size + 1, 0), receive_at(comm.size + 1, 0);
   for (int r = 0; r < comm.size; ++r) send[r] = static_cast<int>(outgoing[r].size());
   check_mpi(MPI_Alltoall(send.data(), 1, MPI_INT, receive.data(), 1, MPI_INT, comm.raw),
             "MPI_Alltoall");
-  std::partial_sum(send.begin(), send.end(), send_at.begin() + 1);
-  std::partial_sum(receive.begin(), receive.end(), receive_at.begin() + 1);
-  std::vector<T> packed, unpacked(receive_at.back());
-  packed.reserve(send_at.back());
-  for (const auto& row : outgoing) packed.insert(packed.end(), row.begin(), row.end());
-  check_mpi(
-      MPI_Alltoallv(packed.data(), send.data(), send_at.data(), mpi_type<T>(), unpacked.data(),
-                    receive.data(), receive_at.data(), mpi_type<T>(), comm.raw),
-      "MPI_Alltoallv");
+  // From and to where the rows are: they may be most of what a rank holds.
   std::vector<std::vector<T>> incoming(comm.size);
+  std::vector<MPI_Request> requests;
+  for (int r = 0; r < comm.size; ++r) {
+    incoming[r].resize(receive[r]);
+    if (receive[r] > 0)
+      check_mpi(MPI_Irecv(incoming[r].data(), receive[r], mpi_type<T>(), r, 0, comm.raw,
+                          &requests.emplace_back()),
+                "MPI_Irecv");
+  }
   for (int r = 0; r < comm.size; ++r)
-    incoming[r].assign(unpacked.begin() + receive_at[r], unpacked.begin() + receive_at[r + 1]);
+    if (send[r] > 0)
+      check_mpi(MPI_Isend(outgoing[r].data(), send[r], mpi_type<T>(), r, 0, comm.raw,
+                          &requests.emplace_back()),
+                "MPI_Isend");
+  check_mpi(MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE),
+            "MPI_Waitall");
   return incoming;
 }
 

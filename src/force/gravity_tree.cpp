@@ -73,7 +73,8 @@ class Walk {
   }
 
   std::span<Eight> eights(const Cell& leaf) {
-    return {tree_.eights.data() + leaf.first, static_cast<std::size_t>(leaf.count)};
+    std::vector<Eight>& held = leaf.holder == Cell::Holder::elsewhere ? others_ : tree_.eights;
+    return {held.data() + leaf.first, static_cast<std::size_t>(leaf.count)};
   }
 
   /// Centre, radius and moments of a cell from its bodies or from its two halves.
@@ -264,10 +265,10 @@ class Walk {
       }
     if (content == Content::bodies) {
       Cell& cell = tree_.cells[c];
-      cell.first = static_cast<Index>(tree_.eights.size());
+      cell.first = static_cast<Index>(others_.size());
       cell.count = static_cast<Index>(*message++);
       for (Index n = 0; n < cell.count; ++n) {
-        Eight& e = tree_.eights.emplace_back();
+        Eight& e = others_.emplace_back();
         for (Lanes* field : {&e.x, &e.y, &e.z, &e.vx, &e.vy, &e.vz, &e.mass})
           for (std::size_t k = 0; k < lane_count; ++k) (*field)[k] = *message++;
       }
@@ -349,6 +350,7 @@ class Walk {
   double squared_opening_, squared_accuracy_;
   std::vector<Row> moments_;       // of every cell
   std::vector<Outline> outlines_;  // of own and top cells
+  std::vector<Eight> others_;      // bodies of leaves that are elsewhere
   std::vector<Index> stack_;       // near cells of the cells on the way down
   std::vector<const Row*> far_;
   std::vector<std::span<Eight>> mutual_, one_sided_;
