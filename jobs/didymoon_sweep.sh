@@ -1,10 +1,12 @@
 #!/usr/bin/env bash
-# One aggregate, hit once for each cohesion in N (default: 500 2000); writes cases/didymoon/results.md.
+# One aggregate (that of out/didymoon, where a run left it), hit once for each cohesion in N (default: 500 2000);
+# writes cases/didymoon/results.md.
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
 
 [ $# -gt 0 ] || set -- 500 2000
-mpirun -n 2 build/release/spall run cases/didymoon/case.toml --out out/didymoon
+[ -f out/didymoon/after_aggregation.h5 ] ||
+  mpirun -n 2 build/release/spall run cases/didymoon/case.toml --out out/didymoon
 folders=()
 for c in "$@"; do
   mpirun -n 2 build/release/spall resume out/didymoon/after_aggregation.h5 \
