@@ -9,6 +9,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "penalty_keys.hpp"
 #include "section.hpp"
 #include "spall/base/require.hpp"
 #include "spall/scene/shape.hpp"
@@ -41,7 +42,8 @@ constexpr Choice<FrictionModel> friction_models[] = {{"coulomb", FrictionModel::
 constexpr Choice<bool> cohesion_laws[] = {{"force", false}, {"impulse", true}};
 constexpr Choice<bool> aims[] = {{"head-on", true}, {"line", false}};
 constexpr Choice<Method> methods[] = {{"nonsmooth", Method::nonsmooth},
-                                      {"potential", Method::potential}};
+                                      {"potential", Method::potential},
+                                      {"penalty", Method::penalty}};
 constexpr Choice<PairLaw> pair_laws[] = {
     {"lennard_jones", PairLaw::lennard_jones}, {"mie", PairLaw::mie}, {"morse", PairLaw::morse}};
 constexpr Choice<bool> ends[] = {{"time", false}, {"settled", true}};
@@ -186,7 +188,8 @@ void read_impactor(Section& in, Impactor& impactor) {
 
 void read_phase(Section& in, Phase& phase, const SolverSettings& solver) {
   in.need("name", "", phase.name);
-  in.take("method", "potential: bodies act by [pair_potential] alone", phase.method, methods);
+  in.take("method", "potential: bodies act by [pair_potential] alone; penalty: by [penalty]",
+          phase.method, methods);
   in.need("step", "", phase.step, positive(time));
   in.need("duration", "with until = \"settled\" the longest", phase.duration, positive(time));
   in.check("step", phase.step <= phase.duration, "is longer than the duration");
@@ -229,6 +232,11 @@ void read_case_keys(Section& in, Case& scene) {
   if (in.table("pair_potential", "between bodies, in phases with method = \"potential\"",
                [&](Section& s) { read_pair_potential(s, potential); }))
     scene.potential = potential;
+  PenaltySettings penalty;
+  if (in.table("penalty",
+               "springs and dashpots between bodies, in phases with method = \"penalty\"",
+               [&](Section& s) { read_penalty(s, penalty); }))
+    scene.penalty = penalty;
   in.tables("groups", "[[groups]]: recipes of bodies",
             [&](Section& s) { read_group(s, scene.groups.emplace_back(), scene.materials); });
   in.tables("planes", "[[planes]]: half-spaces that never move", [&](Section& s) {
@@ -286,6 +294,7 @@ void check_whole(const Case& scene) {
   require(scene.read_out.empty() || std::ranges::any_of(scene.phases, has_impactor),
           "{}: read_out tells times after the impact, but no phase has an impactor", scene.file);
   for (const Phase& phase : scene.phases) {
+    if (phase.method == Method::penalty) check_penalty(scene, phase);
     if (phase.method != Method::potential) continue;
     require(
         scene.potential.has_value(),

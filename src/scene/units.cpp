@@ -68,6 +68,7 @@ constexpr struct {
     {dimension::density, "a density", "kg/m^3", "\"1600 kg/m^3\""},
     {dimension::force, "a force", "N", "\"500 N\""},
     {pressure, "a pressure", "Pa", "\"1.2 GPa\""},
+    {{0, 1, -2}, "a stiffness or surface energy", "N/m", "\"1 MN/m\" or \"0.1 J/m^2\""},
     {dimension::energy, "an energy", "J", "\"1 kJ\""},
     {dimension::gravitational_parameter, "a gravitational parameter", "m^3/s^2",
      "\"34.1 m^3/s^2\""},

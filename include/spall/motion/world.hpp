@@ -11,6 +11,8 @@
 #include "spall/force/near_pairs.hpp"
 #include "spall/force/pair_potential.hpp"
 #include "spall/force/pair_sweep.hpp"
+#include "spall/force/penalty.hpp"
+#include "spall/force/touch_pairs.hpp"
 #include "spall/scene/bodies.hpp"
 #include "spall/scene/case.hpp"
 
@@ -51,6 +53,9 @@ struct World {
   PairPotential potential;
   NearPairs near;
   std::vector<PairRow> rows;  ///< of the bodies, while steps of the pair potential go on
+  PenaltySettings penalty;
+  TouchPairs touch;
+  std::vector<ForceRow> loads;  ///< of the bodies, while steps of penalty contact go on
   GravityKick kick;
   Ledger ledger;
   StageTimes times;
@@ -67,6 +72,7 @@ inline World make_world(const Comm& comm, const Case& scene) {
   world.planes = scene.planes;
   world.law = scene.contact;
   world.potential = scene.potential.value_or(PairPotential{});
+  world.penalty = scene.penalty.value_or(PenaltySettings{});
   world.gravity = scene.gravity;
   world.uniform_gravity = scene.uniform_gravity;
   return world;

@@ -10,6 +10,7 @@
 #include "spall/base/types.hpp"
 #include "spall/force/gravity.hpp"
 #include "spall/force/pair_potential.hpp"
+#include "spall/force/penalty.hpp"
 #include "spall/solver/problem.hpp"
 
 namespace spall {
@@ -85,7 +86,7 @@ struct Impactor {
 };
 
 /// How bodies act on each other where they meet.
-enum class Method { nonsmooth, potential };
+enum class Method { nonsmooth, potential, penalty };
 
 struct Phase {
   std::string name;
@@ -125,6 +126,7 @@ struct Case {
   std::vector<Material> materials;
   ContactLaw contact;
   std::optional<PairPotential> potential;
+  std::optional<PenaltySettings> penalty;
   double allowed_overlap = 1e-3;  ///< of two bodies at the start, in units of the smaller radius
   std::vector<Group> groups;
   std::vector<Plane> planes;

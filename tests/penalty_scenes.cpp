@@ -1,0 +1,1 @@
+#include "penalty_worlds.hpp"
