@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "spall/domain/halo.hpp"
+#include "spall/base/require.hpp"
 #include "spall/domain/migration.hpp"
 #include "spall/domain/partition.hpp"
 #include "spall/force/lanes.hpp"
@@ -219,7 +219,7 @@ std::int64_t count_touching(const Bodies& bodies, const TouchPairs& touch) {
 }
 
 void search_touch_pairs(const Comm& comm, Bodies& bodies, const std::vector<Plane>& planes,
-                        const TouchRange& range, TouchPairs& touch) {
+                        const Period& period, const TouchRange& range, TouchPairs& touch) {
   const auto work = work_of(bodies, touch);
   const bool cut = needs_cut(comm, total(work), touch);
   const Kept kept = [&] {
@@ -234,10 +234,19 @@ void search_touch_pairs(const Comm& comm, Bodies& bodies, const std::vector<Plan
   double largest = 0;
   for (Index b = 0; b < bodies.owned; ++b) largest = std::max(largest, bodies.radius[b]);
   const double reach = 2 * comm.max(largest) + range.gap + range.skin;
+  for (int k = 0; k < 3; ++k)
+    require(
+        period.size[k] == 0 || period.size[k] >= 2 * reach,
+        "periodic.size: {:g} m in direction {} is less than twice {:.4g} m, the reach of a body: "
+        "it would meet two images of another",
+        period.size[k], "xyz"[k], reach);
+  if (period.any())
+    for (Index b = 0; b < bodies.owned; ++b)
+      bodies.position[b] = period.wrapped(bodies.position[b]);
   std::vector<double> reaches(bodies.owned);
   for (Index b = 0; b < bodies.owned; ++b) reaches[b] = reach / 2 - bodies.radius[b];
   touch.found_at.assign(bodies.position.begin(), bodies.position.begin() + bodies.owned);
-  touch.ghosts = make_halo(comm, bodies, reaches);
+  touch.ghosts = make_halo(comm, bodies, reaches, period, touch.shifts);
   find_near_pairs(bodies, reach, touch.windows);
   recall_springs(bodies, kept, range.rolling, touch);
   find_walls(bodies, planes, range.gap + range.skin, kept, touch.walls);

@@ -94,11 +94,14 @@ void update_pairs(World& world, const PenaltyLaw& law) {
       touch.ghosts.gather_begin(flat(*field), 3);
     for (auto* field : {&bodies.position, &bodies.velocity, &bodies.angular_velocity})
       touch.ghosts.gather_end(flat(*field), 3);
+    if (world.period.any())
+      for (Index g = 0; g < touch.ghosts.ghosts(); ++g)
+        bodies.position[bodies.owned + g] += touch.shifts[g];
     return;
   }
   for (Index b = 0; b < bodies.owned; ++b) largest = std::max(largest, bodies.radius[b]);
   largest = world.comm.max(largest);
-  search_touch_pairs(world.comm, bodies, world.planes,
+  search_touch_pairs(world.comm, bodies, world.planes, world.period,
                      {.gap = widest_gap(law, largest),
                       .skin = best_skin(world, 2 * largest),
                       .rolling = law.rolling_friction > 0},

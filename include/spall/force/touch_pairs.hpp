@@ -6,7 +6,7 @@
 
 #include "spall/base/comm.hpp"
 #include "spall/contact/contacts.hpp"
-#include "spall/domain/ghosts.hpp"
+#include "spall/domain/halo.hpp"
 #include "spall/force/near_pairs.hpp"
 #include "spall/force/pair_sweep.hpp"
 #include "spall/scene/bodies.hpp"
@@ -39,6 +39,7 @@ struct WallTouch {
 
 struct TouchPairs {
   Ghosts ghosts;
+  std::vector<Vec3> shifts;  ///< m, of ghosts that are images
   std::vector<NearWindow> windows;
   std::vector<WindowSprings> springs;  ///< of each window
   std::vector<WallTouch> walls;
@@ -63,9 +64,10 @@ struct TouchRange {
 };
 
 /// Finds ghosts and pairs anew; cuts the domain before where the ranks' work differs by more than a
-/// tenth. Springs stay with their pairs. Collective.
+/// tenth. Springs stay with their pairs. Throws Error where space repeats itself so soon that a
+/// body would meet two images of another. Collective.
 void search_touch_pairs(const Comm& comm, Bodies& bodies, const std::vector<Plane>& planes,
-                        const TouchRange& range, TouchPairs& touch);
+                        const Period& period, const TouchRange& range, TouchPairs& touch);
 
 /// The springs of all touching pairs by id, each on one rank.
 ContactMemory remember(const Bodies& bodies, const TouchPairs& touch);

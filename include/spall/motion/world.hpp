@@ -45,6 +45,7 @@ struct Ledger {
 struct World {
   Comm comm;
   std::vector<Plane> planes;
+  Period period;
   ContactLaw law;
   GravitySettings gravity;
   Vec3 uniform_gravity = Vec3::Zero();
@@ -70,6 +71,7 @@ inline World make_world(const Comm& comm, const Case& scene) {
   World world;
   world.comm = comm;
   world.planes = scene.planes;
+  world.period = scene.period;
   world.law = scene.contact;
   world.potential = scene.potential.value_or(PairPotential{});
   world.penalty = scene.penalty.value_or(PenaltySettings{});

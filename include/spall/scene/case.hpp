@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "spall/base/types.hpp"
+#include "spall/domain/halo.hpp"
 #include "spall/force/gravity.hpp"
 #include "spall/force/pair_potential.hpp"
 #include "spall/force/penalty.hpp"
@@ -130,6 +131,7 @@ struct Case {
   double allowed_overlap = 1e-3;  ///< of two bodies at the start, in units of the smaller radius
   std::vector<Group> groups;
   std::vector<Plane> planes;
+  Period period;
   GravitySettings gravity;
   Vec3 uniform_gravity = Vec3::Zero();  ///< m/s^2
   SolverSettings solver;
