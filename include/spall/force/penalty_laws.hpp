@@ -66,6 +66,7 @@ struct NormalForce {
   Lanes slope;       ///< S, N/m
   Lanes tangential;  ///< k_t, N/m
   Lanes attraction;  ///< N, by which the friction bound exceeds the force
+  Lanes growth;      ///< 1/m, of k_t with the overlap: d ln k_t/d delta
 };
 
 /// Each law has: force, energy (J) as a function of overlap, and the energies (J) that are lost as
@@ -74,7 +75,7 @@ struct HookeLanes {
   explicit HookeLanes(const PenaltyLaw& law) : k(law.normal), kt(law.tangential) {}
   static constexpr bool sticks = false;
   NormalForce force(const Lanes& overlap, const Lanes&) const {
-    return {k * overlap, spread(k), spread(kt), Lanes{}};
+    return {k * overlap, spread(k), spread(kt), Lanes{}, Lanes{}};
   }
   Lanes energy(const Lanes& overlap, const Lanes&) const { return 0.5 * k * overlap * overlap; }
   double k, kt;
@@ -89,7 +90,7 @@ struct HertzLanes {
     const Lanes a = root_of(radius * overlap), attraction = pull * radius;
     Lanes f = (4 / 3.0 * modulus) * a * overlap;
     if constexpr (dmt) f -= attraction;
-    return {f, (2 * modulus) * a, kt * a, attraction};
+    return {f, (2 * modulus) * a, kt * a, attraction, 0.5 / overlap};
   }
   Lanes energy(const Lanes& overlap, const Lanes& radius) const {
     const Lanes hertz = (8 / 15.0 * modulus) * root_of(radius * overlap) * overlap * overlap;
@@ -142,7 +143,10 @@ struct JkrLanes {
     const Lanes q2 = q * q, q3 = q2 * q, a = scale * q2;
     // F = 2 pi w R (4/3 q^6 - 2 q^3).
     const Lanes attraction = pull * radius;
-    return {attraction * q3 * (8 / 9.0 * q3 - 4 / 3.0), (2 * modulus) * a, kt * a, attraction};
+    // da/ddelta / a, with a = scale q^2 and delta = scale^2/R (q^4 - q).
+    const Lanes growth = 2.0 * radius / (scale * scale * q * (4.0 * q3 - 1.0));
+    return {attraction * q3 * (8 / 9.0 * q3 - 4 / 3.0), (2 * modulus) * a, kt * a, attraction,
+            growth};
   }
   /// J, of the integral of F from the end of the unstable branch, a = 0.
   Lanes energy_at(const Lanes& q, const Lanes& radius) const {
@@ -226,7 +230,11 @@ ContactForce contact_force(const Normal& normal, const PenaltyLaw& law, const Co
     const LaneVectors ut = c.velocity - un * c.normal - c.kappa * cross(c.surface, c.normal);
     const Lanes load = fn + law.cohesion + elastic.attraction;
     const Lanes bound = law.friction * (load > 0.0 ? load : -load);
-    spring.sliding = turned(spring.sliding, c.normal, h * c.twist) + spread(h) * ut;
+    // The force that a spring has stays as the contact grows, and shrinks with it (Thornton,
+    // Cummins & Cleary, Powder Technology 233 (2013) 30, eqs. 18, 19).
+    const Lanes stays = 1.0 + h * un * elastic.growth;
+    const Lanes kept = un < 0.0 ? (stays > 0.0 ? stays : Lanes{}) : spread(1);
+    spring.sliding = kept * turned(spring.sliding, c.normal, h * c.twist) + spread(h) * ut;
     const LaneVectors ft =
         slide(spring.sliding, ut, elastic.tangential, law.tangential_damping * damping, bound);
     result.power -= dot(ft, ut);
@@ -236,7 +244,7 @@ ContactForce contact_force(const Normal& normal, const PenaltyLaw& law, const Co
       // Luding 2008: a spring as stiff as the sliding one, without a dashpot as in EPSD2
       // (LIGGGHTS; Ai et al., Powder Technology 206 (2011) 269), on v = R omega_ij x n.
       const LaneVectors v = c.radius * cross(c.rolling, c.normal);
-      spring.rolling = turned(spring.rolling, c.normal, h * c.twist) + spread(h) * v;
+      spring.rolling = kept * turned(spring.rolling, c.normal, h * c.twist) + spread(h) * v;
       const Lanes most = law.rolling_friction * (load > 0.0 ? load : -load);
       const LaneVectors f = slide(spring.rolling, v, elastic.tangential, Lanes{}, most);
       result.rolling = c.radius * cross(c.normal, f);

@@ -29,7 +29,7 @@ struct WallLanes {
       contact.overlap[l] = radius - height;
       contact.radius[l] = radius;
       contact.inverse_mass[l] = 1 / bodies.mass[t.row];
-      contact.kappa[l] = height / radius;
+      contact.kappa[l] = 1;
       set(contact.velocity, l, -bodies.velocity[t.row]);
       set(contact.surface, l, surface);
       set(contact.rolling, l, -bodies.angular_velocity[t.row]);
