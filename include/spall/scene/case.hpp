@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "spall/analysis/gravity_map.hpp"
 #include "spall/base/types.hpp"
 #include "spall/domain/halo.hpp"
 #include "spall/force/gravity.hpp"
@@ -134,6 +135,7 @@ struct Case {
   Period period;
   GravitySettings gravity;
   Vec3 uniform_gravity = Vec3::Zero();  ///< m/s^2
+  std::optional<Grid> gravity_map;      ///< where snapshots have gravity's field
   SolverSettings solver;
   std::vector<Phase> phases;
   OutputSettings output;
