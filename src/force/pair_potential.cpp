@@ -12,7 +12,7 @@ namespace {
 
 /// Of sqrt(m/k). A lattice of Z = 12 is stable up to 0.7; compressed fourfold in stiffness by the
 /// shock of an impact up to half of it, and there the energy must still be good to 1e-3.
-constexpr double longest_step = 0.1;
+constexpr double step_limit = 0.1;
 /// Of the distance of rest, flown in a step: the wall of the potential must be seen as it is.
 constexpr double longest_flight = 0.1;
 
@@ -37,14 +37,18 @@ double pair_energy(const PairPotential& p, double r) {
   });
 }
 
+double longest_step(const PairPotential& p, double mass) {
+  return step_limit * std::sqrt(mass / stiffness(p));
+}
+
 void check_step(const PairPotential& p, double h, double mass, double speed,
                 const std::string& place) {
-  const double k = stiffness(p), limit = longest_step * std::sqrt(mass / k);
+  const double k = stiffness(p), limit = longest_step(p, mass);
   require(
       h <= limit,
       "{}: step = {:g} s is too long for the pair potential: bodies of {:g} kg bound by {:g} N/m "
       "need at most {:g} sqrt(m/k) = {:.3g} s",
-      place, h, mass, k, longest_step, limit);
+      place, h, mass, k, step_limit, limit);
   require(h * speed <= longest_flight * p.distance,
           "{}: in a step = {:g} s two bodies come {:.3g} m nearer at {:g} m/s; at most {:g} of "
           "pair_potential.distance may be, with a step of {:.3g} s",

@@ -219,6 +219,24 @@ double potential_energy(World& world) {
   }));
 }
 
+void for_each_near_pair(World& world, double distance, const std::function<void(Index, Index)>& f) {
+  fill_rows(world.bodies, world.rows);
+  update_pairs(world, false);
+  for (const NearWindow& window : world.near.windows) {
+    const Index* partners = window.partners.data();
+    for (std::size_t g = 0; g < window.slots.size(); ++g) {
+      const Index* own = &window.rows[g * lane_count];
+      for (Index s = 0; s < window.slots[g]; ++s, partners += lane_count)
+        for (std::size_t l = 0; l < lane_count; ++l) {
+          const Index i = own[l] / doubles_a_row, j = partners[l] / doubles_a_row;
+          if (i == j) continue;
+          const RowHalf x = world.rows[j].place - world.rows[i].place;
+          if (vector_of(x).norm() < distance) f(i, j);
+        }
+    }
+  }
+}
+
 double largest_relative_speed(const World& world) {
   return velocities_of(world.bodies).united(world.comm).diagonal();
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "spall/base/types.hpp"
+#include "spall/force/constitutive.hpp"
 #include "spall/force/gravity.hpp"
 #include "spall/force/pair_potential.hpp"
 #include "spall/solver/problem.hpp"
@@ -17,6 +18,9 @@ namespace spall {
 struct Material {
   std::string name;
   double density = 0;  ///< kg/m^3 of a sphere of it
+  /// What it is a piece of: then `density` is the solid's, and a sphere of a lattice has the mass
+  /// of its cell.
+  std::optional<Solid> solid = std::nullopt;
 };
 
 /// What happens where two bodies meet.
@@ -48,6 +52,7 @@ struct Packing {
       std::nullopt;  ///< of lattices, nearest neighbours; 2 radius where left out
   std::optional<std::int64_t> count = std::nullopt;  ///< of random packings
   Vec3 rotation = Vec3::Zero();                      ///< of lattices: rotation vector, rad
+  bool random_orientation = false;                   ///< `rotation` is drawn by the case's seed
 };
 
 /// One recipe: a volume filled with spheres of one material.
@@ -106,12 +111,27 @@ struct OutputSettings {
   double restart_every = 600;  ///< s of wall time
 };
 
+/// What is measured of a projectile's debris behind a plate.
+struct DebrisSettings {
+  int projectile = -1, plate = -1;  ///< groups
+  std::string projectile_name, plate_name;
+  double every = 0;            ///< s; 0: at the end only
+  std::optional<double> wall;  ///< m behind the plate, of the wall that they are to hit
+  std::string place;           ///< where the case asks for it, for messages
+};
+
 /// The orbit whose change is asked for (thesis eqs. 3.3, 3.4).
 struct Binary {
   double separation = 0;  ///< m, R
   double speed = 0;       ///< m/s, v_old
   double parameter = 0;   ///< m^3/s^2, mu
   double period = 0;      ///< s, T_old
+};
+
+/// A law that follows from a material's constants and the lattice of the groups that are of it.
+struct DerivedLaw {
+  std::string material;
+  std::string place;  ///< where the case asks for it, for messages
 };
 
 struct Case {
@@ -125,6 +145,7 @@ struct Case {
   std::vector<Material> materials;
   ContactLaw contact;
   std::optional<PairPotential> potential;
+  std::optional<DerivedLaw> potential_of, contact_of;
   double allowed_overlap = 1e-3;  ///< of two bodies at the start, in units of the smaller radius
   std::vector<Group> groups;
   std::vector<Plane> planes;
@@ -134,6 +155,7 @@ struct Case {
   std::vector<Phase> phases;
   OutputSettings output;
   std::optional<Binary> binary;
+  std::optional<DebrisSettings> debris;
   std::vector<double> read_out;  ///< s after the impactor was added: where dv is tabulated
 };
 
