@@ -80,6 +80,9 @@ TEST(Debris, target_is_what_the_case_laid) {
   EXPECT_DOUBLE_EQ(t.diameter, 10);
   EXPECT_DOUBLE_EQ(t.thickness, 4);
   EXPECT_DOUBLE_EQ(t.areal_density, 2700 * 4);
+  Case heavy = scene();
+  heavy.groups[0].total_mass = 3e6;
+  EXPECT_DOUBLE_EQ(find_target(heavy).areal_density, 1000);
   // From 8 m above the plate's middle, half as far across.
   EXPECT_LE((t.origin - Vec3(4, 0, -4)).norm(), 1e-12);
   EXPECT_DOUBLE_EQ(t.half_width, 21);

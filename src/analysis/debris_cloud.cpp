@@ -208,8 +208,9 @@ Target find_target(const Case& scene) {
   t.diameter = 2 * half_widths(ball.volume).maxCoeff();
   t.speed = ball.velocity.norm();
   t.thickness = plate.volume.extents[thin];
-  const double mass = scene.materials[plate.material].density * t.thickness;
-  t.areal_density = mass;
+  const double volume = volume_of(plate.volume);
+  t.areal_density = plate.total_mass.value_or(scene.materials[plate.material].density * volume) *
+                    t.thickness / volume;
   t.density = scene.materials[ball.material].density;
   if (const auto& solid = scene.materials[ball.material].solid) t.melt_energy = solid->melt_energy;
 

@@ -12,7 +12,8 @@ double sphere_mass(const Solid& solid, const Lattice& lattice) {
   return solid.density * lattice.volume();
 }
 
-PairPotential morse_law(const Solid& solid, const Lattice& lattice, const std::string& place) {
+PairPotential morse_law(const Solid& solid, const Lattice& lattice, Match match,
+                        const std::string& place) {
   require(solid.sound_speed > 0 && solid.hugoniot_slope > 0.5,
           "{} needs the material's sound_speed and its hugoniot_slope, which must be more than 0.5",
           place);
@@ -21,9 +22,12 @@ PairPotential morse_law(const Solid& solid, const Lattice& lattice, const std::s
           "has no shear stiffness; take fcc or hcp",
           place);
   const double Z = lattice.neighbours, d = lattice.distance, V = lattice.volume();
-  const double k =
-      18 * sphere_mass(solid, lattice) * solid.sound_speed * solid.sound_speed / (Z * d * d);
-  PairPotential p{.law = PairLaw::morse, .distance = d, .steepness = 4 * solid.hugoniot_slope - 2};
+  const bool shocks = match == Match::shocks;
+  const double k = (shocks ? 0.5 : 1) * 18 * sphere_mass(solid, lattice) * solid.sound_speed *
+                   solid.sound_speed / (Z * d * d);
+  PairPotential p{.law = PairLaw::morse,
+                  .distance = d,
+                  .steepness = (shocks ? 4.0 / 3 : 1) * (4 * solid.hugoniot_slope - 2)};
   p.depth = k * d * d / (2 * p.steepness * p.steepness);
   // Half of the next shell's distance beyond: the whole law where it is not made to break.
   p.cutoff = (1 + std::sqrt(2.0)) / 2 * d;

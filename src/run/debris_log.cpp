@@ -45,6 +45,11 @@ void DebrisLog::conclude(World& world, bool bonded, double time, ResultTable& ta
   for_each_column(last, [&](const char* name, double value, const char* unit, const char* note) {
     table.add("debris", name, value, unit, note);
   });
+  const auto components = [](const Vec3& v) { return std::vector<double>(v.data(), v.data() + 3); };
+  table.add("debris", "speed", t.speed, "m/s", "of the impact");
+  table.add("debris", "diameter", t.diameter, "m", "of the projectile, D");
+  table.add("debris", "origin", components(t.origin), "m", "where its line leaves the plate");
+  table.add("debris", "normal", components(t.normal), "", "of the plate, to its rear");
   table.add("debris", "front_over_speed", last.front / t.speed, "", "of the impact");
   table.add("debris", "radial_over_speed", last.radial / t.speed);
   table.add("debris", "hole_over_diameter", last.hole / t.diameter, "", "of the projectile");

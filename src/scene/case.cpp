@@ -47,6 +47,7 @@ constexpr Choice<Method> methods[] = {{"nonsmooth", Method::nonsmooth},
 constexpr Choice<PairLaw> pair_laws[] = {
     {"lennard_jones", PairLaw::lennard_jones}, {"mie", PairLaw::mie}, {"morse", PairLaw::morse}};
 constexpr Choice<bool> orientations[] = {{"rotation", false}, {"random", true}};
+constexpr Choice<Match> matches[] = {{"shocks", Match::shocks}, {"bulk", Match::bulk}};
 constexpr Choice<bool> ends[] = {{"time", false}, {"settled", true}};
 
 void read_contact(Section& in, ContactLaw& law, std::optional<DerivedLaw>& derived) {
@@ -72,6 +73,9 @@ void read_exponent(Section& in, std::string_view key, std::string_view meaning, 
 
 void read_pair_potential(Section& in, PairPotential& p, std::optional<DerivedLaw>& derived) {
   read_derived_law(in, "the law is morse's and follows from its constants", derived);
+  if (derived)
+    in.take("match", "bulk: the bulk modulus and its slope; shocks: their speeds", derived->match,
+            matches);
   const auto by_hand = [&](bool asked) { return in.reads(!derived && asked); };
   if (by_hand(true)) {
     in.need("law", "", p.law, pair_laws);

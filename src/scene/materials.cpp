@@ -121,7 +121,8 @@ void derive_laws(Case& scene) {
   if (scene.potential_of) {
     const Lattice lattice = lattice_of_material(scene, *scene.potential_of, solid);
     PairPotential& p = *scene.potential;
-    PairPotential derived = morse_law(*solid, lattice, scene.potential_of->place);
+    PairPotential derived =
+        morse_law(*solid, lattice, scene.potential_of->match, scene.potential_of->place);
     derived.damping = p.damping;
     if (p.breaking_strain > 0) {
       derived.breaking_strain = p.breaking_strain;

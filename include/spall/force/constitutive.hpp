@@ -35,15 +35,24 @@ struct Lattice {
 /// kg, of a sphere that stands for its cell of the solid.
 double sphere_mass(const Solid& solid, const Lattice& lattice);
 
-/// Morse's law whose lattice has the solid's bulk modulus, the slope of its shock speeds and, where
-/// it is known, its spall strength under equal tension from all sides:
+/// What a law derived from a solid is to get right: a lattice does not yield, so to a plane shock
+/// it answers with its longitudinal modulus, up to 2 K along [111], where a metal beyond its
+/// elastic limit answers with the bulk modulus K. One stiffness cannot do both.
+enum class Match { shocks, bulk };
+
+/// Morse's law for the lattice of a solid, with its spall strength, where that is known, under
+/// equal tension from all sides:
 ///
-///   k = 18 m c0^2 / (Z d^2),  a d = K' + 1 - 2 = 4 s - 2,  D = k / (2 a^2),
-///   bonds break at the force F_b = 6 V sigma / (Z d).
+///   bulk:   k = 18 m c0^2 / (Z d^2),  a d = K' - 1 = 4 s - 2: bulk modulus and its slope
+///   shocks: half of this k, so that waves along [111] run at c0, and 4/3 of this a, for shock
+///   speeds
+///           c0 + s up in crystals of any orientation (found by bench/solid.cpp, for s = 1.34)
+///   D = k / (2 a^2),  bonds break at the force F_b = 6 V sigma / (Z d).
 ///
 /// `place` says in messages who asks. Throws Error where a constant is missing or a strength is
 /// more than the whole law bears.
-PairPotential morse_law(const Solid& solid, const Lattice& lattice, const std::string& place);
+PairPotential morse_law(const Solid& solid, const Lattice& lattice, Match match,
+                        const std::string& place);
 
 /// Pa, tension from all sides that the lattice bears: Z F_b d / (6 V).
 double triaxial_strength(const PairPotential& potential, const Lattice& lattice);

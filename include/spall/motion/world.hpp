@@ -51,6 +51,7 @@ struct World {
   PairPotential potential;
   NearPairs near;
   std::vector<PairRow> rows;  ///< of the bodies, while steps of the pair potential go on
+  std::vector<Vec3> ahead;    ///< m/s, velocities expected in the middle of the next kick
   GravityKick kick;
   Ledger ledger;
   StageTimes times;

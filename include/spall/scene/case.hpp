@@ -132,6 +132,7 @@ struct Binary {
 struct DerivedLaw {
   std::string material;
   std::string place;  ///< where the case asks for it, for messages
+  Match match = Match::shocks;
 };
 
 struct Case {
