@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "spall/analysis/gravity_map.hpp"
 #include "spall/base/types.hpp"
 #include "spall/force/constitutive.hpp"
 #include "spall/force/gravity.hpp"
@@ -152,6 +153,7 @@ struct Case {
   std::vector<Plane> planes;
   GravitySettings gravity;
   Vec3 uniform_gravity = Vec3::Zero();  ///< m/s^2
+  std::optional<Grid> gravity_map;      ///< where snapshots have gravity's field
   SolverSettings solver;
   std::vector<Phase> phases;
   OutputSettings output;
