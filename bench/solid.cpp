@@ -261,7 +261,7 @@ void tension(const Comm& comm, const Sample& m, const std::string& orientation) 
     }
   }
   if (comm.rank == 0)
-    fmt::print("tension,{},{:.3g},{:.4f},{:.3g}\n", orientation, strongest, strain_at,
+    fmt::print("tension,{},{:g},{:.3g},{:.4f},{:.3g}\n", orientation, speed, strongest, strain_at,
                m.solid.spall_strength);
 }
 

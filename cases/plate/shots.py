@@ -41,7 +41,7 @@ def run(options, name, seed):
     speed, thickness, diameter = shot(name)
     d = diameter / options.across
     width, depth = options.width * diameter, max(thickness, d)
-    duration = options.duration or (36e-6 if thickness > 0.2 * diameter else 16e-6)
+    duration = options.duration or (28e-6 if thickness > 0.2 * diameter else 14e-6)
     mass = DENSITY * thickness * width**2
     # Of the spacing over the fastest sound; a thin plate's bodies are lighter than those of its crystal.
     step = 0.04 * d / SOUND * min(1, thickness / (0.7 * d)) ** 0.5
@@ -57,7 +57,7 @@ def run(options, name, seed):
                f"debris.every={duration / 12}", "output.series_every=1e-6",
                f"output.snapshot_every={duration / 6 if options.pictures else duration}"]
     folder = ROOT / f"out/plate/{name}-{options.across:g}-{seed}"
-    command = ["mpirun", "-n", str(options.ranks), str(ROOT / "build/release/spall"), "run",
+    command = ["mpirun", "-n", str(options.ranks), str(options.program), "run",
                str(HERE / "case.toml"), "--out", str(folder)]
     for change in changes + options.set:
         command += ["--set", change]
@@ -139,6 +139,7 @@ def main():
     parser.add_argument("--seeds", type=int, nargs="+", default=[1, 2, 3])
     parser.add_argument("--shots", nargs="+", default=[s["id"] for s in DATA["shots"]] + ["hiermaier"])
     parser.add_argument("--ranks", type=int, default=2)
+    parser.add_argument("--program", type=Path, default=ROOT / "build/release/spall")
     parser.add_argument("--duration", type=float, help="s")
     parser.add_argument("--pictures", action="store_true", help="keep snapshots for a report")
     parser.add_argument("--set", action="append", default=[], help="change a key of the case")
@@ -147,9 +148,10 @@ def main():
     path = HERE / "results.csv"
     rows = list(csv.DictReader(path.open())) if path.exists() else []
     if not options.table:
-        for name in options.shots:
-            for seed in options.seeds:
+        for seed in options.seeds:
+            for name in options.shots:
                 row = run(options, name, seed)
+                rows = list(csv.DictReader(path.open())) if path.exists() else []  # others may run too
                 rows = [r for r in rows if (r["shot"], r["across"], str(r["seed"])) !=
                         (row["shot"], row["across"], str(seed))] + [row]
                 print(*row.values(), flush=True)

@@ -23,11 +23,11 @@ PairPotential morse_law(const Solid& solid, const Lattice& lattice, Match match,
           place);
   const double Z = lattice.neighbours, d = lattice.distance, V = lattice.volume();
   const bool shocks = match == Match::shocks;
-  const double k = (shocks ? 0.5 : 1) * 18 * sphere_mass(solid, lattice) * solid.sound_speed *
+  const double k = (shocks ? 0.44 : 1) * 18 * sphere_mass(solid, lattice) * solid.sound_speed *
                    solid.sound_speed / (Z * d * d);
   PairPotential p{.law = PairLaw::morse,
                   .distance = d,
-                  .steepness = (shocks ? 4.0 / 3 : 1) * (4 * solid.hugoniot_slope - 2)};
+                  .steepness = (shocks ? 1.6 : 1) * (4 * solid.hugoniot_slope - 2)};
   p.depth = k * d * d / (2 * p.steepness * p.steepness);
   // Half of the next shell's distance beyond: the whole law where it is not made to break.
   p.cutoff = (1 + std::sqrt(2.0)) / 2 * d;

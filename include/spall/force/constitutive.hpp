@@ -44,9 +44,9 @@ enum class Match { shocks, bulk };
 /// equal tension from all sides:
 ///
 ///   bulk:   k = 18 m c0^2 / (Z d^2),  a d = K' - 1 = 4 s - 2: bulk modulus and its slope
-///   shocks: half of this k, so that waves along [111] run at c0, and 4/3 of this a, for shock
-///   speeds
-///           c0 + s up in crystals of any orientation (found by bench/solid.cpp, for s = 1.34)
+///   shocks: 0.44 of this k, 1.6 times this a: what gives crystals of random orientation the shock
+///           speeds c0 + s up, for up to 0.63 c0 and s = 1.34; found by trial, measured by
+///           bench/solid.cpp
 ///   D = k / (2 a^2),  bonds break at the force F_b = 6 V sigma / (Z d).
 ///
 /// `place` says in messages who asks. Throws Error where a constant is missing or a strength is
