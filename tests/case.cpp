@@ -136,9 +136,8 @@ TEST(Case, mistakes_name_file_line_key_and_what_would_be_right) {
       {{"density = 917", "densty = 917"},
        "x.toml:7:1: materials.ice.densty is not a key here; did you mean materials.ice.density?"},
       {{"friction = 0.5", "q = 1"},
-       "x.toml:9:1: contact.q is not a key here; the keys here are friction, restitution, "
-       "cohesion, "
-       "cohesion_range, cohesion_law"},
+       "x.toml:9:1: contact.q is not a key here; the keys here are material, friction, "
+       "restitution, cohesion, cohesion_range, cohesion_law"},
       {{"friction = 0.5", "friction = true"},
        "x.toml:9:12: contact.friction is true or false; a number such as 0.5 is wanted"},
       {{"friction = 0.5", "friction = -1"},

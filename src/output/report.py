@@ -193,6 +193,8 @@ def headline(run):
     wanted = [("deflection", "dv", "dv, m/s"), ("deflection", "beta", "momentum enhancement β"),
               ("deflection", "dT_min", "change of the period, min"),
               ("ejecta", "count", "bodies ejected"),
+              ("debris", "front_over_speed", "front / speed of impact"),
+              ("debris", "hole_over_diameter", "hole / D"),
               ("pile", "packing_fraction", "packing fraction"),
               ("conservation", "linear", "drift of momentum"),
               ("conservation", "energy_unexplained", "energy unexplained"),
@@ -295,6 +297,18 @@ def main(folder):
                        "Left: bodies behind the plane of the cut, coloured by speed; arrows: "
                        "velocity in the plane of the bodies next to it, length as the root of the "
                        "speed. Right: how many bodies have which speed, and velocity against place."))
+    if run.results.get("cloud", {}).get("time"):
+        import report_debris as debris
+        body.append("<h2>Debris</h2>" + figure(
+            "radiographs", debris.radiographs(run),
+            "From the side, as on flash radiographs: dark where much mass is in the way."))
+        body.append(figure("debris", debris.speeds(run),
+                           "Left: debris more than a quarter of a diameter behind the plate. "
+                           "Percentiles: 99th of speeds (front, radial), 1st (rear), mean."))
+        if "wall" in run.results:
+            body.append(figure("wall", debris.wall(run, run.results["wall"]["distance"]),
+                               "Debris that fly on freely; within the circles half and 90 % of the "
+                               "momentum."))
     if run.gravity and sorted(run.gravity.counts)[1] > 1:
         body.append("<h2>Gravity</h2>" + figure(
             "gravity", figures.gravity(run),

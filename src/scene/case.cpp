@@ -9,6 +9,8 @@
 #include <fstream>
 #include <iterator>
 
+#include "debris.hpp"
+#include "materials.hpp"
 #include "penalty_keys.hpp"
 #include "section.hpp"
 #include "spall/base/require.hpp"
@@ -46,9 +48,12 @@ constexpr Choice<Method> methods[] = {{"nonsmooth", Method::nonsmooth},
                                       {"penalty", Method::penalty}};
 constexpr Choice<PairLaw> pair_laws[] = {
     {"lennard_jones", PairLaw::lennard_jones}, {"mie", PairLaw::mie}, {"morse", PairLaw::morse}};
+constexpr Choice<bool> orientations[] = {{"rotation", false}, {"random", true}};
+constexpr Choice<Match> matches[] = {{"shocks", Match::shocks}, {"bulk", Match::bulk}};
 constexpr Choice<bool> ends[] = {{"time", false}, {"settled", true}};
 
-void read_contact(Section& in, ContactLaw& law) {
+void read_contact(Section& in, ContactLaw& law, std::optional<DerivedLaw>& derived) {
+  read_derived_law(in, "cohesion, cohesion_range and friction follow from its strengths", derived);
   in.take("friction", "Coulomb's coefficient", law.friction, not_negative(number));
   in.take("restitution", "of normal speeds", law.restitution, fraction);
   in.take("cohesion", "attraction of every pair closer than cohesion_range", law.cohesion,
@@ -57,7 +62,7 @@ void read_contact(Section& in, ContactLaw& law) {
           not_negative(length));
   in.take("cohesion_law", "impulse: cohesion is N s a step, as the reference engine reads it",
           law.cohesion_is_impulse, cohesion_laws);
-  in.check("cohesion", law.cohesion == 0 || law.cohesion_range > 0,
+  in.check("cohesion", law.cohesion == 0 || law.cohesion_range > 0 || derived,
            "needs a cohesion_range: the gap up to which it acts");
 }
 
@@ -68,23 +73,30 @@ void read_exponent(Section& in, std::string_view key, std::string_view meaning, 
   exponent = static_cast<int>(value);
 }
 
-void read_pair_potential(Section& in, PairPotential& p) {
-  in.need("law", "", p.law, pair_laws);
-  in.need("depth", "energy that parts a pair", p.depth, positive(energy));
-  in.need("distance", "of the centres of a pair at rest", p.distance, positive(length));
-  if (in.reads(p.law == PairLaw::mie)) {
+void read_pair_potential(Section& in, PairPotential& p, std::optional<DerivedLaw>& derived) {
+  read_derived_law(in, "the law is morse's and follows from its constants", derived);
+  if (derived)
+    in.take("match", "bulk: the bulk modulus and its slope; shocks: their speeds", derived->match,
+            matches);
+  const auto by_hand = [&](bool asked) { return in.reads(!derived && asked); };
+  if (by_hand(true)) {
+    in.need("law", "", p.law, pair_laws);
+    in.need("depth", "energy that parts a pair", p.depth, positive(energy));
+    in.need("distance", "of the centres of a pair at rest", p.distance, positive(length));
+  }
+  if (by_hand(p.law == PairLaw::mie)) {
     read_exponent(in, "repulsive", "m of mie", p.repulsive);
     read_exponent(in, "attractive", "n of mie", p.attractive);
     in.check("repulsive", p.repulsive > p.attractive, "is not more than attractive");
   }
-  if (in.reads(p.law == PairLaw::morse)) {
+  if (by_hand(p.law == PairLaw::morse)) {
     in.need("steepness", "a d of morse; (4 s - 2) for a Hugoniot slope s", p.steepness,
             positive(number));
     in.check("steepness", p.steepness <= 100, "is more than 100");
   }
   in.take("breaking_strain", "the force falls from this strain to none at twice of it",
           p.breaking_strain, Quantity{number, 0, 1});
-  if (in.reads(p.breaking_strain == 0)) {
+  if (by_hand(p.breaking_strain == 0)) {
     in.need("cutoff", "distance beyond which there is no force; follows from breaking_strain",
             p.cutoff, positive(length));
     in.check("cutoff", p.cutoff > p.distance && p.cutoff <= 6 * p.distance,
@@ -129,6 +141,8 @@ void read_packing(Section& in, Packing& packing) {
     in.take("spacing", "of lattices, between neighbours; 2 radius", packing.spacing,
             positive(length));
     in.take("rotation", "of lattices: rotation vector", packing.rotation, any(number));
+    in.take("orientation", "of lattices: random is drawn by seed, another for each group",
+            packing.random_orientation, orientations);
     const double diameter = 2 * packing.radius, spacing = packing.spacing.value_or(diameter);
     in.check("spacing", spacing >= diameter * (1 - 1e-9),
              fmt::format("= {} m is less than the spheres' diameter, {} m", spacing, diameter));
@@ -238,12 +252,13 @@ void read_case_keys(Section& in, Case& scene) {
   in.named_tables("materials", "[materials.NAME]", [&](Section& s, const std::string& name) {
     Material& material = scene.materials.emplace_back();
     material.name = name;
-    s.need("density", "of one sphere", material.density, positive(density));
+    read_material(s, material);
   });
-  in.table("contact", "where two bodies meet", [&](Section& s) { read_contact(s, scene.contact); });
+  in.table("contact", "where two bodies meet",
+           [&](Section& s) { read_contact(s, scene.contact, scene.contact_of); });
   PairPotential potential;
   if (in.table("pair_potential", "between bodies, in phases with method = \"potential\"",
-               [&](Section& s) { read_pair_potential(s, potential); }))
+               [&](Section& s) { read_pair_potential(s, potential, scene.potential_of); }))
     scene.potential = potential;
   PenaltySettings penalty;
   if (in.table("penalty",
@@ -290,6 +305,10 @@ void read_case_keys(Section& in, Case& scene) {
                  s.need("period", "T_old", binary.period, positive(time));
                }))
     scene.binary = binary;
+  DebrisSettings debris;
+  if (in.table("debris", "of a projectile behind a plate: what is measured",
+               [&](Section& s) { read_debris(s, debris); }))
+    scene.debris = debris;
   in.take("read_out", "after the impact: when dv is tabulated", scene.read_out, positive(time));
 }
 
@@ -397,7 +416,11 @@ Case parse_case(const std::string& text, const std::string& file,
   scene.file = file;
   scene.text = text;
   scene.overrides = overrides;
+  insert_material_files(root, file, scene.overrides);
   Section::read_all(root, file, [&](Section& in) { read_case_keys(in, scene); });
+  draw_orientations(scene);
+  derive_laws(scene);
+  find_debris_groups(scene);
   check_whole(scene);
   for (Phase& phase : scene.phases)
     if (phase.impactor) {
@@ -423,7 +446,7 @@ std::vector<std::string> find_cases(const std::string& folder) {
   std::vector<std::string> files;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
     const std::filesystem::path& path = entry.path();
-    if (path.extension() != ".toml") continue;
+    if (path.extension() != ".toml" || path.parent_path().filename() == "materials") continue;
     if (path.stem() == "case" || !std::filesystem::exists(path.parent_path() / "case.toml"))
       files.push_back(path.string());
   }

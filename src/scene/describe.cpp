@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "spall/scene/packing.hpp"
 #include "spall/scene/scene.hpp"
 #include "spall/scene/shape.hpp"
 
@@ -27,8 +28,7 @@ std::size_t bytes_of_a_body() {
 
 std::string describe_group(const Case& scene, const Group& group, std::int64_t count) {
   const double n = static_cast<double>(count), r = group.packing.radius;
-  const double density = scene.materials[group.material].density;
-  const double mass = group.total_mass.value_or(n * density * ball_volume(r));
+  const double mass = n * mass_of_one(scene, group, count);
   return fmt::format("  {:<16}{:>10}{:>12.6g}{:>14.6g}{:>14.6g}{:>10.4f}{}\n", group.name, count, r,
                      mass / n, mass, n * ball_volume(r) / volume_of(group.volume),
                      group.fixed ? "  fixed" : "");
@@ -46,6 +46,50 @@ std::string describe_phase(const Phase& phase, double start) {
     text +=
         fmt::format("  impactor {:g} kg at {:g} m/s", phase.impactor->mass, phase.impactor->speed);
   return text + "\n";
+}
+
+const char* name_of(PairLaw law) {
+  switch (law) {
+    case PairLaw::lennard_jones:
+      return "Lennard-Jones";
+    case PairLaw::mie:
+      return "Mie";
+    case PairLaw::morse:
+      return "Morse";
+  }
+  return "";
+}
+
+/// The pair potential, what it makes of an fcc or hcp lattice, and the longest step.
+std::string describe_potential(const Case& scene, const std::vector<std::int64_t>& counts) {
+  const PairPotential& p = *scene.potential;
+  double lightest = infinity;
+  const Group* lattice_group = nullptr;
+  for (std::size_t g = 0; g < counts.size(); ++g) {
+    const Group& group = scene.groups[g];
+    if (group.fixed) continue;
+    lightest = std::min(lightest, mass_of_one(scene, group, counts[g]));
+    if (!lattice_group && lattice_of(group.packing).neighbours == 12) lattice_group = &group;
+  }
+  std::string text = fmt::format(
+      "\n  pair potential: {}, stiffness {:.4g} N/m, depth {:.4g} J, distance {:.4g} m{}\n",
+      name_of(p.law), stiffness(p), p.depth, p.distance,
+      scene.potential_of ? ", from " + scene.potential_of->material : "");
+  if (p.law == PairLaw::morse) text += fmt::format("    steepness a d = {:.4g}\n", p.steepness);
+  if (p.breaking_strain > 0)
+    text += fmt::format("    bonds break at {:.3g} % of strain\n", 100 * p.breaking_strain);
+  if (p.damping > 0)
+    text += fmt::format("    damped at {:g} of critical where nearer than that\n", p.damping);
+  if (lattice_group && std::isfinite(lightest)) {
+    const Lattice lattice = lattice_of(lattice_group->packing);
+    const LatticeSpeeds c = sound_speeds(p, lightest);
+    text += fmt::format(
+        "    its lattice: bulk sound speed {:.4g} m/s; waves along [100] {:.4g}, [110] {:.4g}, "
+        "[111] {:.4g} m/s;\n    tears at {:.3g} Pa of tension from all sides\n",
+        c.along_100 / std::sqrt(1.5), c.along_100, c.along_110, c.along_111,
+        triaxial_strength(p, lattice));
+  }
+  return text + fmt::format("    steps of at most {:.3g} s\n", longest_step(p, lightest));
 }
 
 }  // namespace
@@ -68,6 +112,13 @@ std::string describe(const Case& scene) {
   if (scene.contact.cohesion == 0 && std::ranges::none_of(scene.phases, has_cohesion))
     text += "  no cohesion\n";
   if (scene.gravity.method == GravityMethod::none) text += "  no self-gravity\n";
+
+  if (scene.contact_of)
+    text += fmt::format(
+        "  contacts from {}: cohesion {:.4g} N up to a gap of {:.3g} m, friction {:.3g}\n",
+        scene.contact_of->material, scene.contact.cohesion, scene.contact.cohesion_range,
+        scene.contact.friction);
+  if (scene.potential) text += describe_potential(scene, counts);
 
   text += fmt::format("\n  {:<16}{:>12}{:>12}{:>10}{:>12}\n", "phase", "step (s)", "lasts (s)",
                       "steps", "starts (s)");

@@ -37,7 +37,35 @@ void visit_sites(PackingKind kind, double d, const Vec3& room, Visit&& visit) {
       for (int i = 0; site(i, j, k).x() <= end.x(); ++i) visit(site(i, j, k));
 }
 
+/// In [0, 1). The standard distributions differ from library to library; the engine does not.
+double uniform(std::mt19937_64& engine) {
+  return static_cast<double>(engine() >> 11) * 0x1p-53;
+}
+
 }  // namespace
+
+Lattice lattice_of(const Packing& packing) {
+  const double d = packing.spacing.value_or(2 * packing.radius);
+  switch (packing.kind) {
+    case PackingKind::fcc:
+    case PackingKind::hcp:
+      return {12, std::sqrt(0.5), d};
+    case PackingKind::simple_cubic:
+      return {6, 1, d};
+    default:
+      return {0, pi / 6, 2 * packing.radius};
+  }
+}
+
+/// Shoemake 1992, "Uniform random rotations": a quaternion with two random angles.
+Vec3 random_rotation(std::uint64_t seed) {
+  std::mt19937_64 engine(seed);
+  const double u = uniform(engine), a = 2 * pi * uniform(engine), b = 2 * pi * uniform(engine);
+  const double s = std::sqrt(1 - u), c = std::sqrt(u);
+  const Eigen::AngleAxisd turn(
+      Eigen::Quaterniond(c * std::cos(b), s * std::sin(a), s * std::cos(a), c * std::sin(b)));
+  return turn.angle() * turn.axis();
+}
 
 SphereGrid::SphereGrid(const Vec3& center, const Vec3& half, double radius, std::int64_t expected)
     : low_(center - half), radius_(radius) {
@@ -113,15 +141,14 @@ std::int64_t place_at_random(const Volume& volume, const Packing& packing, std::
   const Vec3 room = half_widths(volume) - Vec3::Constant(r);  // of centres
   if ((room.array() < 0).any()) return 0;
 
-  // The standard distributions differ from library to library; the engine does not.
   std::mt19937_64 engine(seed);
-  const auto uniform = [&] { return static_cast<double>(engine() >> 11) * 0x1p-52 - 1; };
+  const auto coordinate = [&] { return 2 * uniform(engine) - 1; };
 
   SphereGrid grid(volume.center, half_widths(volume), r, count);
   const std::int64_t most_tries_in_vain = 2'000'000;
   std::int64_t placed = 0;
   for (std::int64_t in_vain = 0; placed < count && in_vain < most_tries_in_vain; ++in_vain) {
-    const double x = uniform(), y = uniform(), z = uniform();
+    const double x = coordinate(), y = coordinate(), z = coordinate();
     const Vec3 center = volume.center + room.cwiseProduct(Vec3(x, y, z));
     if (depth(volume, center) < r || grid.find_nearer(center, 2 * r) >= 0 || !is_free(center))
       continue;

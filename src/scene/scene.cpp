@@ -90,13 +90,14 @@ void check_clear(const Case& scene, const Group& group, const std::vector<Placed
   }
 }
 
-double mass_of_one(const Case& scene, const Group& group, std::int64_t count) {
-  if (group.fixed) return infinity;
-  if (group.total_mass) return *group.total_mass / static_cast<double>(count);
-  return scene.materials[group.material].density * ball_volume(group.packing.radius);
-}
-
 }  // namespace
+
+double mass_of_one(const Case& scene, const Group& group, std::int64_t count) {
+  if (group.total_mass) return *group.total_mass / static_cast<double>(count);
+  const Material& material = scene.materials[group.material];
+  return material.solid ? sphere_mass(*material.solid, lattice_of(group.packing))
+                        : material.density * ball_volume(group.packing.radius);
+}
 
 std::vector<std::int64_t> count_bodies(const Case& scene) {
   std::vector<std::int64_t> counts;
@@ -128,7 +129,7 @@ Bodies make_bodies(const Case& scene, const Comm& comm) {
   BodyId id = 0;
   for (std::size_t g = 0; g < scene.groups.size(); ++g) {
     const Group& group = scene.groups[g];
-    const double mass = mass_of_one(scene, group, counts[g]);
+    const double mass = group.fixed ? infinity : mass_of_one(scene, group, counts[g]);
     const bool random = group.packing.kind == PackingKind::random;
     std::optional<SphereGrid> grid;
     if (std::any_of(scene.groups.begin() + g + 1, scene.groups.end(),

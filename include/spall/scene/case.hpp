@@ -10,6 +10,7 @@
 #include "spall/analysis/gravity_map.hpp"
 #include "spall/base/types.hpp"
 #include "spall/domain/halo.hpp"
+#include "spall/force/constitutive.hpp"
 #include "spall/force/gravity.hpp"
 #include "spall/force/pair_potential.hpp"
 #include "spall/force/penalty.hpp"
@@ -20,6 +21,9 @@ namespace spall {
 struct Material {
   std::string name;
   double density = 0;  ///< kg/m^3 of a sphere of it
+  /// What it is a piece of: then `density` is the solid's, and a sphere of a lattice has the mass
+  /// of its cell.
+  std::optional<Solid> solid = std::nullopt;
 };
 
 /// What happens where two bodies meet.
@@ -51,6 +55,7 @@ struct Packing {
       std::nullopt;  ///< of lattices, nearest neighbours; 2 radius where left out
   std::optional<std::int64_t> count = std::nullopt;  ///< of random packings
   Vec3 rotation = Vec3::Zero();                      ///< of lattices: rotation vector, rad
+  bool random_orientation = false;                   ///< `rotation` is drawn by the case's seed
 };
 
 /// One recipe: a volume filled with spheres of one material.
@@ -109,12 +114,28 @@ struct OutputSettings {
   double restart_every = 600;  ///< s of wall time
 };
 
+/// What is measured of a projectile's debris behind a plate.
+struct DebrisSettings {
+  int projectile = -1, plate = -1;  ///< groups
+  std::string projectile_name, plate_name;
+  double every = 0;            ///< s; 0: at the end only
+  std::optional<double> wall;  ///< m behind the plate, of the wall that they are to hit
+  std::string place;           ///< where the case asks for it, for messages
+};
+
 /// The orbit whose change is asked for (thesis eqs. 3.3, 3.4).
 struct Binary {
   double separation = 0;  ///< m, R
   double speed = 0;       ///< m/s, v_old
   double parameter = 0;   ///< m^3/s^2, mu
   double period = 0;      ///< s, T_old
+};
+
+/// A law that follows from a material's constants and the lattice of the groups that are of it.
+struct DerivedLaw {
+  std::string material;
+  std::string place;  ///< where the case asks for it, for messages
+  Match match = Match::shocks;
 };
 
 struct Case {
@@ -129,6 +150,7 @@ struct Case {
   ContactLaw contact;
   std::optional<PairPotential> potential;
   std::optional<PenaltySettings> penalty;
+  std::optional<DerivedLaw> potential_of, contact_of;
   double allowed_overlap = 1e-3;  ///< of two bodies at the start, in units of the smaller radius
   std::vector<Group> groups;
   std::vector<Plane> planes;
@@ -140,6 +162,7 @@ struct Case {
   std::vector<Phase> phases;
   OutputSettings output;
   std::optional<Binary> binary;
+  std::optional<DebrisSettings> debris;
   std::vector<double> read_out;  ///< s after the impactor was added: where dv is tabulated
 };
 

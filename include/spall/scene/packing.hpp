@@ -31,6 +31,12 @@ class SphereGrid {
   std::vector<Vec3> centers_;
 };
 
+/// The lattice of a packing's spheres; a sphere's cell where the packing is none is the sphere.
+Lattice lattice_of(const Packing& packing);
+
+/// A turn, as a rotation vector, of which any is as likely as any other; the same on every machine.
+Vec3 random_rotation(std::uint64_t seed);
+
 /// Calls `place` with every site of the lattice, in a fixed order. The lattice is laid into the
 /// bounding box of the volume so that whole spheres fill it, centred in it (a box n diameters wide
 /// holds n layers); the sites whose centres lie inside the volume are kept, so that mass goes with
