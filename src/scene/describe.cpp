@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "spall/scene/scene.hpp"
 #include "spall/scene/shape.hpp"
@@ -25,13 +24,14 @@ std::size_t bytes_of_a_body() {
   return row + contacts * contact + field + changes;
 }
 
-std::string describe_group(const Case& scene, const Group& group, std::int64_t count) {
-  const double n = static_cast<double>(count), r = group.packing.radius;
-  const double density = scene.materials[group.material].density;
-  const double mass = group.total_mass.value_or(n * density * ball_volume(r));
-  return fmt::format("  {:<16}{:>10}{:>12.6g}{:>14.6g}{:>14.6g}{:>10.4f}{}\n", group.name, count, r,
-                     mass / n, mass, n * ball_volume(r) / volume_of(group.volume),
-                     group.fixed ? "  fixed" : "");
+std::string describe_group(const Group& group, const GroupContent& content) {
+  const double mass = group.total_mass.value_or(content.mass);
+  std::string radius = fmt::format("{:.6g}", content.largest);
+  if (content.smallest < content.largest)
+    radius = fmt::format("{:.3g} to {:.3g}", content.smallest, content.largest);
+  return fmt::format("  {:<16}{:>10}{:>14}{:>14.6g}{:>14.6g}{:>10.4f}{}\n", group.name,
+                     content.count, radius, mass / static_cast<double>(content.count), mass,
+                     content.volume / volume_of(group.volume), group.fixed ? "  fixed" : "");
 }
 
 std::string describe_phase(const Phase& phase, double start) {
@@ -50,18 +50,23 @@ std::string describe_phase(const Phase& phase, double start) {
 
 }  // namespace
 
-std::string describe(const Case& scene) {
-  const std::vector<std::int64_t> counts = count_bodies(scene);
+std::string describe_bodies(const Case& scene) {
   std::string text = fmt::format("{}\n\n", scene.title.empty() ? scene.file : scene.title);
-  text += fmt::format("  {:<16}{:>10}{:>12}{:>14}{:>14}{:>10}\n", "group", "bodies", "radius (m)",
-                      "each (kg)", "all (kg)", "filled");
-  for (std::size_t g = 0; g < counts.size(); ++g)
-    text += describe_group(scene, scene.groups[g], counts[g]);
+  text += fmt::format("  {:<16}{:>10}{:>14}{:>14}{:>14}{:>10}\n", "group", "bodies", "radius (m)",
+                      "mean (kg)", "all (kg)", "filled");
+  const std::vector<GroupContent> contents = measure_groups(scene);
+  std::int64_t all = 0;
+  for (std::size_t g = 0; g < contents.size(); ++g) {
+    text += describe_group(scene.groups[g], contents[g]);
+    all += contents[g].count;
+  }
+  return text +
+         fmt::format("\n  {} bodies, about {:.3g} MB over all ranks\n", all,
+                     1e-6 * static_cast<double>(all) * static_cast<double>(bytes_of_a_body()));
+}
 
-  const std::int64_t all = std::accumulate(counts.begin(), counts.end(), std::int64_t{0});
-  text += fmt::format("\n  {} bodies, about {:.3g} MB over all ranks\n", all,
-                      1e-6 * static_cast<double>(all) * static_cast<double>(bytes_of_a_body()));
-
+std::string describe_phases(const Case& scene) {
+  std::string text;
   const auto has_cohesion = [](const Phase& phase) { return phase.cohesion.value_or(0) > 0; };
   if (scene.contact.friction == 0)
     text += "  no friction: one unknown a contact, no spins change\n";
