@@ -190,7 +190,8 @@ void read_case_keys(Section& in, Case& scene) {
   if (in.table("orbit", "of the target about its primary, whose change is asked for",
                [&](Section& s) {
                  s.need("separation", "R", binary.separation, positive(length));
-                 s.need("speed", "v_old", binary.speed, positive(speed));
+                 s.need("speed", "v_old along the impactor's flight, negative against it", binary.speed,
+                        any(speed));
                  s.need("parameter", "mu", binary.parameter, positive(gravitational_parameter));
                  s.need("period", "T_old", binary.period, positive(time));
                }))

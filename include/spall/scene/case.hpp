@@ -134,7 +134,7 @@ struct OutputSettings {
 /// The orbit whose change is asked for (thesis eqs. 3.3, 3.4).
 struct Binary {
   double separation = 0;  ///< m, R
-  double speed = 0;       ///< m/s, v_old
+  double speed = 0;       ///< m/s, v_old; negative where the impactor comes from ahead
   double parameter = 0;   ///< m^3/s^2, mu
   double period = 0;      ///< s, T_old
 };
