@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 
 #include "gravity_sets.hpp"
+#include "spall/analysis/gravity_map.hpp"
 #include "spall/base/require.hpp"
 #include "spall/force/lanes.hpp"
 #include "testing.hpp"
@@ -203,6 +204,45 @@ TEST(Gravity, outside_a_shell_is_a_point_mass_and_inside_is_nothing) {
   EXPECT_NEAR(field.potential[1], -gm / 50, 1e-3 * gm / 50);
   // On the shell half of the outside pull; a body that lies there adds nothing.
   EXPECT_NEAR(field.acceleration[2].norm(), gm / 5000, 0.05 * gm / 5000);
+}
+
+TEST(Gravity, a_map_is_the_field_of_uniform_spheres) {
+  const Comm comm = testing_world();
+  Bodies bodies;  // two that overlap and one far away, dealt over the ranks
+  const std::vector<Vec3> centers = {{0, 0, 0}, {1.5, 0.25, 0}, {-3, 2, 0.5}};
+  const std::vector<double> radii = {1, 0.75, 0.5}, masses = {3e9, 1e9, 5e8};
+  for (std::size_t k = 0; k < centers.size(); ++k) {
+    if (static_cast<int>(k) % comm.size != comm.rank) continue;
+    const Index b = append_row(bodies);
+    bodies.position[b] = centers[k];
+    bodies.radius[b] = radii[k];
+    bodies.mass[b] = masses[k];
+  }
+  bodies.owned = bodies.size();
+  const Grid grid = Grid::in_box({0.25, 0, 0}, {9, 6, 2}, 0.25);
+  EXPECT_EQ(grid.counts, (std::array<std::int64_t, 3>{37, 25, 9}));
+  EXPECT_LE((grid.place(grid.total() - 1) - Vec3(4.75, 3, 1)).norm(), 1e-14);
+  const GravityMap map = map_gravity(comm, direct(), bodies, grid);
+  const auto points = static_cast<std::int64_t>(map.potential.size());
+  EXPECT_EQ(comm.sum(points), grid.total());
+  EXPECT_EQ(map.first, comm.sum_before(points));
+  double worst_pull = 0, worst_potential = 0;
+  for (std::int64_t k = 0; k < points; ++k) {
+    Vec3 pull = Vec3::Zero();
+    double potential = 0, largest = 0;
+    for (std::size_t s = 0; s < centers.size(); ++s) {
+      const Vec3 d = centers[s] - grid.place(map.first + k);
+      const double gm = direct().constant * masses[s], r = std::max(d.norm(), radii[s]);
+      pull += gm / (r * r * r) * d;
+      potential -= d.norm() > radii[s] ? gm / r : gm * (3 - d.squaredNorm() / (r * r)) / (2 * r);
+      largest += gm / (radii[s] * radii[s]);
+    }
+    // Points next to a centre subtract a large pull from itself.
+    worst_pull = std::max(worst_pull, (map.acceleration[k] - pull).norm() / largest);
+    worst_potential = std::max(worst_potential, std::abs(map.potential[k] / potential - 1));
+  }
+  EXPECT_LE(comm.max(worst_pull), 1e-13);
+  EXPECT_LE(comm.max(worst_potential), 1e-13);
 }
 
 TEST(Gravity, a_held_field_changes_by_no_more_than_was_allowed) {

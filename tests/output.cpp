@@ -147,6 +147,29 @@ TEST(Snapshot, a_resumed_run_goes_on_and_a_new_one_starts_over) {
   }
 }
 
+TEST(Snapshot, a_map_of_gravity_lies_in_it_point_by_point) {
+  const Comm comm = testing_world();
+  const std::string folder = fresh_folder(comm);
+  Bodies bodies = dealt(comm, 20);
+  for (Index b = 0; b < bodies.owned; ++b) bodies.mass[b] = 1;
+  Case scene;
+  scene.gravity = {.method = GravityMethod::direct, .constant = 1};
+  scene.gravity_map = Grid::in_box({0, 0, 0}, {4, 3, 0}, 0.5);
+  SnapshotWriter writer(comm, folder, scene);
+  writer.write(bodies, 0, 0);
+  const GravityMap map = map_gravity(comm, scene.gravity, bodies, *scene.gravity_map);
+  const std::vector<double> potential = comm.all_gather(map.potential);
+  if (comm.rank == 0) {
+    const auto file = h5::File::open(folder + "/snapshots/000000.h5");
+    EXPECT_EQ(file.read<std::int64_t>("/fields/gravity/counts"),
+              (std::vector<std::int64_t>{9, 7, 1}));
+    EXPECT_EQ(file.read<Vec3>("/fields/gravity/low").at(0), Vec3(-2, -1.5, 0));
+    EXPECT_EQ(file.read<double>("/fields/gravity/spacing").at(0), 0.5);
+    EXPECT_EQ(file.read<double>("/fields/gravity/potential"), potential);
+    EXPECT_EQ(file.read<Vec3>("/fields/gravity/acceleration").size(), 63u);
+  }
+}
+
 TEST(Snapshot, missing_ids_are_an_error) {
   const Comm comm = testing_world();
   SnapshotWriter writer(comm, fresh_folder(comm), {});

@@ -3,6 +3,7 @@
 // most of all. Linux gives huge pages where they are asked for and aligned.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cstddef>
+#include <cstdint>
 #include <cstdlib>
 #include <new>
 
@@ -11,17 +12,21 @@
 
 namespace {
 
-constexpr std::size_t huge_page = std::size_t{1} << 21;
+constexpr std::size_t small_page = std::size_t{1} << 12, huge_page = std::size_t{1} << 21;
 
 void* allocate(std::size_t size, std::size_t alignment) {
-  // Smaller arrays would waste more of a huge page than they use.
-  const bool large = size > huge_page / 2;
-  const std::size_t unit = large ? huge_page : alignment;
-  const std::size_t whole = (size + unit - 1) / unit * unit;
-  void* const place = unit <= alignof(std::max_align_t) ? std::malloc(size > 0 ? size : 1)
-                                                        : std::aligned_alloc(unit, whole);
+  const std::size_t whole = (size + alignment - 1) / alignment * alignment;
+  void* const place = alignment <= alignof(std::max_align_t) ? std::malloc(size > 0 ? size : 1)
+                                                             : std::aligned_alloc(alignment, whole);
   if (place == nullptr) throw std::bad_alloc();
-  if (large) madvise(place, whole, MADV_HUGEPAGE);  // a hint; small pages serve as well
+  if (size >= huge_page) {
+    // Whole small pages inside of it. Arrays that began at a huge page would waste up to one of
+    // them each, and glibc could not put the next array of that size where a former one was.
+    const auto at = reinterpret_cast<std::uintptr_t>(place);
+    const std::uintptr_t begin = (at + small_page - 1) / small_page * small_page;
+    const std::uintptr_t end = (at + size) / small_page * small_page;
+    madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);  // a hint
+  }
   return place;
 }
 

@@ -30,11 +30,11 @@ void attract_share(const Comm& comm, std::span<Eight> all) {
 }
 
 /// The last eight is filled up with massless copies of the last body.
-std::vector<Eight> pack(std::span<const double> rows) {
-  const std::size_t count = rows.size() / body_width;
+std::vector<Eight> pack(std::span<const double> rows, bool rates) {
+  const std::size_t width = body_width(rates), count = rows.size() / width;
   std::vector<Eight> all((count + lane_count - 1) / lane_count);
   for (std::size_t b = 0; b < all.size() * lane_count; ++b)
-    put_body(rows.data() + std::min(b, count - 1) * body_width, b < count, all[b / lane_count],
+    put_body(rows.data() + std::min(b, count - 1) * width, rates, b < count, all[b / lane_count],
              b % lane_count);
   return all;
 }
@@ -46,24 +46,22 @@ GravityField evaluate_gravity_direct(const Comm& comm, double constant,
                                      std::span<const Vec3> velocity) {
   const std::size_t owned = mass.size();
   const bool rates = comm.any(!velocity.empty());
-  std::vector<double> rows(owned * body_width);
-  for (std::size_t b = 0; b < owned; ++b) {
-    double* row = rows.data() + b * body_width;
-    Vec3::Map(row) = position[b];
-    Vec3::Map(row + 3) = rates ? velocity[b] : Vec3::Zero();
-    row[6] = mass[b];
-  }
+  const std::size_t width = body_width(rates);
+  std::vector<double> rows(owned * width);
+  for (std::size_t b = 0; b < owned; ++b)
+    write_body(position[b], mass[b], rates ? &velocity[b] : nullptr, rows.data() + b * width);
   rows = comm.all_gather(rows);
-  std::vector<Eight> all = pack(rows);
+  std::vector<Eight> all = pack(rows, rates);
   if (rates)
     attract_share<true>(comm, all);
   else
     attract_share<false>(comm, all);
 
-  const std::size_t count = rows.size() / body_width;
-  std::vector<double> sums(count * felt_width);
+  const std::size_t count = rows.size() / width;
+  const std::size_t felt = felt_width(rates);
+  std::vector<double> sums(count * felt);
   for (std::size_t b = 0; b < count; ++b)
-    get_felt(all[b / lane_count], b % lane_count, sums.data() + b * felt_width);
+    get_felt(all[b / lane_count], b % lane_count, rates, sums.data() + b * felt);
   comm.sum(sums);
 
   GravityField field;
@@ -74,7 +72,7 @@ GravityField evaluate_gravity_direct(const Comm& comm, double constant,
   // d/dt of d/d^3 is (1 - 3 n n^T) dv / d^3, and that matrix stretches by at most 2.
   const double bound = 2 * (1 + estimate_error);
   for (std::size_t b = 0; b < owned; ++b) {
-    const double* row = sums.data() + (first + b) * felt_width;
+    const double* row = sums.data() + (first + b) * felt;
     field.acceleration[b] = constant * Vec3::Map(row);
     field.potential[b] = -constant * row[3];
     if (rates) field.rate[b] = constant * bound * row[4];

@@ -221,26 +221,44 @@ class Walk {
                                [&](Index half) { return is_needed(cell, rank, half); });
   }
 
-  enum class Content { closed, halves, bodies };
+  enum class Content : char { closed, halves, bodies };
 
-  /// Appends what `rank` needs to know about the inside of cell `c`.
-  void pack(Index c, int rank, std::vector<double>& message) {
+  /// What a message holds, so that memory is taken once.
+  struct Contents {
+    std::vector<Content> of_cells;  // in the order of the descent
+    std::size_t halves = 0, eights = 0;
+  };
+
+  /// What `rank` needs to know about the inside of cell `c`.
+  void choose(Index c, int rank, Contents& chosen) const {
     const Cell& cell = tree_.cells[c];
     const Content content = !is_needed(cell, rank) ? Content::closed
                             : cell.inner()         ? Content::halves
                                                    : Content::bodies;
+    chosen.of_cells.push_back(content);
+    if (content == Content::bodies) chosen.eights += cell.count;
+    if (content == Content::halves) {
+      chosen.halves += 2;
+      for (Index half : cell.children) choose(half, rank, chosen);
+    }
+  }
+
+  /// Appends it.
+  void pack(Index c, const Content*& chosen, std::vector<double>& message) {
+    const Cell& cell = tree_.cells[c];
+    const Content content = *chosen++;
     message.push_back(static_cast<double>(content));
     if (content == Content::halves)
       for (Index half : cell.children) {
         const Cell& part = tree_.cells[half];
         message.insert(message.end(), moments_[half].row.begin(), moments_[half].row.end());
         message.insert(message.end(), {part.radius, part.pull, std::bit_cast<double>(part.key)});
-        pack(half, rank, message);
+        pack(half, chosen, message);
       }
     if (content == Content::bodies) {
       message.push_back(cell.count);
       for (const Eight& e : eights(cell))
-        for (const Lanes* field : {&e.x, &e.y, &e.z, &e.vx, &e.vy, &e.vz, &e.mass})
+        for (const Lanes* field : sent_fields(e))
           for (std::size_t k = 0; k < lane_count; ++k) message.push_back((*field)[k]);
     }
   }
@@ -269,10 +287,39 @@ class Walk {
       cell.count = static_cast<Index>(*message++);
       for (Index n = 0; n < cell.count; ++n) {
         Eight& e = others_.emplace_back();
-        for (Lanes* field : {&e.x, &e.y, &e.z, &e.vx, &e.vy, &e.vz, &e.mass})
+        for (Lanes* field : sent_fields(e))
           for (std::size_t k = 0; k < lane_count; ++k) (*field)[k] = *message++;
       }
     }
+    return message;
+  }
+
+  /// Lanes of bodies that other ranks are told.
+  template <class E>
+  static auto sent_fields(E& e) {
+    if constexpr (rates)
+      return std::array{&e.x, &e.y, &e.z, &e.mass, &e.vx, &e.vy, &e.vz};
+    else
+      return std::array{&e.x, &e.y, &e.z, &e.mass};
+  }
+
+  /// How many cells and eights come, then what is inside of this rank's top cells.
+  std::vector<double> message_to(int rank) {
+    Contents chosen;
+    const auto for_each_top = [&](auto&& f) {
+      for (Index c = 0; c < tree_.top; ++c)
+        if (tree_.owner[c] == comm_.rank) f(c);
+    };
+    for_each_top([&](Index c) { choose(c, rank, chosen); });
+    std::vector<double> message;
+    constexpr std::size_t lanes_sent =
+        std::tuple_size_v<decltype(sent_fields(std::declval<Eight&>()))>;
+    message.reserve(2 + 2 * chosen.of_cells.size() + chosen.halves * (Row::width + 3) +
+                    chosen.eights * lanes_sent * lane_count);
+    message.push_back(static_cast<double>(chosen.halves));
+    message.push_back(static_cast<double>(chosen.eights));
+    const Content* next = chosen.of_cells.data();
+    for_each_top([&](Index c) { pack(c, next, message); });
     return message;
   }
 
@@ -280,12 +327,21 @@ class Walk {
     if (comm_.size == 1) return;
     std::vector<std::vector<double>> messages(comm_.size);
     for (int r = 0; r < comm_.size; ++r)
-      for (Index c = 0; r != comm_.rank && c < tree_.top; ++c)
-        if (tree_.owner[c] == comm_.rank) pack(c, r, messages[r]);
+      if (r != comm_.rank) messages[r] = message_to(r);
     messages = comm_.exchange(messages);
+    std::size_t cells = tree_.cells.size(), others = 0;
+    for (const auto& message : messages)
+      if (!message.empty()) {
+        cells += static_cast<std::size_t>(message[0]);
+        others += static_cast<std::size_t>(message[1]);
+      }
+    tree_.cells.reserve(cells);
+    moments_.reserve(cells);
+    others_.reserve(others);
     for (int r = 0; r < comm_.size; ++r) {
-      const double* message = messages[r].data();
-      for (Index c = 0; r != comm_.rank && c < tree_.top; ++c)
+      if (r == comm_.rank) continue;
+      const double* message = messages[r].data() + 2;
+      for (Index c = 0; c < tree_.top; ++c)
         if (tree_.owner[c] == r) message = unpack(c, message);
     }
   }
@@ -370,9 +426,9 @@ TreeSettings tree_settings(double accuracy) {
 GravityField evaluate_gravity_tree(const Comm& comm, double constant, const TreeSettings& settings,
                                    std::span<const double> mass, std::span<const Vec3> position,
                                    std::span<const Vec3> velocity) {
-  const bool rates = comm.any(!velocity.empty());
   Octree tree = grow_octree(comm, mass, position, velocity, settings.leaf_size, settings.reach());
   if (tree.cells.empty()) return {};
+  const bool rates = tree.rates;
   const auto walk = [&]<int P>(std::integral_constant<int, P>) {
     if (rates)
       Walk<P, true>(comm, tree, settings.opening, settings.accuracy).run();
@@ -395,10 +451,16 @@ GravityField evaluate_gravity_tree(const Comm& comm, double constant, const Tree
 
   GravityField field;
   const double bound = 2 * (1 + 2 * estimate_error);  // see gravity_direct.cpp
-  for (const Octree::Felt& felt : tree.take_felt(comm)) {
-    field.acceleration.push_back(constant * felt.pull);
-    field.potential.push_back(-constant * felt.potential);
-    if (rates) field.rate.push_back(constant * bound * felt.rate);
+  const std::vector<double> felt = tree.take_felt(comm);
+  field.acceleration.resize(mass.size());
+  field.potential.resize(mass.size());
+  field.rate.resize(rates ? mass.size() : 0);
+  for (std::size_t k = 0; k < mass.size(); ++k) {
+    const double* row = felt.data() + k * felt_width(rates);
+    const Index b = tree.went_row[k];
+    field.acceleration[b] = constant * Vec3::Map(row);
+    field.potential[b] = -constant * row[3];
+    if (rates) field.rate[b] = constant * bound * row[4];
   }
   return field;
 }

@@ -89,7 +89,8 @@ std::vector<KeyedRow> sorted_keys(std::size_t count, auto&& position_of, double 
   std::vector<KeyedRow> rows(count);
   for (std::size_t b = 0; b < count; ++b)
     rows[b] = {morton_key(position_of(b), half), static_cast<Index>(b)};
-  radix_sort(rows);
+  // Bodies that came from one rank only are in order.
+  if (!std::ranges::is_sorted(rows, {}, &KeyedRow::key)) radix_sort(rows);
   return rows;
 }
 
@@ -260,7 +261,8 @@ class RoughField {
 struct Builder {
   Octree& tree;
   std::span<const KeyedRow> rows;
-  std::span<const double> bodies;  // body_width each
+  std::span<const double> bodies;
+  std::size_t width;  // of a row of them
   const RoughField& rough;
   std::size_t leaf_size;
   double reach;
@@ -301,10 +303,10 @@ struct Builder {
     Vec3 low = Vec3::Constant(infinity), high = -low;
     double mass = 0;
     for (std::size_t k = begin; k < end; ++k) {
-      const double* body = bodies.data() + std::size_t{body_width} * rows[k].row;
+      const double* body = bodies.data() + width * rows[k].row;
       low = low.cwiseMin(Vec3::Map(body));
       high = high.cwiseMax(Vec3::Map(body));
-      mass += body[6];
+      mass += body[3];
     }
     const RoughField::Sample field = rough.at((low + high) / 2, stretch);
     cell.pull = field.pull;
@@ -323,11 +325,11 @@ struct Builder {
   void fill_leaf(const Cell& cell, std::size_t begin, std::size_t end) {
     for (std::size_t k = 0; k < cell.count * lane_count; ++k) {
       const Index b = rows[std::min(begin + k, end - 1)].row;
-      const double* body = bodies.data() + std::size_t{body_width} * b;
+      const double* body = bodies.data() + width * b;
       Eight& eight = tree.eights[cell.first + k / lane_count];
       const std::size_t lane = k % lane_count;
       const bool present = begin + k < end;
-      put_body(body, present, eight, lane);
+      put_body(body, tree.rates, present, eight, lane);
       if (present)
         tree.place[b] = static_cast<Index>((cell.first + k / lane_count) * lane_count + lane);
     }
@@ -367,27 +369,26 @@ Octree grow_octree(const Comm& comm, std::span<const double> mass, std::span<con
           static_cast<int>(first_at(rows, top[s].high) - first_at(rows, top[s].low));
   check_mpi(MPI_Alltoall(tree.went.data(), 1, MPI_INT, tree.came.data(), 1, MPI_INT, comm.raw),
             "MPI_Alltoall");
-  std::vector<double> going(rows.size() * body_width);
+  tree.rates = comm.any(!velocity.empty());
+  const std::size_t width = body_width(tree.rates);
+  std::vector<double> going(rows.size() * width);
   tree.went_row.resize(rows.size());
   for (std::size_t k = 0; k < rows.size(); ++k) {
     const Index b = tree.went_row[k] = rows[k].row;
-    double* row = going.data() + k * body_width;
-    Vec3::Map(row) = position[b] - cube.center;
-    Vec3::Map(row + 3) = velocity.empty() ? Vec3::Zero() : velocity[b];
-    row[6] = mass[b];
+    write_body(position[b] - cube.center, mass[b], tree.rates ? &velocity[b] : nullptr,
+               going.data() + k * width);
   }
   rows = {};
   const std::vector<double> here =
-      exchange_rows(comm, std::move(going), tree.went, tree.came, body_width);
+      exchange_rows(comm, std::move(going), tree.went, tree.came, body_width(tree.rates));
 
   // Cells below the stretches that are this rank's.
-  const std::size_t count = here.size() / body_width;
+  const std::size_t count = here.size() / width;
   const auto own = sorted_keys(
-      count, [&](std::size_t b) -> Vec3 { return Vec3::Map(here.data() + b * body_width); },
-      cube.half);
+      count, [&](std::size_t b) -> Vec3 { return Vec3::Map(here.data() + b * width); }, cube.half);
   tree.place.resize(count);
   tree.cells.reserve(top.size() + 4 * count / leaf_size);
-  Builder builder{tree, own, here, rough, static_cast<std::size_t>(leaf_size), reach};
+  Builder builder{tree, own, here, width, rough, static_cast<std::size_t>(leaf_size), reach};
   for (std::size_t s = 0; s < top.size(); ++s) {
     if (tree.owner[s] == comm.rank)
       builder.grow(static_cast<Index>(s), first_at(own, top[s].low), first_at(own, top[s].high));
@@ -397,18 +398,13 @@ Octree grow_octree(const Comm& comm, std::span<const double> mass, std::span<con
   return tree;
 }
 
-std::vector<Octree::Felt> Octree::take_felt(const Comm& comm) {
-  std::vector<double> rows(place.size() * felt_width);
+std::vector<double> Octree::take_felt(const Comm& comm) {
+  const std::size_t width = felt_width(rates);
+  std::vector<double> rows(place.size() * width);
   for (std::size_t b = 0; b < place.size(); ++b)
-    get_felt(eights[place[b] / lane_count], place[b] % lane_count, rows.data() + b * felt_width);
+    get_felt(eights[place[b] / lane_count], place[b] % lane_count, rates, rows.data() + b * width);
   eights = {};
-  rows = exchange_rows(comm, std::move(rows), came, went, felt_width);
-  std::vector<Felt> result(went_row.size());
-  for (std::size_t k = 0; k < went_row.size(); ++k) {
-    const double* row = rows.data() + k * felt_width;
-    result[went_row[k]] = {Vec3::Map(row), row[3], row[4]};
-  }
-  return result;
+  return exchange_rows(comm, std::move(rows), came, went, felt_width(rates));
 }
 
 }  // namespace spall

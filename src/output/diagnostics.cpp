@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "spall/output/diagnostics.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -10,7 +11,7 @@ namespace spall {
 Diagnostics diagnose(const World& world) {
   const Bodies& bodies = world.bodies;
   Diagnostics d;
-  double translation = 0, rotation = 0;
+  double translation = 0, rotation = 0, squares = 0;
   Vec3 moment = Vec3::Zero();
   for (Index b = 0; b < bodies.owned; ++b) {
     const double m = bodies.mass[b];
@@ -19,6 +20,7 @@ Diagnostics diagnose(const World& world) {
     const double inertia = 0.4 * m * bodies.radius[b] * bodies.radius[b];
     d.mass += m;
     moment += m * x;
+    squares += m * x.squaredNorm();
     d.momentum += m * v;
     d.angular_momentum += m * x.cross(v) + inertia * bodies.angular_velocity[b];
     d.momentum_scale += m * v.norm();
@@ -26,7 +28,7 @@ Diagnostics diagnose(const World& world) {
     translation += m * v.squaredNorm() / 2;
     rotation += inertia * bodies.angular_velocity[b].squaredNorm() / 2;
   }
-  std::array<double, 17> sums{d.mass,
+  std::array<double, 18> sums{d.mass,
                               moment[0],
                               moment[1],
                               moment[2],
@@ -42,10 +44,13 @@ Diagnostics diagnose(const World& world) {
                               rotation,
                               world.ledger.dissipated,
                               world.ledger.cohesion_work,
-                              world.ledger.corrections};
+                              world.ledger.corrections,
+                              squares};
   world.comm.sum(sums);
   d.mass = sums[0];
   d.centre = d.mass > 0 ? Vec3(Vec3(sums[1], sums[2], sums[3]) / d.mass) : Vec3::Zero();
+  if (d.mass > 0)
+    d.gyration_radius = std::sqrt(std::max(0.0, sums[17] / d.mass - d.centre.squaredNorm()));
   d.momentum = {sums[4], sums[5], sums[6]};
   d.angular_momentum = {sums[7], sums[8], sums[9]};
   d.momentum_scale = sums[10];

@@ -106,8 +106,9 @@ Rows rows_in_rank_order(const Comm& comm, std::size_t count) {
 }
 
 Rows equal_rows(int rank, int ranks, hsize_t total) {
-  const hsize_t begin = total * rank / ranks;
-  return {begin, total * (rank + 1) / ranks - begin, total};
+  const auto all = static_cast<std::int64_t>(total);
+  const std::int64_t begin = part_begin(all, rank, ranks), end = part_begin(all, rank + 1, ranks);
+  return {static_cast<hsize_t>(begin), static_cast<hsize_t>(end - begin), total};
 }
 
 File::File(Handle file, const Comm* comm, std::string path)

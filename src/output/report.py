@@ -1,6 +1,7 @@
 # One page about a run: pictures, curves and the table of results, from the folder that it wrote.
 # SPDX-License-Identifier: BSD-3-Clause
 import base64
+import glob
 import html
 import io
 import os
@@ -37,6 +38,17 @@ class Frame:
                      self.mass[keep])
 
 
+class GravityMap:
+    """Gravity's field on a grid of points, as a snapshot holds it: indices are x, y, z."""
+
+    def __init__(self, group):
+        self.counts = group["counts"][:]
+        self.low, self.spacing = np.ravel(group["low"]), float(group["spacing"][0])
+        shape = tuple(self.counts[::-1])
+        self.potential = group["potential"][:].reshape(shape).T
+        self.acceleration = np.moveaxis(group["acceleration"][:].reshape(*shape, 3).T, 0, -1)
+
+
 class Run:
     """What a run left in its folder."""
 
@@ -54,6 +66,10 @@ class Run:
             if self.impactor >= 0:
                 there = ~np.isnan(all_bodies["position/value"][:, count, 0])
                 self.before = self.frame(all_bodies, int(np.argmax(there)) - 1, time)
+        self.gravity = None
+        with h5py.File(sorted(glob.glob(os.path.join(folder, "snapshots", "*.h5")))[-1]) as file:
+            if "fields/gravity" in file:
+                self.gravity = GravityMap(file["fields/gravity"])
         self.has_impact = self.impactor >= 0
         self.flight = np.array([1.0, 0, 0])
         self.impactor_text = ""
@@ -279,6 +295,11 @@ def main(folder):
                        "Left: bodies behind the plane of the cut, coloured by speed; arrows: "
                        "velocity in the plane of the bodies next to it, length as the root of the "
                        "speed. Right: how many bodies have which speed, and velocity against place."))
+    if run.gravity and sorted(run.gravity.counts)[1] > 1:
+        body.append("<h2>Gravity</h2>" + figure(
+            "gravity", figures.gravity(run),
+            "Potential and pull of the bodies in the middle plane of the map; circles: bodies that "
+            "it cuts; arrows: where the pull points."))
     deflection = run.results.get("deflection", {})
     if len(run.results.get("read_out", {}).get("dv", [])) > 0:
         lines = [(deflection[key], name) for key, name in (("dv_plastic", "m v / M"),

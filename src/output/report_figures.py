@@ -199,6 +199,39 @@ def series(run, parts):
     return figure
 
 
+def gravity(run):
+    """Potential and pull in the middle plane of the map, across its shortest side."""
+    grid, names = run.gravity, "xyz"
+    across = int(np.argmin(grid.counts))
+    right, up = (k for k in range(3) if k != across)
+    middle = grid.counts[across] // 2
+    level = grid.low[across] + grid.spacing * middle
+    x, y = (grid.low[k] + grid.spacing * np.arange(grid.counts[k]) for k in (right, up))
+    potential, pull = (np.swapaxes(np.take(values, middle, axis=across), 0, 1)  # rows go up
+                       for values in (grid.potential, grid.acceleration))
+    size = np.linalg.norm(pull, axis=-1)
+    apart = run.after.position[:, across] - level
+    cut = np.sqrt(np.maximum(run.after.radius**2 - apart**2, 0))
+    figure, axes = plt.subplots(1, 2, figsize=(12, 5.4), layout="constrained")
+    for panel, values, name in ((axes[0], potential * 1e3, "potential (mJ/kg)"),
+                                (axes[1], size * 1e6, "pull (µm/s²)")):
+        image = panel.contourf(x, y, values, 24, cmap="viridis")
+        panel.contour(x, y, values, 12, colors="white", linewidths=0.5, alpha=0.6)
+        figure.colorbar(image, ax=panel, label=name, shrink=0.85).outline.set_visible(False)
+        panel.set(aspect="equal", xlabel=f"{names[right]} (m)", ylabel=f"{names[up]} (m)")
+        panel.grid(False)
+        for b in np.flatnonzero(cut):
+            panel.add_patch(plt.Circle(run.after.position[b, [right, up]], cut[b], fill=False,
+                                       lw=0.4, color="white", alpha=0.7))
+        panel.set(xlim=x[[0, -1]], ylim=y[[0, -1]])
+    every = slice(None, None, max(1, max(len(x), len(y)) // 24))
+    arrows = (pull / np.maximum(size, 1e-300)[..., None])[every, every]
+    axes[1].quiver(x[every], y[every], arrows[..., right], arrows[..., up], color="white", scale=36,
+                   width=0.0025)
+    axes[0].set_title(f"Plane {names[across]} = {level:.3g} m, {run.name_of(run.after)}")
+    return figure
+
+
 def stage_times(seconds):
     """Share of each stage of the steps."""
     total = sum(seconds.values())

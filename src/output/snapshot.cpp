@@ -93,7 +93,12 @@ void write_frames(h5::File& file, const std::string& field, std::string& first,
 
 SnapshotWriter::SnapshotWriter(Comm comm, std::string folder, const Case& scene,
                                std::int64_t resume_step)
-    : comm_(comm), folder_(std::move(folder)), case_text_(scene.text), title_(scene.title) {
+    : comm_(comm),
+      folder_(std::move(folder)),
+      case_text_(scene.text),
+      title_(scene.title),
+      gravity_(scene.gravity),
+      map_(scene.gravity_map) {
   make_folder(comm_, folder_ + "/snapshots");
   find_written(resume_step);
 }
@@ -143,6 +148,7 @@ void SnapshotWriter::write(const Bodies& bodies, std::int64_t step, double time)
     if (unit_of(field)) file.attribute(dataset(field), "unit", unit_of(field));
     if (!fixed) write_frames(file, field, first, std::array{step}, std::array{time});
   });
+  if (map_) write_gravity(file, bodies);
   file.close();
   put_in_place(comm_, path);
 
@@ -150,6 +156,19 @@ void SnapshotWriter::write(const Bodies& bodies, std::int64_t step, double time)
   // The index names all snapshots: written for each of them it would cost the square of their
   // number, written for each twentieth part more it costs as much as they do.
   if (written_.size() - indexed_ > written_.size() / 20) write_index();
+}
+
+void SnapshotWriter::write_gravity(h5::File& file, const Bodies& bodies) const {
+  const GravityMap map = map_gravity(comm_, gravity_, bodies, *map_);
+  const auto rows = h5::equal_rows(comm_.rank, comm_.size, static_cast<hsize_t>(map_->total()));
+  const std::string group = "/fields/gravity/";
+  file.write<std::int64_t>(group + "counts", map_->counts);
+  file.write<Vec3>(group + "low", std::array{map_->low});
+  file.write<double>(group + "spacing", std::array{map_->spacing});
+  file.write<double>(group + "potential", map.potential, rows);
+  file.attribute(group + "potential", "unit", "J kg-1");
+  file.write<Vec3>(group + "acceleration", map.acceleration, rows);
+  file.attribute(group + "acceleration", "unit", "m s-2");
 }
 
 void SnapshotWriter::write_index() {

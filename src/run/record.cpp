@@ -34,6 +34,7 @@ void for_each_column(double phase, double contacts, const Balance& b, const Step
   f("momentum_drift", b.momentum_drift);
   f("angular_drift", b.angular_momentum_drift);
   f("rms_speed", sums.rms_speed);
+  f("gyration_radius", sums.gyration_radius);
   f("residual", solver.residual);
   f("residual_prox", solver.residual_prox);
   f("residual_max", solver.residual_max);

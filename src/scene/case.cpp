@@ -133,6 +133,19 @@ void read_phase(Section& in, Phase& phase, const SolverSettings& solver) {
     phase.solver = changed;
 }
 
+std::optional<Grid> read_gravity_map(Section& in) {
+  Vec3 center = Vec3::Zero(), size = Vec3::Zero();
+  double spacing = 0;
+  const auto read = [&](Section& s) {
+    s.take("center", "of the box of points", center, any(length));
+    s.need("size", "full widths of the box; 0 for a plane, a line", size, not_negative(length));
+    s.need("spacing", "of the points", spacing, positive(length));
+    s.check("spacing", size.maxCoeff() <= 1e5 * spacing, "is less than a 1e5th of size");
+  };
+  if (!in.table("map", "gravity's field on a grid of points, in each snapshot", read)) return {};
+  return Grid::in_box(center, size, spacing);
+}
+
 void read_case_keys(Section& in, Case& scene) {
   const std::string folder = std::filesystem::path(scene.file).parent_path().string();
   std::int64_t seed = 1;
@@ -175,6 +188,9 @@ void read_case_keys(Section& in, Case& scene) {
            scene.gravity.refresh, not_negative(number));
     s.take("constant", "of gravity", scene.gravity.constant, positive(gravitational_constant));
     s.take("uniform", "field beside self-gravity", scene.uniform_gravity, any(acceleration));
+    scene.gravity_map = read_gravity_map(s);
+    s.check("map", !scene.gravity_map || scene.gravity.method != GravityMethod::none,
+            "needs a method of self-gravity");
   });
   in.table("solver", "of contact impulses", [&](Section& s) { read_solver(s, scene.solver); });
   in.tables("phases", "[[phases]]: in the order in which they run",

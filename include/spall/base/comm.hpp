@@ -41,6 +41,11 @@ struct Comm {
       const std::vector<std::vector<std::int64_t>>& outgoing) const;
 };
 
+/// The first of `total` rows that part `part` of `parts` nearly equal ones holds.
+constexpr std::int64_t part_begin(std::int64_t total, int part, int parts) {
+  return total / parts * part + total % parts * part / parts;
+}
+
 /// MPI and PETSc, started and ended. Lives outside the `try` of `main`: an exception on one rank
 /// must reach `abort_all` before any rank waits in MPI_Finalize.
 class Session {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <span>
 
+#include "spall/base/types.hpp"
 #include "spall/force/lanes.hpp"
 
 namespace spall {
@@ -20,27 +21,38 @@ struct Eight {
   Pull pull;
 };
 
-/// Bodies and what they feel as they travel between ranks.
-inline constexpr int body_width = 7;  ///< doubles: position, velocity, mass
-inline constexpr int felt_width = 5;  ///< doubles: sums of m d/d^3, m/d, m |dv|/d^3
+/// Bodies and what they feel as they travel between ranks: doubles in a row.
+constexpr int body_width(bool rates) {
+  return rates ? 7 : 4;  // position, mass, velocity
+}
+constexpr int felt_width(bool rates) {
+  return rates ? 5 : 4;  // sums of m d/d^3, m/d, m |dv|/d^3
+}
+
+/// Without a velocity the row is the narrow one.
+inline void write_body(const Vec3& position, double mass, const Vec3* velocity, double* row) {
+  Vec3::Map(row) = position;
+  row[3] = mass;
+  if (velocity) Vec3::Map(row + 4) = *velocity;
+}
 
 /// A body into its place; `present` false makes it massless, a copy that fills up its eight.
-inline void put_body(const double* row, bool present, Eight& eight, std::size_t lane) {
+inline void put_body(const double* row, bool rates, bool present, Eight& eight, std::size_t lane) {
   eight.x[lane] = row[0];
   eight.y[lane] = row[1];
   eight.z[lane] = row[2];
-  eight.vx[lane] = row[3];
-  eight.vy[lane] = row[4];
-  eight.vz[lane] = row[5];
-  eight.mass[lane] = present ? row[6] : 0.0;
+  eight.mass[lane] = present ? row[3] : 0.0;
+  eight.vx[lane] = rates ? row[4] : 0.0;
+  eight.vy[lane] = rates ? row[5] : 0.0;
+  eight.vz[lane] = rates ? row[6] : 0.0;
 }
 
-inline void get_felt(const Eight& eight, std::size_t lane, double* row) {
+inline void get_felt(const Eight& eight, std::size_t lane, bool rates, double* row) {
   row[0] = eight.pull.x[lane];
   row[1] = eight.pull.y[lane];
   row[2] = eight.pull.z[lane];
   row[3] = eight.pull.potential[lane];
-  row[4] = eight.pull.rate[lane];
+  if (rates) row[4] = eight.pull.rate[lane];
 }
 
 /// The bodies of `is` feel those of all `sources`; with `mutual` those also feel the bodies of

@@ -47,13 +47,11 @@ struct Octree {
   Index top = 0;
   std::vector<int> owner;     ///< of the top cells without children there; -1 of the others
   std::vector<Eight> eights;  ///< bodies of own leaves
-  /// What bodies feel, back at the rows they came from; `eights` are given up. Collective.
-  struct Felt {
-    Vec3 pull;
-    double potential, rate;
-  };
-  std::vector<Felt> take_felt(const Comm& comm);
+  /// What bodies feel, back on the ranks they came from: row k, of `felt_width`, is of the body
+  /// `went_row[k]`. `eights` are given up. Collective.
+  std::vector<double> take_felt(const Comm& comm);
 
+  bool rates = false;  ///< bodies have velocities
   std::vector<Index> place;     ///< of each body that came: 8 * eight + lane
   std::vector<int> came, went;  ///< bodies from and to each rank
   std::vector<Index> went_row;  ///< rows in the order in which they went

@@ -10,6 +10,7 @@ namespace spall {
 struct Diagnostics {
   double mass = 0;                       ///< kg
   Vec3 centre = Vec3::Zero();            ///< m, of mass
+  double gyration_radius = 0;            ///< m, rms distance of the mass from its centre
   Vec3 momentum = Vec3::Zero();          ///< kg m/s
   Vec3 angular_momentum = Vec3::Zero();  ///< kg m^2/s, about the origin, spins included
   double momentum_scale = 0;             ///< kg m/s, sum of m |v|

@@ -12,6 +12,10 @@
 
 namespace spall {
 
+namespace h5 {
+class File;
+}
+
 /// Writes, into `folder`,
 ///   snapshots/000000.h5 …   one H5MD 1.1 file a snapshot, written by all ranks together; row k of
 ///                           every dataset is body k on any number of ranks
@@ -29,7 +33,9 @@ class SnapshotWriter {
   /// `resume_step`. Collective.
   SnapshotWriter(Comm comm, std::string folder, const Case& scene, std::int64_t resume_step = -1);
 
-  /// Ids of the owned bodies of all ranks are 0 … N-1, in any distribution. Collective.
+  /// Ids of the owned bodies of all ranks are 0 … N-1, in any distribution. Where the case asks for
+  /// a map of gravity, the file holds it as /fields/gravity: potential and acceleration, row k at
+  /// point k of the grid, whose counts, low corner (m) and spacing (m) are there too. Collective.
   void write(const Bodies& bodies, std::int64_t step, double time);
   /// Brings the trajectory up to the last snapshot: for the end of a run.
   void write_index();
@@ -41,6 +47,7 @@ class SnapshotWriter {
     std::int64_t rows;
   };
   void find_written(std::int64_t resume_step);
+  void write_gravity(h5::File& file, const Bodies& bodies) const;
   void write_trajectory() const;
   void write_xdmf() const;
 
@@ -48,6 +55,8 @@ class SnapshotWriter {
   std::string folder_;
   std::string case_text_;
   std::string title_;
+  GravitySettings gravity_;
+  std::optional<Grid> map_;
   std::vector<Written> written_;  // the same on all ranks
   std::size_t indexed_ = 0;       // how many of them the index has
 };

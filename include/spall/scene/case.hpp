@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "spall/analysis/gravity_map.hpp"
 #include "spall/base/types.hpp"
 #include "spall/force/gravity.hpp"
 #include "spall/force/pair_potential.hpp"
@@ -155,6 +156,7 @@ struct Case {
   std::vector<Plane> planes;
   GravitySettings gravity;
   Vec3 uniform_gravity = Vec3::Zero();  ///< m/s^2
+  std::optional<Grid> gravity_map;      ///< where snapshots have gravity's field
   SolverSettings solver;
   std::vector<Phase> phases;
   OutputSettings output;
