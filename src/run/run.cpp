@@ -19,6 +19,7 @@
 #include "spall/output/results.hpp"
 #include "spall/output/series.hpp"
 #include "spall/output/snapshot.hpp"
+#include "spall/output/stored_bodies.hpp"
 #include "spall/run/debris_log.hpp"
 #include "spall/run/progress.hpp"
 #include "spall/run/record.hpp"
@@ -77,6 +78,7 @@ class Run {
       carried() = from->contacts;
       load(from->scalars);
     } else {
+      progress_.say(describe_bodies(scene));
       world_.bodies = make_bodies(scene, comm);
     }
     for (const auto& stage : stages) world_.times[stage] += 0;
@@ -84,7 +86,7 @@ class Run {
 
   bool go() {
     SignalGuard guard;
-    progress_.say(describe(scene_));
+    progress_.say(describe_phases(scene_));
     while (clock_.phase < static_cast<std::int64_t>(scene_.phases.size())) {
       if (clock_.step_in_phase == 0) begin_phase();
       if (!run_phase()) return false;
@@ -384,7 +386,7 @@ class Run {
     ++clock_.phase;
     clock_.step_in_phase = 0;
     clock_.time_in_phase = 0;
-    if (clock_.phase < static_cast<std::int64_t>(scene_.phases.size())) save(file);
+    save(file);
   }
 
   std::string restart_file() const { return folder_ + "/restart.h5"; }
@@ -502,7 +504,7 @@ class Run {
 }  // namespace
 
 bool run_case(const Comm& comm, const Case& scene, const std::string& folder) {
-  return Run(comm, scene, folder, nullptr).go();
+  return Run(comm, with_stored_bodies(scene), folder, nullptr).go();
 }
 
 bool resume_case(const Comm& comm, const std::string& file, const std::string& folder,
