@@ -70,10 +70,6 @@ settled_speed = "0.2 mm/s"
   return file;
 }
 
-double mass_of_pile() {
-  return 200 * 2000 * 4 * pi / 3;
-}
-
 std::string group(const std::string& name, const std::string& volume, const std::string& more) {
   return fmt::format(R"(
 [[groups]]
