@@ -102,7 +102,7 @@ def main(folder):
         table.main([str(path.parent) for path in paths if path.parent.name.startswith("seed1-")])
     commit = subprocess.run(["git", "describe", "--always", "--dirty"], capture_output=True, text=True, check=False).stdout.strip()
     (HERE / "results.md").write_text("# Didymoon: the impacts, beside the thesis\n"
-                                     f"Written by `jobs/didymoon_sweep.sh` at commit {commit}; the tables after the first are seed 1.\n\n"
+                                     f"Written by `jobs/didymoon_sweep.sh`, drawn at commit {commit}; the tables after the first are seed 1.\n\n"
                                      + text_of_tables.getvalue())
 
 
