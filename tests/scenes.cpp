@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "spall/analysis/clumps.hpp"
 #include "spall/base/require.hpp"
 #include "spall/output/restart.hpp"
 #include "spall/output/stored_bodies.hpp"
@@ -70,6 +71,58 @@ settled_speed = "0.2 mm/s"
   return file;
 }
 
+double density_of_pile() {  // bulk
+  static const double packing =
+      toml::parse_file((std::filesystem::path(settled_pile()).parent_path() / "results.toml")
+                           .string())["pile"]["packing_fraction"]
+          .value<double>()
+          .value();
+  return 2000 * packing;
+}
+
+/// All bodies at the end of a run's last phase, by id.
+Bodies bodies_after(const std::string& name, const std::string& phase) {
+  const Comm self(MPI_COMM_SELF);
+  Bodies rows = read_restart(self, folder_of(name) + "/after_" + phase + ".h5").bodies;
+  Bodies bodies = rows;
+  for_each_field(bodies, [&](const std::string& field, auto& values) {
+    for_each_field(rows, [&](const std::string& other, const auto& from) {
+      if constexpr (std::is_same_v<decltype(from), const std::decay_t<decltype(values)>&>)
+        if (field == other)
+          for (Index b = 0; b < rows.owned; ++b) values[rows.id[b]] = from[b];
+    });
+  });
+  return bodies;
+}
+
+/// Mass of the largest set of bodies in touch, without `primary`.
+Clump largest_clump(const Bodies& bodies, std::vector<BodyId>& name, BodyId primary) {
+  const Comm self(MPI_COMM_SELF);
+  Links links;
+  for (Index i = 0; i < bodies.owned; ++i)
+    for (Index j = i + 1; j < bodies.owned; ++j)
+      if ((bodies.position[i] - bodies.position[j]).norm() <
+          bodies.radius[i] + bodies.radius[j] + 0.01) {
+        links.i.push_back(i);
+        links.j.push_back(j);
+      }
+  name = find_clumps(self, Ghosts(), bodies, links);
+  if (primary >= 0) name[primary] = -1;
+  return weigh_clumps(self, bodies, name, 1).largest.at(0);
+}
+
+double mass_in_touch(const Bodies& bodies) {
+  std::vector<BodyId> name;
+  return largest_clump(bodies, name, -1).mass;
+}
+
+/// The same with what its gravity holds.
+double largest_remnant(const Bodies& bodies, BodyId primary = -1) {
+  std::vector<BodyId> name;
+  const Clump largest = largest_clump(bodies, name, primary);
+  return add_bound_bodies(Comm(MPI_COMM_SELF), bodies, G, largest, name).mass;
+}
+
 std::string group(const std::string& name, const std::string& volume, const std::string& more) {
   return fmt::format(R"(
 [[groups]]
@@ -82,59 +135,111 @@ packing = {{kind = "file", file = "{}"}}
                      name, volume, settled_pile(), more);
 }
 
-TEST(StoredPile, is_placed_spun_carved_and_weighed_as_asked) {
-  const Comm self(MPI_COMM_SELF);
-  const std::string phase = "[[phases]]\nname = \"x\"\nstep = 1\nduration = 1\n";
-  const Case whole = with_stored_bodies(
-      parse_case(rock +
-                     group("a", "radius = 100, center = [1000, 0, 0]",
-                           "velocity = [0, 3, 0]\nspin = [0, 0, 0.01]\ntotal_mass = 5e6") +
-                     phase,
-                 "x.toml"));
-  const Bodies bodies = make_bodies(whole, self);
-  ASSERT_EQ(bodies.owned, 200);
-  double mass = 0;
-  Vec3 center = Vec3::Zero();
-  for (Index b = 0; b < bodies.owned; ++b) {
-    mass += bodies.mass[b];
-    center += bodies.mass[b] * bodies.position[b] / 5e6;
-    const Vec3 arm = bodies.position[b] - Vec3(1000, 0, 0);
-    EXPECT_EQ(bodies.velocity[b], Vec3(-0.01 * arm.y(), 3 + 0.01 * arm.x(), 0));
-    EXPECT_EQ(bodies.angular_velocity[b], Vec3(0, 0, 0.01));
-  }
-  EXPECT_NEAR(mass, 5e6, 1e-6);
-  EXPECT_NEAR((center - Vec3(1000, 0, 0)).norm(), 0, 1e-9);
+constexpr double mass_of_pile = 200 * 2000 * 4 * pi / 3;
 
-  const Case part = with_stored_bodies(parse_case(
-      rock + group("a", "shape = \"ellipsoid\", size = [10, 8, 6]", "") + phase, "x.toml"));
-  const Bodies carved = make_bodies(part, self);
-  Index inside = 0;
-  for (const Vec3& x : bodies.position)
-    inside += ((x - Vec3(1000, 0, 0)).array() / Eigen::Array3d(5, 4, 3)).matrix().norm() <= 1;
-  EXPECT_EQ(carved.owned, inside);
-  EXPECT_GT(inside, 20);
-  EXPECT_DOUBLE_EQ(carved.mass[0], 2000 * 4 * pi / 3);
+TEST(Pull, two_bodies_fall_as_kepler_lets_them) {
+  results_of("pull", std::string(rock) + R"(
+[[groups]]
+name = "pair"
+material = "rock"
+volume = {shape = "box", size = ["200 m", "100 m", "100 m"]}
+packing = {kind = "simple_cubic", radius = "40 m", spacing = "100 m"}
+[[phases]]
+name = "fall"
+step = "10 s"
+duration = "2000 s"
+)");
+  const Bodies pair = bodies_after("pull", "fall");
+  const double x = (pair.position[1] - pair.position[0]).norm() / 100;
+  const double unit = std::sqrt(1e6 / (2 * G * (pair.mass[0] + pair.mass[1])));
+  const double time = unit * (std::sqrt(x * (1 - x)) + std::acos(std::sqrt(x)));
+  EXPECT_NEAR(time, 2000, 0.2);  // a leapfrog of 10 s in a fall of 2283 s to contact
 }
 
-TEST(StoredPile, that_is_not_there_or_none_is_told_with_its_group) {
-  const auto complaint = [](const std::string& file) -> std::string {
-    try {
-      with_stored_bodies(
-          parse_case(std::string(rock) +
-                         "[[groups]]\nname = \"a\"\nmaterial = \"rock\"\nvolume = {radius = 1}"
-                         "\npacking = {kind = \"file\", file = \"" +
-                         file + "\"}\n[[phases]]\nname = \"x\"\nstep = 1\nduration = 1\n",
-                     "x.toml"));
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return "";
+TEST(Merge, below_the_escape_speed_at_least_95_percent_are_one) {
+  // The escape speed at contact is 6 mm/s.
+  const auto results = results_of(
+      "merge",
+      rock + group("target", "radius = 100", "") +
+          group("projectile", "radius = 4, center = [-14, 0, 0]", "velocity = [5e-3, 0, 0]") +
+          "[[phases]]\nname = \"encounter\"\nstep = \"10 s\"\nduration = \"4000 s\"\n");
+  EXPECT_LT(value(results, "conservation", "linear"), 1e-10);
+  EXPECT_LT(value(results, "conservation", "angular"), 1e-10);
+  const Bodies bodies = bodies_after("merge", "encounter");
+  double all = 0;
+  for (double m : bodies.mass) all += m;
+  EXPECT_GT(all, 1.03 * mass_of_pile);
+  EXPECT_GE(largest_remnant(bodies), 0.95 * all);
+}
+
+TEST(Spin, beyond_the_limit_bodies_lift_off_and_below_none) {
+  const double limit = std::sqrt(4 * pi * G * density_of_pile() / 3);  // P = sqrt(3 pi / (G rho))
+  const auto lifted = [&](const std::string& name, double part) {
+    results_of(
+        name, rock + group("pile", "radius = 100", fmt::format("spin = [0, 0, {}]", part * limit)) +
+                  "[[phases]]\nname = \"spinning\"\nstep = \"10 s\"\nduration = \"3000 s\"\n");
+    return 1 - mass_in_touch(bodies_after(name, "spinning")) / mass_of_pile;
   };
-  EXPECT_EQ(complaint("nowhere.h5"), "x.toml:10:1: groups.a: there is no file 'nowhere.h5'");
-  settled_pile();
-  const std::string other = folder_of("pile") + "/results.toml";
-  EXPECT_EQ(complaint(other).find("x.toml:10:1: groups.a: '" + other + "' is not a restart file"),
-            0u);
+  EXPECT_LT(lifted("slow", 0.7), 0.03);  // a pile of 200 has bodies that only lie near others
+  EXPECT_GT(lifted("fast", 1.3), 0.2);
+}
+
+TEST(Tides, tear_a_pile_apart_near_a_planet_and_leave_it_whole_far_away) {
+  constexpr double planet = 6371e3, mu = G * 5.972e24;
+  /// On a parabola from 4 planet radii before to 4 behind the closest approach, in planet radii.
+  const auto whole = [&](const std::string& name, double approach) {
+    const double q = approach * planet, r = 4 * planet, D = -std::sqrt(r / q - 1);
+    const double nu = 2 * std::atan(D), v = std::sqrt(mu / (2 * q));
+    const Vec3 out(std::cos(nu), std::sin(nu), 0), along(-out.y(), out.x(), 0);
+    const Vec3 x = r * out, u = v * (std::sin(nu) * out + (1 + std::cos(nu)) * along);
+    const double duration = -2 * std::sqrt(2 * q * q * q / mu) * (D + D * D * D / 3);
+    results_of(name,
+               std::string(rock) + R"(
+[[groups]]
+name = "planet"
+material = "rock"
+volume = {radius = "6371 km"}
+total_mass = "5.972e24 kg"
+)" +
+                   group("pile", fmt::format("radius = 100, center = [{}, {}, 0]", x.x(), x.y()),
+                         fmt::format("velocity = [{}, {}, 0]", u.x(), u.y())) +
+                   fmt::format("[[phases]]\nname = \"passage\"\nstep = 20\nduration = {}\n",
+                               20 * std::round(duration / 20)));
+    return largest_remnant(bodies_after(name, "passage"), 0) / mass_of_pile;
+  };
+  EXPECT_LT(whole("near", 1.2), 0.5);
+  EXPECT_GT(whole("far", 3.0), 0.99);
+}
+
+TEST(Dart, on_graded_boulders_closes_its_momentum) {
+  const auto results =
+      results_of("dart", "read_out = [\"1 s\", \"4 s\"]\n" + std::string(rock) + R"(
+[[groups]]
+name = "dimorphos"
+material = "rock"
+volume = {shape = "ellipsoid", size = ["24 m", "23 m", "16 m"]}
+packing = {kind = "graded", radius = "3 m", smallest = "1.5 m", growth = 0.3, site = ["-12 m", 0, 0]}
+total_mass = "4.3e6 kg"
+[[phases]]
+name = "settling"
+step = "10 s"
+duration = "600 s"
+[[phases]]
+name = "impact"
+step = "0.2 ms"
+duration = "20 ms"
+remove_drift = true
+cohesion = "0.1 N"
+impactor = {mass = "0.6 kg", diameter = "20 cm", speed = "6.1 km/s", distance = "1 m", aim = "line"}
+[[phases]]
+name = "evolution"
+step = "0.05 s"
+duration = "4 s"
+)");
+  EXPECT_LT(value(results, "deflection", "momentum_closure"), 1e-10);
+  EXPECT_LT(value(results, "conservation", "linear"), 1e-10);
+  EXPECT_NEAR(value(results, "pile", "mass"), 4.3e6, 1e-6 * 4.3);
+  EXPECT_GT(value(results, "deflection", "beta"), 1);
 }
 
 }  // namespace
