@@ -30,17 +30,16 @@ struct Options {
   std::vector<std::string> overrides;
   SolverSettings solver{
       .tolerance = 1e-4, .max_iterations = 1 << 30, .max_products = 10000, .prox = 0};
-  std::string method = "accelerated", friction = "coulomb";
   bool evaluate = false;
 };
 
-const std::map<std::string, SolverMethod> solver_methods = {
-    {"accelerated", SolverMethod::accelerated},
-    {"apgd", SolverMethod::apgd},
-    {"bb", SolverMethod::barzilai_borwein},
-    {"sor", SolverMethod::sor}};
-const std::map<std::string, FrictionModel> friction_models = {{"coulomb", FrictionModel::coulomb},
-                                                              {"convex", FrictionModel::convex}};
+/// What a user may choose, by name.
+template <class Enum, std::size_t n>
+std::map<std::string, Enum> by_name(const Choice<Enum> (&choices)[n]) {
+  std::map<std::string, Enum> map;
+  for (const auto& [name, value] : choices) map.emplace(name, value);
+  return map;
+}
 
 /// The folder of a run without --out: out/ and the name of the case's file or folder.
 std::string default_folder(const std::string& file) {
@@ -90,12 +89,12 @@ int dispatch(const Comm& comm, int argc, char** argv) {
   page->add_option("folder", options.file, "folder that a run wrote")->required();
   auto* solve = app.add_subcommand("solve", "solve a contact problem from an FCLIB file");
   solve->add_option("problem", options.file, "local frictional-contact problem (HDF5)")->required();
-  solve->add_option("--method", options.method, "")
-      ->capture_default_str()
-      ->check(CLI::IsMember(solver_methods));
-  solve->add_option("--friction", options.friction, "apgd and bb need convex")
-      ->capture_default_str()
-      ->check(CLI::IsMember(friction_models));
+  solve->add_option("--method", options.solver.method, "the default is accelerated")
+      ->transform(CLI::CheckedTransformer(by_name(solver_methods)));
+  solve
+      ->add_option("--friction", options.solver.friction,
+                   "the default is coulomb; apgd and bb need convex")
+      ->transform(CLI::CheckedTransformer(by_name(friction_models)));
   solve->add_option("--tol", options.solver.tolerance, "on E")->capture_default_str();
   solve->add_option("--max-products", options.solver.max_products, "with W")->capture_default_str();
   solve->add_option("--prox", options.solver.prox, "eps of the proximal problem")
@@ -117,8 +116,6 @@ int dispatch(const Comm& comm, int argc, char** argv) {
   if (*resume)
     return resume_case(comm, options.file, options.out, options.overrides) ? 0 : exit_interrupted;
   if (*solve) {
-    options.solver.method = solver_methods.at(options.method);
-    options.solver.friction = friction_models.at(options.friction);
     solve_file(comm, options.file, options.solver, options.evaluate);
     return 0;
   }

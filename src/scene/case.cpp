@@ -26,12 +26,6 @@ constexpr Choice<GravityMethod> gravity_methods[] = {{"none", GravityMethod::non
                                                      {"direct", GravityMethod::direct},
                                                      {"tree", GravityMethod::tree},
                                                      {"auto", GravityMethod::automatic}};
-constexpr Choice<SolverMethod> solver_methods[] = {{"accelerated", SolverMethod::accelerated},
-                                                   {"apgd", SolverMethod::apgd},
-                                                   {"bb", SolverMethod::barzilai_borwein},
-                                                   {"sor", SolverMethod::sor}};
-constexpr Choice<FrictionModel> friction_models[] = {{"coulomb", FrictionModel::coulomb},
-                                                     {"convex", FrictionModel::convex}};
 constexpr Choice<bool> cohesion_laws[] = {{"force", false}, {"impulse", true}};
 constexpr Choice<bool> aims[] = {{"head-on", true}, {"line", false}};
 constexpr Choice<Method> methods[] = {{"nonsmooth", Method::nonsmooth},

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "spall/base/choice.hpp"
 #include "spall/base/types.hpp"
 #include "spall/scene/units.hpp"
 
@@ -31,12 +32,6 @@ constexpr Quantity not_negative(Dimension d) {
   return {d, 0};
 }
 inline constexpr Quantity fraction{dimension::number, 0, 1};
-
-template <class Enum>
-struct Choice {
-  std::string_view name;
-  Enum value;
-};
 
 /// Reads keys into fields: `need` for keys that must be there, `take` for those that may be left
 /// out, whose field then keeps its default. Without a table nothing is read: the same calls write

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "spall/base/choice.hpp"
 #include "spall/base/types.hpp"
 #include "spall/contact/contacts.hpp"
 #include "spall/domain/ghosts.hpp"
@@ -44,6 +45,13 @@ struct ContactProblem {
 /// apgd and barzilai_borwein minimise: convex friction only. See solver/methods.hpp.
 enum class SolverMethod { accelerated, apgd, barzilai_borwein, sor };
 enum class FrictionModel { convex, coulomb };
+inline constexpr Choice<SolverMethod> solver_methods[] = {
+    {"accelerated", SolverMethod::accelerated},
+    {"apgd", SolverMethod::apgd},
+    {"bb", SolverMethod::barzilai_borwein},
+    {"sor", SolverMethod::sor}};
+inline constexpr Choice<FrictionModel> friction_models[] = {{"coulomb", FrictionModel::coulomb},
+                                                            {"convex", FrictionModel::convex}};
 
 struct SolverSettings {
   SolverMethod method = SolverMethod::accelerated;
