@@ -200,6 +200,70 @@ TEST(PenaltyScene, sphere_on_a_slope_rolls_slides_or_is_held_by_rolling_friction
   EXPECT_GT(on_ground(0.8, 0.3, 0, gravity, time).velocity.x(), 0.1 * along * time);
 }
 
+TEST(PenaltyScene, a_pair_across_the_boundary_is_a_pair) {
+  // The same crowd as it is, and moved so that it is cut by the sides of the box that repeats.
+  const auto spheres = crowd(60, 0.2, 1.0);
+  auto moved = spheres;
+  const Period period{.low = {-20, -20, -20}, .size = {40, 40, 40}};
+  for (Sphere& s : moved) s.position = period.wrapped(s.position + Vec3(20, 19, 18));
+  const PenaltySettings settings{.young_modulus = 1e8};
+  const ContactLaw contact{.friction = 0.5, .restitution = 0.6};
+  World here = penalty_world(testing_world(), spheres, settings, contact);
+  World there = penalty_world(testing_world(), moved, settings, contact);
+  there.period = period;
+  penalty_steps(here, 2e-4, 300);
+  penalty_steps(there, 2e-4, 300);
+  const auto a = spheres_of(here), b = spheres_of(there);
+  EXPECT_GT(here.touch.searches, 1);
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    EXPECT_LE((a[k].velocity - b[k].velocity).norm(), 1e-8) << k;
+    EXPECT_LE((a[k].spin - b[k].spin).norm(), 1e-8) << k;
+  }
+  there.period.size[1] = 4;
+  there.touch = TouchPairs{};
+  EXPECT_THROW(penalty_steps(there, 2e-4, 1), Error);
+}
+
+TEST(PenaltyScene, gas_of_inelastic_spheres_cools_as_haff_says) {
+  // T = T0/(1 + t/tau)^2, 1/tau = (1 - e^2) w_E/6, w_E = 4 n d^2 g sqrt(pi T/m).
+  const double e = 0.9, r = 0.5, m = 1, phi = 0.1;
+  const int side = 10, count = side * side * side;
+  const double edge = std::cbrt(count * 4 / 3.0 * pi * r * r * r / phi), cell = edge / side;
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  std::vector<Sphere> spheres;
+  Vec3 mean = Vec3::Zero();
+  for (int k = 0; k < count; ++k) {
+    const double x = normal(random), y = normal(random), z = normal(random);
+    spheres.push_back({.radius = r,
+                       .mass = m,
+                       .position = cell * Vec3(k % side, k / side % side, k / side / side),
+                       .velocity = {x, y, z}});
+    mean += spheres.back().velocity / count;
+  }
+  for (Sphere& s : spheres) s.velocity -= mean;
+  World world = penalty_world(testing_world(), spheres,
+                              {.model = PenaltyModel::hooke, .stiffness = 5e4}, {.restitution = e});
+  world.period.size = Vec3::Constant(edge);
+  const auto temperature = [&] {
+    double sum = 0;
+    for (Index b = 0; b < world.bodies.owned; ++b)
+      sum += m * world.bodies.velocity[b].squaredNorm();
+    return world.comm.sum(sum) / (3 * count);
+  };
+  // Velocities become those of a gas first.
+  const double h = 4.5e-4;
+  penalty_steps(world, h, 2000);
+  const double start = temperature(), n = count / (edge * edge * edge);
+  const double crowding = (1 - phi / 2) / std::pow(1 - phi, 3);
+  const double rate = 4 * n * 4 * r * r * crowding * std::sqrt(pi * start / m);
+  const double tau = 6 / ((1 - e * e) * rate);
+  const int steps = static_cast<int>(1.2 * tau / h);
+  penalty_steps(world, h, steps);
+  const double expected = start / std::pow(1 + steps * h / tau, 2);
+  EXPECT_NEAR(temperature(), expected, 0.05 * expected);
+}
+
 TEST(PenaltyScene, what_cannot_be_resolved_is_refused_with_what_would_do) {
   const auto message = [&](double h, double speed, const PenaltySettings& s) -> std::string {
     std::vector<Sphere> spheres{

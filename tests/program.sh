@@ -121,6 +121,20 @@ on_ranks "$ranks" run small.toml --out whole || fail "a small run: $(cat stderr)
 on_ranks "$ranks" resume whole/after_aggregation.h5 --out resumed || fail "resume: $(cat stderr)"
 diff <(results_of whole) <(results_of resumed) || fail "a resumed run ends otherwise"
 
+# The same in penalty contact, whose springs go on too.
+sed 's/"30 mm"/"8 mm"/; s/"60 mm"/"12 mm"/; s/"32.5 mm"/"9 mm"/; s/duration = ".*"/duration = "4 ms"/' \
+  "$cases/column/case.toml" >grains.toml
+cat >>grains.toml <<'END'
+[[phases]]
+name = "later"
+method = "penalty"
+step = "20 us"
+duration = "4 ms"
+END
+on_ranks "$ranks" run grains.toml --out grains || fail "a run of grains: $(cat stderr)"
+on_ranks "$ranks" resume grains/after_collapse.h5 --out grains_resumed || fail "resume: $(cat stderr)"
+diff <(results_of grains) <(results_of grains_resumed) || fail "resumed grains end otherwise"
+
 # A signal stops a run; it goes on from where it was.
 write_case 's/duration = "2 s"/duration = "1e9 s"/' endless.toml
 "$mpiexec" --oversubscribe -n "$ranks" "$spall" run endless.toml --out endless >stdout 2>stderr &

@@ -3,6 +3,7 @@
 #include "spall/force/touch_pairs.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <numeric>
 
 #include "spall/base/require.hpp"
@@ -174,14 +175,13 @@ void recall_springs(const Bodies& bodies, const Kept& kept, bool rolling, TouchP
                 });
 }
 
-void find_walls(const Bodies& bodies, const std::vector<Plane>& planes, double reach,
-                const Kept& kept, std::vector<WallTouch>& walls) {
-  walls.clear();
+void find_walls(const Bodies& bodies, const Walls& walls, double reach, const Kept& kept,
+                std::vector<WallTouch>& touches) {
+  touches.clear();
   for (Index b = 0; b < bodies.owned; ++b)
-    for (std::size_t p = 0; p < planes.size(); ++p) {
-      if (planes[p].normal.dot(bodies.position[b] - planes[p].point) > bodies.radius[b] + reach)
-        continue;
-      WallTouch& t = walls.emplace_back(WallTouch{b, static_cast<std::int32_t>(p)});
+    for (std::size_t w = 0; w < walls.size(); ++w) {
+      if (face_of(walls, w, bodies.position[b]).height > bodies.radius[b] + reach) continue;
+      WallTouch& t = touches.emplace_back(WallTouch{b, static_cast<std::int32_t>(w)});
       if (const Kept::Entry* entry = kept.find(b, -1 - t.wall)) {
         t.touching = true;
         t.sliding = entry->sliding;
@@ -218,8 +218,8 @@ std::int64_t count_touching(const Bodies& bodies, const TouchPairs& touch) {
                                [](const WallTouch& t) { return t.touching; });
 }
 
-void search_touch_pairs(const Comm& comm, Bodies& bodies, const std::vector<Plane>& planes,
-                        const Period& period, const TouchRange& range, TouchPairs& touch) {
+void search_touch_pairs(const Comm& comm, Bodies& bodies, const Walls& walls, const Period& period,
+                        const TouchRange& range, TouchPairs& touch) {
   const auto work = work_of(bodies, touch);
   const bool cut = needs_cut(comm, total(work), touch);
   const Kept kept = [&] {
@@ -249,7 +249,11 @@ void search_touch_pairs(const Comm& comm, Bodies& bodies, const std::vector<Plan
   touch.ghosts = make_halo(comm, bodies, reaches, period, touch.shifts);
   find_near_pairs(bodies, reach, touch.windows);
   recall_springs(bodies, kept, range.rolling, touch);
-  find_walls(bodies, planes, range.gap + range.skin, kept, touch.walls);
+  find_walls(bodies, walls, range.gap + range.skin, kept, touch.walls);
+  const auto all_equal = [](const std::vector<double>& values) {
+    return std::adjacent_find(values.begin(), values.end(), std::not_equal_to<>()) == values.end();
+  };
+  touch.equal = all_equal(bodies.radius) && all_equal(bodies.mass);
   touch.gap = range.gap;
   touch.skin = range.skin;
   touch.moved = 0;
