@@ -1,7 +1,8 @@
 #!/bin/bash
 # A dense packing in penalty contact side by side with LAMMPS and LIGGGHTS, from one file, in turns.
 # SPDX-License-Identifier: BSD-3-Clause
-# usage: run_granular.sh [BUILD [REPETITIONS [STEPS [FOLDER]]]]; FOLDER keeps the packings, which take minutes to make
+# usage: run_granular.sh [BUILD [REPETITIONS [STEPS [FOLDER [PACKINGS]]]]]; FOLDER keeps the packings, which
+# take minutes to make; PACKINGS: p97k p780k
 set -eu
 bench=$(realpath "${1:-build/release}")/bench/bench_granular
 inputs=$(dirname "$(realpath "$0")")/granular
@@ -26,7 +27,7 @@ if [ ! -f p780k.data ]; then
 fi
 
 echo "largest difference of forces and torques from LAMMPS, of the largest of them"
-for model in mindlin dmt jkr; do
+for model in mindlin jkr; do
   "$lmp" -in "$inputs/lammps.in" -var data p12k.data -var model $model -var steps 1 -var forces yes >/dev/null
   echo "$model: $("$bench" p12k.data $model forces forces.dump)"
 done
@@ -52,7 +53,8 @@ run() {
 }
 
 echo "data,model,ranks,repetition,program,million_steps_s,share_of_processor,million_steps_processor_s,bytes_a_body"
-for data in p97k p780k; do
+rm -f all.csv
+for data in ${5:-p97k p780k}; do
   for ranks in 1 2; do
     for repetition in $(seq "$repetitions"); do
       for model in hertz mindlin jkr; do

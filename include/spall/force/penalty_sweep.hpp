@@ -216,6 +216,7 @@ class BodiesAhead {
 /// be added to its row and none of its fields will be asked for again. The forces of ghosts mean
 /// nothing. `equal`: all bodies have the size and mass of the first, which is then read once.
 template <bool equal, class Model, class Finish>
+[[gnu::flatten]]
 void sweep_contacts(const Bodies& bodies, const Model& model, double gap,
                     const std::vector<NearWindow>& windows, std::vector<WindowSprings>& springs,
                     ForceRow* rows, Finish&& finish) {
