@@ -44,11 +44,11 @@ run() {
   fi
   local command=("$lmp" -in "$inputs/lammps.in" -var model "$model")
   [ "$program" = lammps ] || command=("$liggghts" -in "$inputs/liggghts.in")
-  mpirun --oversubscribe -n "$ranks" /usr/bin/env bash -c '/usr/bin/time -f "%M kB %U user" "$@"' bash \
+  mpirun --oversubscribe -n "$ranks" /usr/bin/env bash -c '/usr/bin/time -f "%M kB %U user %e s" "$@"' bash \
     "${command[@]}" -var data "$data" -var steps "$steps" >out 2>err
   # LIGGGHTS does not print its share of a processor: that of the whole run.
-  awk -v n="$n" -v steps="$steps" '/^Loop time/ {t = $4} /CPU use/ {share = $1 / 100}
-    END {printf "%.4g %.3g ", 1e-6 * n * steps / t, share ? share : 1}' out
+  awk -v n="$n" -v steps="$steps" '/ kB / {whole = $3 / $5} /^Loop time/ {t = $4} /CPU use/ {share = $1 / 100}
+    END {printf "%.4g %.3g ", 1e-6 * n * steps / t, share ? share : whole}' err out
   awk -v n="$n" '/ kB / {sum += $1} END {printf "%.4g\n", 1024 * sum / n}' err
 }
 

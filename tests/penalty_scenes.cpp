@@ -99,7 +99,7 @@ TEST(PenaltyScene, bond_holds_a_pull_below_its_strength_and_parts_above) {
   s.adhesion = Adhesion::jkr;
   bonds.push_back({s, plain, 1.5 * pi * w * r});
   for (const Bond& bond : bonds) {
-    const Pulled held = pull(bond.settings, bond.contact, bond.strength, 0.8, 100000);
+    const Pulled held = pull(bond.settings, bond.contact, bond.strength, 0.8, 50000);
     EXPECT_FALSE(held.parted) << bond.strength;
     EXPECT_LE(held.late, held.early);
     EXPECT_TRUE(pull(bond.settings, bond.contact, bond.strength, 1.05, 20000).parted)

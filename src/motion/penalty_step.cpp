@@ -101,6 +101,7 @@ void update_pairs(World& world, const PenaltyLaw& law) {
   }
   for (Index b = 0; b < bodies.owned; ++b) largest = std::max(largest, bodies.radius[b]);
   largest = world.comm.max(largest);
+  world.loads = {};  // a search needs the memory
   search_touch_pairs(world.comm, bodies, world.walls(), world.period,
                      {.gap = widest_gap(law, largest),
                       .skin = best_skin(world, 2 * largest),
@@ -182,7 +183,7 @@ PenaltyReport penalty_steps(World& world, double h, int most_steps) {
     book_motion(world.comm, velocities, drifts * h / 2, world.touch);
     if (world.touch.searches != searches)
       check_penalty_step(world.comm, bodies, world.penalty, world.law, h,
-                         velocities.united(world.comm).diagonal(), "penalty contact");
+                         velocities.united(world.comm).diagonal(), "bodies have become faster");
   }
   world.kick.evaluated = false;
   world.kick.load = 0;
