@@ -53,7 +53,7 @@ Bodies make_impact(const Comm& comm, double scale) {
       bodies.mass[b] = 1;
       bodies.position[b] = x;
       bodies.velocity[b] = {0, 0, v};
-      bodies.angular_velocity[b] = bodies.acceleration[b] = Vec3::Zero();
+      bodies.angular_velocity[b] = bodies.acceleration[b] = bodies.kick[b] = Vec3::Zero();
     }
     ++id;
   });

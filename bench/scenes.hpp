@@ -53,7 +53,7 @@ material = "rock"
 volume = {{shape = "sphere", radius = {}}}
 packing = {{kind = "random", radius = "3 m", count = {}}}
 )",
-                      92 * std::cbrt(count / 1e4), count) +
+                      3 + 89 * std::cbrt(count / 1e4), count) +
               rock};
 }
 

@@ -136,9 +136,8 @@ TEST(Case, mistakes_name_file_line_key_and_what_would_be_right) {
       {{"density = 917", "densty = 917"},
        "x.toml:7:1: materials.ice.densty is not a key here; did you mean materials.ice.density?"},
       {{"friction = 0.5", "q = 1"},
-       "x.toml:9:1: contact.q is not a key here; the keys here are friction, restitution, "
-       "cohesion, "
-       "cohesion_range, cohesion_law"},
+       "x.toml:9:1: contact.q is not a key here; the keys here are material, friction, "
+       "restitution, cohesion, cohesion_range, cohesion_law"},
       {{"friction = 0.5", "friction = true"},
        "x.toml:9:12: contact.friction is true or false; a number such as 0.5 is wanted"},
       {{"friction = 0.5", "friction = -1"},
@@ -179,7 +178,7 @@ TEST(Case, mistakes_name_file_line_key_and_what_would_be_right) {
        "x.toml:19:12: groups.ball.material = \"iron\" is not in [materials]"},
       {{"\"random\"", "\"dense\""},
        "x.toml:15:19: groups.pile.packing.kind = \"dense\": one of \"single\", \"random\", "
-       "\"simple_cubic\", \"fcc\", \"hcp\" is wanted"},
+       "\"simple_cubic\", \"fcc\", \"hcp\", \"graded\", \"file\" is wanted"},
       {{"\"random\", diameter = \"3.4 m\", count = 100", "\"fcc\", radius = 2, spacing = 3"},
        "x.toml:15:48: groups.pile.packing.spacing = 3 m is less than the spheres' diameter, 4 m"},
       {{"count = 100", "count = 1.5"},

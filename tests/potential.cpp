@@ -307,10 +307,11 @@ TEST(PairPotential, heat_of_the_damping_closes_the_books) {
     EXPECT_NEAR(world.comm.sum(world.ledger.dissipated), heat, 1e-12 * heat);
     errors.push_back(std::abs(total_energy(world) + heat - before));
   }
-  // Power is taken from the velocities before the kick: an error of first order.
+  // Heat is made at the velocities expected in the middle of the kick: of second order but
+  // for pairs that the damping lets go in the middle of a step.
   EXPECT_GT(heat, 0.1 * sums_of(spheres).kinetic);
-  EXPECT_LT(errors[2], 0.02 * heat);
-  for (int k = 0; k < 2; ++k) EXPECT_NEAR(std::log2(errors[k] / errors[k + 1]), 1, 0.3);
+  EXPECT_LT(errors[2], 2e-3 * heat);
+  EXPECT_GT(std::log2(errors[0] / errors[2]) / 2, 1.6);
 }
 
 TEST(PairPotential, bond_breaks_at_its_strain) {

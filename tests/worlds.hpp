@@ -40,6 +40,7 @@ inline World make_world(const Comm& comm, const std::vector<Sphere>& spheres,
     bodies.velocity[b] = sphere.velocity;
     bodies.angular_velocity[b] = sphere.spin;
     bodies.acceleration[b].setZero();
+    bodies.kick[b].setZero();
   }
   return world;
 }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "spall/force/pair_potential.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "spall/base/require.hpp"
@@ -12,7 +13,10 @@ namespace {
 
 /// Of sqrt(m/k). A lattice of Z = 12 is stable up to 0.7; compressed fourfold in stiffness by the
 /// shock of an impact up to half of it, and there the energy must still be good to 1e-3.
-constexpr double longest_step = 0.1;
+constexpr double step_limit = 0.1;
+/// Of sqrt(m/k) over the damping: a body among twelve loses its speed at up to 8 c/m, which its
+/// velocity expected in the middle of a step follows up to 8 c h/m = 1.
+constexpr double damped_limit = 0.06;
 /// Of the distance of rest, flown in a step: the wall of the potential must be seen as it is.
 constexpr double longest_flight = 0.1;
 
@@ -37,14 +41,18 @@ double pair_energy(const PairPotential& p, double r) {
   });
 }
 
+double longest_step(const PairPotential& p, double mass) {
+  return std::min(step_limit, damped_limit / p.damping) * std::sqrt(mass / stiffness(p));
+}
+
 void check_step(const PairPotential& p, double h, double mass, double speed,
                 const std::string& place) {
-  const double k = stiffness(p), limit = longest_step * std::sqrt(mass / k);
+  const double k = stiffness(p), limit = longest_step(p, mass);
   require(
       h <= limit,
       "{}: step = {:g} s is too long for the pair potential: bodies of {:g} kg bound by {:g} N/m "
-      "need at most {:g} sqrt(m/k) = {:.3g} s",
-      place, h, mass, k, longest_step, limit);
+      "need at most {:.3g} sqrt(m/k) = {:.3g} s",
+      place, h, mass, k, limit / std::sqrt(mass / k), limit);
   require(h * speed <= longest_flight * p.distance,
           "{}: in a step = {:g} s two bodies come {:.3g} m nearer at {:g} m/s; at most {:g} of "
           "pair_potential.distance may be, with a step of {:.3g} s",

@@ -14,7 +14,7 @@ namespace spall {
 namespace {
 
 /// C of h < C sqrt(m/k) (thesis eq. 2.3): some twenty steps a collision.
-constexpr double longest_step = 0.15;
+constexpr double step_limit = 0.15;
 /// Of the time in which a surface wave crosses half a sphere.
 constexpr double rayleigh_part = 0.2;
 /// Of the smaller radius: no deeper may an impact press two bodies into each other.
@@ -150,11 +150,11 @@ void check_penalty_step(const Comm& comm, const Bodies& bodies, const PenaltySet
           hooke ? "N/m" : "Pa");
 
   const double k = largest_stiffness(s, pair, speed);
-  const double longest = longest_step * std::sqrt(pair.mass / k);
+  const double longest = step_limit * std::sqrt(pair.mass / k);
   require(h <= longest,
           "{}: step = {:g} s is too long for penalty contact: {} meet with m = {:.4g} kg, k = "
           "{:.4g} N/m at {:g} m/s and need at most {:g} sqrt(m/k) = {:.3g} s",
-          place, h, names, pair.mass, k, speed, longest_step, longest);
+          place, h, names, pair.mass, k, speed, step_limit, longest);
   if (hooke) return;
   // pi r sqrt(rho/G)/(0.1631 nu + 0.8766) (Thornton 2015, eq. 5.14); sqrt(rho r^3) is the body's.
   const double nu = s.poisson_ratio, shear = s.young_modulus / (2 * (1 + nu));

@@ -72,14 +72,23 @@ double displacement(const Comm& comm, const std::vector<PairRow>& rows,
   return 2 * std::sqrt(comm.max(furthest));
 }
 
-void fill_rows(const Bodies& bodies, std::vector<PairRow>& rows) {
-  rows.resize(bodies.size());
+void fill_rows(World& world) {
+  const Bodies& bodies = world.bodies;
+  world.rows.resize(bodies.size());
   for (Index b = 0; b < bodies.size(); ++b)
-    rows[b] = {half_row(bodies.position[b], 1 / bodies.mass[b]), RowHalf{}};
+    world.rows[b] = {half_row(bodies.position[b], 1 / bodies.mass[b]), RowHalf{}};
+  if (world.potential.damping == 0) return;
+  world.ahead.resize(bodies.size());
+  for (Index b = 0; b < bodies.size(); ++b)
+    world.ahead[b] = bodies.velocity[b] + bodies.kick[b] / 2;
 }
 
-void take_positions(const std::vector<PairRow>& rows, Bodies& bodies) {
-  for (Index b = 0; b < bodies.owned; ++b) bodies.position[b] = vector_of(rows[b].place);
+void take_rows(World& world) {
+  Bodies& bodies = world.bodies;
+  for (Index b = 0; b < bodies.owned; ++b) bodies.position[b] = vector_of(world.rows[b].place);
+  if (world.potential.damping == 0) return;
+  for (Index b = 0; b < bodies.owned; ++b)
+    bodies.kick[b] = 2 * (world.ahead[b] - bodies.velocity[b]);
 }
 
 /// m, beyond the cut-off, up to which pairs are listed: that for which a step costs least if the
@@ -112,16 +121,16 @@ void update_pairs(World& world, bool velocities) {
     near.moved = displacement(world.comm, world.rows, near.found_at);
   if (near.range == 0 || near.moved > skin) {
     const double range = world.potential.cutoff + best_skin(world);
-    take_positions(world.rows, world.bodies);
+    take_rows(world);
     search_near_pairs(world.comm, world.bodies, range, near);
-    fill_rows(world.bodies, world.rows);
+    fill_rows(world);
     return;
   }
   ++near.steps;
   // Forces are zero between sweeps, and so those of ghosts become zero again.
   double* const rows = reinterpret_cast<double*>(world.rows.data());
   near.ghosts.gather_begin(rows, doubles_a_row);
-  if (velocities) near.ghosts.gather(flat(world.bodies.velocity), 3);
+  if (velocities) near.ghosts.gather(flat(world.ahead), 3);
   near.ghosts.gather_end(rows, doubles_a_row);
 }
 
@@ -139,28 +148,32 @@ Box kick_and_drift(World& world, const PairDamping& damping, double h, int drift
   StageTimer timer(world.times, "forces");
   PairRow* const rows = world.rows.data();
   Vec3* const velocity = world.bodies.velocity.data();
+  Vec3* const ahead = world.ahead.data();
   double* const heat = world.bodies.heat.data();
   Box box;
   double taken = 0;
   const auto finish = [&, damped = damping.c > 0](Index b) {
     PairRow& row = rows[b];
-    const RowHalf v = half_row(velocity[b], 0) + (h * row.place[3]) * row.force;
+    const RowHalf kick = (h * row.place[3]) * row.force;
+    const RowHalf v = half_row(velocity[b], 0) + kick;
     velocity[b] = vector_of(v);
     for (int k = 0; k < drifts; ++k) drift(row, v, h / 2);
     box.add(v);
     if (damped) {
+      ahead[b] = vector_of(v + 0.5 * kick);
       heat[b] += h * row.force[3];
       taken += h * row.force[3];
     }
     row.force = RowHalf{};
   };
   with_law(world.potential, [&](const auto& law) {
-    const double* v = velocity->data();
+    const double* v = damping.c > 0 ? ahead->data() : velocity->data();
     const auto& windows = world.near.windows;
+    const double cutoff = world.potential.cutoff;
     if (damping.c > 0)
-      sweep_pairs<true>(windows, law, world.potential.cutoff, damping, v, rows, finish);
+      sweep_pairs<true>(windows, law, cutoff, damping, v, rows, finish);
     else
-      sweep_pairs<false>(windows, law, world.potential.cutoff, damping, v, rows, finish);
+      sweep_pairs<false>(windows, law, cutoff, damping, v, rows, finish);
   });
   world.ledger.dissipated += taken;
   return box;
@@ -194,7 +207,7 @@ PotentialReport potential_steps(World& world, double h, int most_steps) {
 
   const PairDamping damping = damping_of(world);
   book_motion(world.comm, velocities_of(bodies), h / 2, world.near);
-  fill_rows(bodies, world.rows);
+  fill_rows(world);
   for (Index b = 0; b < bodies.owned; ++b)
     drift(world.rows[b], half_row(bodies.velocity[b], 0), h / 2);
   for (int step = 1; step <= report.steps; ++step) {
@@ -203,7 +216,7 @@ PotentialReport potential_steps(World& world, double h, int most_steps) {
     const Box velocities = kick_and_drift(world, damping, h, drifts);
     book_motion(world.comm, velocities, drifts * h / 2, world.near);
   }
-  take_positions(world.rows, bodies);
+  take_rows(world);
   world.kick.evaluated = false;
   world.kick.load = 0;
   world.kick.steps_left = world.has_gravity() ? world.kick.steps_left - report.steps : 0;
@@ -211,12 +224,30 @@ PotentialReport potential_steps(World& world, double h, int most_steps) {
 }
 
 double potential_energy(World& world) {
-  fill_rows(world.bodies, world.rows);
+  fill_rows(world);
   update_pairs(world, false);
   return world.comm.sum(with_law(world.potential, [&](const auto& law) {
     return sweep_energy(world.near.windows, law, world.potential.cutoff, world.rows.data(),
                         world.bodies.owned);
   }));
+}
+
+void for_each_near_pair(World& world, double distance, const std::function<void(Index, Index)>& f) {
+  fill_rows(world);
+  update_pairs(world, false);
+  for (const NearWindow& window : world.near.windows) {
+    const Index* partners = window.partners.data();
+    for (std::size_t g = 0; g < window.slots.size(); ++g) {
+      const Index* own = &window.rows[g * lane_count];
+      for (Index s = 0; s < window.slots[g]; ++s, partners += lane_count)
+        for (std::size_t l = 0; l < lane_count; ++l) {
+          const Index i = own[l] / doubles_a_row, j = partners[l] / doubles_a_row;
+          if (i == j) continue;
+          const RowHalf x = world.rows[j].place - world.rows[i].place;
+          if (vector_of(x).norm() < distance) f(i, j);
+        }
+    }
+  }
 }
 
 double largest_relative_speed(const World& world) {

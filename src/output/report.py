@@ -193,6 +193,8 @@ def headline(run):
     wanted = [("deflection", "dv", "dv, m/s"), ("deflection", "beta", "momentum enhancement β"),
               ("deflection", "dT_min", "change of the period, min"),
               ("ejecta", "count", "bodies ejected"),
+              ("debris", "front_over_speed", "front / speed of impact"),
+              ("debris", "hole_over_diameter", "hole / D"),
               ("pile", "packing_fraction", "packing fraction"),
               ("conservation", "linear", "drift of momentum"),
               ("conservation", "energy_unexplained", "energy unexplained"),
@@ -238,6 +240,13 @@ def beside(reference):
                      f"<td class=note>{html.escape(row.note)}</td></tr>")
     return (f"<h2>Beside {html.escape(reference.title)}</h2><p>{html.escape(reference.source)}</p>"
             f"<section><table class=beside>{''.join(lines)}</table></section>")
+
+
+def rows_of_text(lines):
+    """A table of texts, the first line its heading."""
+    heading, *rest = ["".join(f"<td>{html.escape(cell)}</td>" for cell in line) for line in lines]
+    return (f"<section><table class=beside><tr>{heading.replace('td>', 'th>')}</tr>"
+            + "".join(f"<tr>{line}</tr>" for line in rest) + "</table></section>")
 
 
 STYLE = """
@@ -295,6 +304,18 @@ def main(folder):
                        "Left: bodies behind the plane of the cut, coloured by speed; arrows: "
                        "velocity in the plane of the bodies next to it, length as the root of the "
                        "speed. Right: how many bodies have which speed, and velocity against place."))
+    if run.results.get("cloud", {}).get("time"):
+        import report_debris as debris
+        body.append("<h2>Debris</h2>" + figure(
+            "radiographs", debris.radiographs(run),
+            "From the side, as on flash radiographs: dark where much mass is in the way."))
+        body.append(figure("debris", debris.speeds(run),
+                           "Left: debris more than a quarter of a diameter behind the plate. "
+                           "Percentiles: 99th of speeds (front, radial), 1st (rear), mean."))
+        if "wall" in run.results:
+            body.append(figure("wall", debris.wall(run, run.results["wall"]["distance"]),
+                               "Debris that fly on freely; within the circles half and 90 % of the "
+                               "momentum."))
     if run.gravity and sorted(run.gravity.counts)[1] > 1:
         body.append("<h2>Gravity</h2>" + figure(
             "gravity", figures.gravity(run),
@@ -315,6 +336,14 @@ def main(folder):
             "series", figures.series(run, parts),
             "Energy (dissipated and freed: since the start of the column), drift of momentum, "
             "residual of the contact problem in each step, contacts."))
+    import report_interior
+    if inside := report_interior.interior(run):
+        drawing, states = inside
+        body.append("<h2>The inside</h2>" + figure(
+            "interior", drawing,
+            "The largest clump, cut through its centre: empty part of a cube two radii around each place; contacts near the "
+            "plane of the flight, as wide as the root of their normal force; porosity of shells; contacts of a body; forces.")
+            + rows_of_text(report_interior.table(states)))
     seconds = {key[:-2]: value for key, value in run.results.get("time", {}).items()
                if key.endswith("_s") and key != "total_s" and value > 0}
     if seconds:

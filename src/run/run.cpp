@@ -19,6 +19,8 @@
 #include "spall/output/results.hpp"
 #include "spall/output/series.hpp"
 #include "spall/output/snapshot.hpp"
+#include "spall/output/stored_bodies.hpp"
+#include "spall/run/debris_log.hpp"
 #include "spall/run/progress.hpp"
 #include "spall/run/record.hpp"
 #include "spall/run/verdict.hpp"
@@ -62,6 +64,7 @@ class Run {
       : comm_(comm),
         scene_(scene),
         folder_(folder),
+        debris_(scene),
         progress_(comm, scene),
         clock_(from ? from->clock : Clock{}),
         series_(comm, folder, Record::columns(), from ? clock_.step - 1 : -1),
@@ -75,6 +78,7 @@ class Run {
       carried() = from->contacts;
       load(from->scalars);
     } else {
+      progress_.say(describe_bodies(scene));
       world_.bodies = make_bodies(scene, comm);
     }
     for (const auto& stage : stages) world_.times[stage] += 0;
@@ -82,7 +86,7 @@ class Run {
 
   bool go() {
     SignalGuard guard;
-    progress_.say(describe(scene_));
+    progress_.say(describe_phases(scene_));
     while (clock_.phase < static_cast<std::int64_t>(scene_.phases.size())) {
       if (clock_.step_in_phase == 0) begin_phase();
       if (!run_phase()) return false;
@@ -143,6 +147,7 @@ class Run {
     if (by_penalty() || was_penalty()) book_springs(before);
   }
 
+  bool by_potential_at_end() const { return scene_.phases.back().method == Method::potential; }
   bool by_potential() const { return phase().method == Method::potential; }
   bool by_penalty() const { return phase().method == Method::penalty; }
   bool was_penalty() const {
@@ -301,7 +306,7 @@ class Run {
   std::int64_t steps_to_event() const {
     const double h = phase().step;
     std::int64_t steps = std::numeric_limits<std::int64_t>::max();
-    for (double every : {scene_.output.series_every, scene_.output.snapshot_every})
+    for (double every : {scene_.output.series_every, scene_.output.snapshot_every, debris_.every()})
       if (every > 0) steps = std::min(steps, steps_to_multiple(clock_.time, h, every));
     if (clock_.since_impact >= 0)
       for (double at : scene_.read_out)
@@ -321,6 +326,10 @@ class Run {
   /// Snapshots and read-outs at the instant that the clock has just reached.
   void at_instant() {
     if (passed_multiple(scene_.output.snapshot_every)) snapshot();
+    if (passed_multiple(debris_.every())) {
+      StageTimer timer(world_.times, "analysis");
+      progress_.say(debris_.read_out(world_, clock_.time));
+    }
     if (clock_.since_impact < 0) return;
     for (double at : scene_.read_out) {
       if (std::abs(at - clock_.since_impact) > phase().step / 2) continue;
@@ -377,7 +386,7 @@ class Run {
     ++clock_.phase;
     clock_.step_in_phase = 0;
     clock_.time_in_phase = 0;
-    if (clock_.phase < static_cast<std::int64_t>(scene_.phases.size())) save(file);
+    save(file);
   }
 
   std::string restart_file() const { return folder_ + "/restart.h5"; }
@@ -411,6 +420,7 @@ class Run {
     record_.save(state.scalars);
     account_.save(state.scalars);
     verdict_.save(state.scalars);
+    debris_.save(state.scalars);
     write_restart(comm_, file, state);
     world_.bodies = std::move(state.bodies);
     world_.neighbours = Neighbours{};
@@ -426,6 +436,7 @@ class Run {
     record_.load(scalars);
     account_.load(scalars);
     verdict_.load(scalars);
+    debris_.load(scalars);
   }
 
   void finish() {
@@ -435,6 +446,7 @@ class Run {
     ResultTable table;
     add_case(table);
     verdict_.add_to(table, scene_.binary);
+    debris_.conclude(world_, by_potential_at_end(), clock_.time, table);
     add_conservation(table, sums);
     record_.add_to(table, clock_.step);
     table.add("gravity", "evaluations", world_.kick.evaluations);
@@ -474,6 +486,7 @@ class Run {
   const Comm& comm_;
   const Case& scene_;
   std::string folder_;
+  DebrisLog debris_;
   Progress progress_;
   Progress::State shown_;
   Clock clock_;
@@ -491,7 +504,7 @@ class Run {
 }  // namespace
 
 bool run_case(const Comm& comm, const Case& scene, const std::string& folder) {
-  return Run(comm, scene, folder, nullptr).go();
+  return Run(comm, with_stored_bodies(scene), folder, nullptr).go();
 }
 
 bool resume_case(const Comm& comm, const std::string& file, const std::string& folder,

@@ -9,7 +9,10 @@
 #include <fstream>
 #include <iterator>
 
+#include "debris.hpp"
+#include "materials.hpp"
 #include "penalty_keys.hpp"
+#include "read_group.hpp"
 #include "section.hpp"
 #include "spall/base/require.hpp"
 #include "spall/scene/shape.hpp"
@@ -19,16 +22,6 @@ namespace {
 
 using namespace dimension;  // length, mass, time, speed ...: the units of the keys
 
-constexpr Choice<Shape> shapes[] = {{"sphere", Shape::sphere},
-                                    {"box", Shape::box},
-                                    {"ellipsoid", Shape::ellipsoid},
-                                    {"hollow_sphere", Shape::hollow_sphere},
-                                    {"cylinder", Shape::cylinder}};
-constexpr Choice<PackingKind> packings[] = {{"single", PackingKind::single},
-                                            {"random", PackingKind::random},
-                                            {"simple_cubic", PackingKind::simple_cubic},
-                                            {"fcc", PackingKind::fcc},
-                                            {"hcp", PackingKind::hcp}};
 constexpr Choice<GravityMethod> gravity_methods[] = {{"none", GravityMethod::none},
                                                      {"direct", GravityMethod::direct},
                                                      {"tree", GravityMethod::tree},
@@ -46,9 +39,11 @@ constexpr Choice<Method> methods[] = {{"nonsmooth", Method::nonsmooth},
                                       {"penalty", Method::penalty}};
 constexpr Choice<PairLaw> pair_laws[] = {
     {"lennard_jones", PairLaw::lennard_jones}, {"mie", PairLaw::mie}, {"morse", PairLaw::morse}};
+constexpr Choice<Match> matches[] = {{"shocks", Match::shocks}, {"bulk", Match::bulk}};
 constexpr Choice<bool> ends[] = {{"time", false}, {"settled", true}};
 
-void read_contact(Section& in, ContactLaw& law) {
+void read_contact(Section& in, ContactLaw& law, std::optional<DerivedLaw>& derived) {
+  read_derived_law(in, "cohesion, cohesion_range and friction follow from its strengths", derived);
   in.take("friction", "Coulomb's coefficient", law.friction, not_negative(number));
   in.take("restitution", "of normal speeds", law.restitution, fraction);
   in.take("cohesion", "attraction of every pair closer than cohesion_range", law.cohesion,
@@ -57,7 +52,7 @@ void read_contact(Section& in, ContactLaw& law) {
           not_negative(length));
   in.take("cohesion_law", "impulse: cohesion is N s a step, as the reference engine reads it",
           law.cohesion_is_impulse, cohesion_laws);
-  in.check("cohesion", law.cohesion == 0 || law.cohesion_range > 0,
+  in.check("cohesion", law.cohesion == 0 || law.cohesion_range > 0 || derived,
            "needs a cohesion_range: the gap up to which it acts");
 }
 
@@ -68,23 +63,30 @@ void read_exponent(Section& in, std::string_view key, std::string_view meaning, 
   exponent = static_cast<int>(value);
 }
 
-void read_pair_potential(Section& in, PairPotential& p) {
-  in.need("law", "", p.law, pair_laws);
-  in.need("depth", "energy that parts a pair", p.depth, positive(energy));
-  in.need("distance", "of the centres of a pair at rest", p.distance, positive(length));
-  if (in.reads(p.law == PairLaw::mie)) {
+void read_pair_potential(Section& in, PairPotential& p, std::optional<DerivedLaw>& derived) {
+  read_derived_law(in, "the law is morse's and follows from its constants", derived);
+  if (derived)
+    in.take("match", "bulk: the bulk modulus and its slope; shocks: their speeds", derived->match,
+            matches);
+  const auto by_hand = [&](bool asked) { return in.reads(!derived && asked); };
+  if (by_hand(true)) {
+    in.need("law", "", p.law, pair_laws);
+    in.need("depth", "energy that parts a pair", p.depth, positive(energy));
+    in.need("distance", "of the centres of a pair at rest", p.distance, positive(length));
+  }
+  if (by_hand(p.law == PairLaw::mie)) {
     read_exponent(in, "repulsive", "m of mie", p.repulsive);
     read_exponent(in, "attractive", "n of mie", p.attractive);
     in.check("repulsive", p.repulsive > p.attractive, "is not more than attractive");
   }
-  if (in.reads(p.law == PairLaw::morse)) {
+  if (by_hand(p.law == PairLaw::morse)) {
     in.need("steepness", "a d of morse; (4 s - 2) for a Hugoniot slope s", p.steepness,
             positive(number));
     in.check("steepness", p.steepness <= 100, "is more than 100");
   }
   in.take("breaking_strain", "the force falls from this strain to none at twice of it",
           p.breaking_strain, Quantity{number, 0, 1});
-  if (in.reads(p.breaking_strain == 0)) {
+  if (by_hand(p.breaking_strain == 0)) {
     in.need("cutoff", "distance beyond which there is no force; follows from breaking_strain",
             p.cutoff, positive(length));
     in.check("cutoff", p.cutoff > p.distance && p.cutoff <= 6 * p.distance,
@@ -93,70 +95,6 @@ void read_pair_potential(Section& in, PairPotential& p) {
   if (p.breaking_strain > 0) p.cutoff = (1 + 2 * p.breaking_strain) * p.distance;
   in.take("damping", "of approaching and parting while nearer than distance; 1: critical",
           p.damping, not_negative(number));
-}
-
-void read_volume(Section& in, Volume& volume) {
-  in.take("shape", "", volume.shape, shapes);
-  in.take("center", "of volume", volume.center, any(length));
-  const Shape shape = volume.shape;
-  const bool box = shape == Shape::box || shape == Shape::ellipsoid;
-  if (in.reads(!box)) in.radius("of sphere, hollow_sphere, cylinder", volume.radius);
-  if (in.reads(box))
-    in.need("size", "full widths of box, ellipsoid", volume.extents, positive(length));
-  if (in.reads(shape == Shape::hollow_sphere)) {
-    in.need("inner_radius", "of hollow_sphere", volume.inner_radius, positive(length));
-    in.check("inner_radius", volume.inner_radius < volume.radius, "is not smaller than radius");
-  }
-  if (in.reads(shape == Shape::cylinder)) {
-    double height = 0;
-    in.need("height", "of cylinder, along z", height, positive(length));
-    volume.extents = {2 * volume.radius, 2 * volume.radius, height};
-  }
-}
-
-void read_packing(Section& in, Packing& packing) {
-  in.need("kind", "single: one sphere, the volume itself", packing.kind, packings);
-  const bool single = packing.kind == PackingKind::single;
-  const bool random = packing.kind == PackingKind::random;
-  const bool lattice = !single && !random;
-  if (in.reads(!single)) in.radius("of the spheres", packing.radius);
-  if (in.reads(random)) {
-    std::int64_t count = 0;
-    in.need("count", "of random: spheres wholly inside the volume", count, 1);
-    packing.count = count;
-  }
-  if (in.reads(lattice)) {
-    in.take("spacing", "of lattices, between neighbours; 2 radius", packing.spacing,
-            positive(length));
-    in.take("rotation", "of lattices: rotation vector", packing.rotation, any(number));
-    const double diameter = 2 * packing.radius, spacing = packing.spacing.value_or(diameter);
-    in.check("spacing", spacing >= diameter * (1 - 1e-9),
-             fmt::format("= {} m is less than the spheres' diameter, {} m", spacing, diameter));
-  }
-}
-
-void read_group(Section& in, Group& group, const std::vector<Material>& materials) {
-  std::string material;
-  in.need("name", "", group.name);
-  in.need("material", "one of [materials]", material);
-  const bool has_volume =
-      in.table("volume", "what is filled", [&](Section& s) { read_volume(s, group.volume); });
-  in.check("volume", has_volume, "is missing, such as {shape = \"sphere\", radius = \"95 m\"}");
-  in.table("packing", "how it is filled; left out: single",
-           [&](Section& s) { read_packing(s, group.packing); });
-  in.take("velocity", "of the volume's center", group.velocity, any(speed));
-  in.take("spin", "rigid rotation about the volume's center", group.spin, any(spin));
-  in.take("fixed", "never moves", group.fixed);
-  in.take("total_mass", "the density is scaled to give it", group.total_mass, positive(mass));
-  const auto found = std::ranges::find(materials, material, &Material::name);
-  in.check("material", found != materials.end() || !in.has("material"),
-           fmt::format("= \"{}\" is not in [materials]", material));
-  group.material = static_cast<int>(found - materials.begin());
-  const bool single = group.packing.kind == PackingKind::single;
-  in.check("volume", !single || group.volume.shape == Shape::sphere,
-           "is not a sphere: a single packing is one sphere");
-  if (single) group.packing.radius = group.volume.radius;
-  group.place = in.place();
 }
 
 void read_solver(Section& in, SolverSettings& settings) {
@@ -223,12 +161,13 @@ std::optional<Grid> read_gravity_map(Section& in) {
 }
 
 void read_case_keys(Section& in, Case& scene) {
+  const std::string folder = std::filesystem::path(scene.file).parent_path().string();
   std::int64_t seed = 1;
   in.take("title", "what is simulated", scene.title);
   in.take("reference", "file with values of a source, for the report; beside the case",
           scene.reference);
   if (in.has("reference")) {
-    scene.reference = (std::filesystem::path(scene.file).parent_path() / scene.reference).string();
+    scene.reference = (std::filesystem::path(folder) / scene.reference).string();
     scene.reference_place = in.place("reference");
   }
   in.take("seed", "of random packings", seed, 0);
@@ -238,20 +177,22 @@ void read_case_keys(Section& in, Case& scene) {
   in.named_tables("materials", "[materials.NAME]", [&](Section& s, const std::string& name) {
     Material& material = scene.materials.emplace_back();
     material.name = name;
-    s.need("density", "of one sphere", material.density, positive(density));
+    read_material(s, material);
   });
-  in.table("contact", "where two bodies meet", [&](Section& s) { read_contact(s, scene.contact); });
+  in.table("contact", "where two bodies meet",
+           [&](Section& s) { read_contact(s, scene.contact, scene.contact_of); });
   PairPotential potential;
   if (in.table("pair_potential", "between bodies, in phases with method = \"potential\"",
-               [&](Section& s) { read_pair_potential(s, potential); }))
+               [&](Section& s) { read_pair_potential(s, potential, scene.potential_of); }))
     scene.potential = potential;
   PenaltySettings penalty;
   if (in.table("penalty",
                "springs and dashpots between bodies, in phases with method = \"penalty\"",
                [&](Section& s) { read_penalty(s, penalty); }))
     scene.penalty = penalty;
-  in.tables("groups", "[[groups]]: recipes of bodies",
-            [&](Section& s) { read_group(s, scene.groups.emplace_back(), scene.materials); });
+  in.tables("groups", "[[groups]]: recipes of bodies", [&](Section& s) {
+    read_group(s, scene.groups.emplace_back(), scene.materials, folder);
+  });
   in.tables("planes", "[[planes]]: half-spaces that never move", [&](Section& s) {
     Plane& plane = scene.planes.emplace_back();
     s.take("point", "on the surface", plane.point, any(length));
@@ -286,11 +227,16 @@ void read_case_keys(Section& in, Case& scene) {
   if (in.table("orbit", "of the target about its primary, whose change is asked for",
                [&](Section& s) {
                  s.need("separation", "R", binary.separation, positive(length));
-                 s.need("speed", "v_old", binary.speed, positive(speed));
+                 s.need("speed", "v_old along the impactor's flight, negative against it",
+                        binary.speed, any(speed));
                  s.need("parameter", "mu", binary.parameter, positive(gravitational_parameter));
                  s.need("period", "T_old", binary.period, positive(time));
                }))
     scene.binary = binary;
+  DebrisSettings debris;
+  if (in.table("debris", "of a projectile behind a plate: what is measured",
+               [&](Section& s) { read_debris(s, debris); }))
+    scene.debris = debris;
   in.take("read_out", "after the impact: when dv is tabulated", scene.read_out, positive(time));
 }
 
@@ -402,7 +348,11 @@ Case parse_case(const std::string& text, const std::string& file,
   scene.file = file;
   scene.text = text;
   scene.overrides = overrides;
+  insert_material_files(root, file, scene.overrides);
   Section::read_all(root, file, [&](Section& in) { read_case_keys(in, scene); });
+  draw_orientations(scene);
+  derive_laws(scene);
+  find_debris_groups(scene);
   check_whole(scene);
   for (Phase& phase : scene.phases)
     if (phase.impactor) {
@@ -421,6 +371,7 @@ Case read_case(const std::string& file, const std::vector<std::string>& override
   Case scene = parse_case(text, file, overrides);
   require(scene.reference_place.empty() || std::filesystem::is_regular_file(scene.reference),
           "{}: there is no file '{}'", scene.reference_place, scene.reference);
+  load_meshes(scene);
   return scene;
 }
 
@@ -428,7 +379,7 @@ std::vector<std::string> find_cases(const std::string& folder) {
   std::vector<std::string> files;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
     const std::filesystem::path& path = entry.path();
-    if (path.extension() != ".toml") continue;
+    if (path.extension() != ".toml" || path.parent_path().filename() == "materials") continue;
     if (path.stem() == "case" || !std::filesystem::exists(path.parent_path() / "case.toml"))
       files.push_back(path.string());
   }

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
+#include "spall/scene/packing.hpp"
 #include "spall/scene/scene.hpp"
 #include "spall/scene/shape.hpp"
 
@@ -25,12 +25,13 @@ std::size_t bytes_of_a_body() {
   return row + contacts * contact + field + changes;
 }
 
-std::string describe_group(const Case& scene, const Group& group, std::int64_t count) {
-  const double n = static_cast<double>(count), r = group.packing.radius;
-  const double density = scene.materials[group.material].density;
-  const double mass = group.total_mass.value_or(n * density * ball_volume(r));
-  return fmt::format("  {:<16}{:>10}{:>12.6g}{:>14.6g}{:>14.6g}{:>10.4f}{}\n", group.name, count, r,
-                     mass / n, mass, n * ball_volume(r) / volume_of(group.volume),
+std::string describe_group(const Group& group, const GroupContent& content) {
+  const double each = content.mean_mass(group), mass = each * static_cast<double>(content.count);
+  std::string radius = fmt::format("{:.6g}", content.largest);
+  if (content.smallest < content.largest)
+    radius = fmt::format("{:.3g} to {:.3g}", content.smallest, content.largest);
+  return fmt::format("  {:<16}{:>10}{:>14}{:>14.6g}{:>14.6g}{:>10.4f}{}\n", group.name,
+                     content.count, radius, each, mass, content.volume / volume_of(group.volume),
                      group.fixed ? "  fixed" : "");
 }
 
@@ -48,26 +49,83 @@ std::string describe_phase(const Phase& phase, double start) {
   return text + "\n";
 }
 
+const char* name_of(PairLaw law) {
+  switch (law) {
+    case PairLaw::lennard_jones:
+      return "Lennard-Jones";
+    case PairLaw::mie:
+      return "Mie";
+    case PairLaw::morse:
+      return "Morse";
+  }
+  return "";
+}
+
+/// The pair potential, what it makes of an fcc or hcp lattice, and the longest step.
+std::string describe_potential(const Case& scene) {
+  const PairPotential& p = *scene.potential;
+  double lightest = infinity;
+  const Group* lattice_group = nullptr;
+  const std::vector<GroupContent> contents = measure_groups(scene);
+  for (std::size_t g = 0; g < contents.size(); ++g) {
+    const Group& group = scene.groups[g];
+    if (group.fixed) continue;
+    lightest = std::min(lightest, contents[g].mean_mass(group));
+    if (!lattice_group && lattice_of(group.packing).neighbours == 12) lattice_group = &group;
+  }
+  std::string text = fmt::format(
+      "\n  pair potential: {}, stiffness {:.4g} N/m, depth {:.4g} J, distance {:.4g} m{}\n",
+      name_of(p.law), stiffness(p), p.depth, p.distance,
+      scene.potential_of ? ", from " + scene.potential_of->material : "");
+  if (p.law == PairLaw::morse) text += fmt::format("    steepness a d = {:.4g}\n", p.steepness);
+  if (p.breaking_strain > 0)
+    text += fmt::format("    bonds break at {:.3g} % of strain\n", 100 * p.breaking_strain);
+  if (p.damping > 0)
+    text += fmt::format("    damped at {:g} of critical where nearer than that\n", p.damping);
+  if (lattice_group && std::isfinite(lightest)) {
+    const Lattice lattice = lattice_of(lattice_group->packing);
+    const LatticeSpeeds c = sound_speeds(p, lightest);
+    text += fmt::format(
+        "    its lattice: bulk sound speed {:.4g} m/s; waves along [100] {:.4g}, [110] {:.4g}, "
+        "[111] {:.4g} m/s;\n    tears at {:.3g} Pa of tension from all sides\n",
+        c.along_100 / std::sqrt(1.5), c.along_100, c.along_110, c.along_111,
+        triaxial_strength(p, lattice));
+  }
+  return text + fmt::format("    steps of at most {:.3g} s\n", longest_step(p, lightest));
+}
+
 }  // namespace
 
-std::string describe(const Case& scene) {
-  const std::vector<std::int64_t> counts = count_bodies(scene);
+std::string describe_bodies(const Case& scene) {
   std::string text = fmt::format("{}\n\n", scene.title.empty() ? scene.file : scene.title);
-  text += fmt::format("  {:<16}{:>10}{:>12}{:>14}{:>14}{:>10}\n", "group", "bodies", "radius (m)",
-                      "each (kg)", "all (kg)", "filled");
-  for (std::size_t g = 0; g < counts.size(); ++g)
-    text += describe_group(scene, scene.groups[g], counts[g]);
+  text += fmt::format("  {:<16}{:>10}{:>14}{:>14}{:>14}{:>10}\n", "group", "bodies", "radius (m)",
+                      "mean (kg)", "all (kg)", "filled");
+  const std::vector<GroupContent> contents = measure_groups(scene);
+  std::int64_t all = 0;
+  for (std::size_t g = 0; g < contents.size(); ++g) {
+    text += describe_group(scene.groups[g], contents[g]);
+    all += contents[g].count;
+  }
+  return text +
+         fmt::format("\n  {} bodies, about {:.3g} MB over all ranks\n", all,
+                     1e-6 * static_cast<double>(all) * static_cast<double>(bytes_of_a_body()));
+}
 
-  const std::int64_t all = std::accumulate(counts.begin(), counts.end(), std::int64_t{0});
-  text += fmt::format("\n  {} bodies, about {:.3g} MB over all ranks\n", all,
-                      1e-6 * static_cast<double>(all) * static_cast<double>(bytes_of_a_body()));
-
+std::string describe_phases(const Case& scene) {
+  std::string text;
   const auto has_cohesion = [](const Phase& phase) { return phase.cohesion.value_or(0) > 0; };
   if (scene.contact.friction == 0)
     text += "  no friction: one unknown a contact, no spins change\n";
   if (scene.contact.cohesion == 0 && std::ranges::none_of(scene.phases, has_cohesion))
     text += "  no cohesion\n";
   if (scene.gravity.method == GravityMethod::none) text += "  no self-gravity\n";
+
+  if (scene.contact_of)
+    text += fmt::format(
+        "  contacts from {}: cohesion {:.4g} N up to a gap of {:.3g} m, friction {:.3g}\n",
+        scene.contact_of->material, scene.contact.cohesion, scene.contact.cohesion_range,
+        scene.contact.friction);
+  if (scene.potential) text += describe_potential(scene);
 
   text += fmt::format("\n  {:<16}{:>12}{:>12}{:>10}{:>12}\n", "phase", "step (s)", "lasts (s)",
                       "steps", "starts (s)");

@@ -1,4 +1,4 @@
-// Lattices clipped to a volume, and random sequential addition.
+// Lattices clipped to a volume, and random sequential addition of equal spheres.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "spall/scene/packing.hpp"
 
@@ -37,10 +37,38 @@ void visit_sites(PackingKind kind, double d, const Vec3& room, Visit&& visit) {
       for (int i = 0; site(i, j, k).x() <= end.x(); ++i) visit(site(i, j, k));
 }
 
+/// In [0, 1). The standard distributions differ from library to library; the engine does not.
+double uniform(std::mt19937_64& engine) {
+  return static_cast<double>(engine() >> 11) * 0x1p-53;
+}
+
 }  // namespace
 
+Lattice lattice_of(const Packing& packing) {
+  const double d = packing.spacing.value_or(2 * packing.radius);
+  switch (packing.kind) {
+    case PackingKind::fcc:
+    case PackingKind::hcp:
+      return {12, std::sqrt(0.5), d};
+    case PackingKind::simple_cubic:
+      return {6, 1, d};
+    default:
+      return {0, pi / 6, 2 * packing.radius};
+  }
+}
+
+/// Shoemake 1992, "Uniform random rotations": a quaternion with two random angles.
+Vec3 random_rotation(std::uint64_t seed) {
+  std::mt19937_64 engine(seed);
+  const double u = uniform(engine), a = 2 * pi * uniform(engine), b = 2 * pi * uniform(engine);
+  const double s = std::sqrt(1 - u), c = std::sqrt(u);
+  const Eigen::AngleAxisd turn(
+      Eigen::Quaterniond(c * std::cos(b), s * std::sin(a), s * std::cos(a), c * std::sin(b)));
+  return turn.angle() * turn.axis();
+}
+
 SphereGrid::SphereGrid(const Vec3& center, const Vec3& half, double radius, std::int64_t expected)
-    : low_(center - half), radius_(radius) {
+    : low_(center - half) {
   // Not smaller than a sphere, nor so small that most cells of a thin cloud are empty.
   const double volume = 8 * half.prod();
   cell_ = std::max(2 * radius, std::cbrt(volume / (2.0 * static_cast<double>(expected))));
@@ -66,22 +94,37 @@ void SphereGrid::add(const Vec3& center) {
 }
 
 std::int64_t SphereGrid::find_nearer(const Vec3& point, double distance) const {
-  const auto find_in = [&](const Eigen::Array3i& cell) {
-    std::int32_t sphere = first_[index_of(cell)];
-    while (sphere >= 0 && (centers_[sphere] - point).squaredNorm() >= distance * distance)
-      sphere = next_[sphere];
-    return sphere;
-  };
-  // In dense packings most places are taken, most often by a sphere of the point's own cell.
-  if (const std::int32_t sphere = find_in(cell_of(point)); sphere >= 0) return sphere;
-  // Clamped cells keep what lies beyond the box in its outermost layer, so nothing is missed.
-  const Eigen::Array3i low = cell_of(point - Vec3::Constant(distance));
-  const Eigen::Array3i high = cell_of(point + Vec3::Constant(distance));
-  for (int z = low.z(); z <= high.z(); ++z)
-    for (int y = low.y(); y <= high.y(); ++y)
-      for (int x = low.x(); x <= high.x(); ++x)
-        if (const std::int32_t sphere = find_in({x, y, z}); sphere >= 0) return sphere;
-  return -1;
+  return find(point, distance, [&](std::int64_t sphere) {
+    return (centers_[sphere] - point).squaredNorm() < distance * distance;
+  });
+}
+
+void SphereSet::add(const Vec3& center, double radius) {
+  const int power = static_cast<int>(std::ceil(std::log2(radius)));
+  const double largest = std::ldexp(1.0, power);
+  const auto level =
+      levels_.try_emplace(power, Level{{center_, half_, largest, expected_}, largest, {}, {}})
+          .first;
+  level->second.grid.add(center);
+  level->second.radius.push_back(radius);
+  level->second.sphere.push_back(count_++);
+}
+
+std::optional<SphereSet::Overlap> SphereSet::find_overlap(const Vec3& center, double radius,
+                                                          double allowed) const {
+  for (const auto& [power, level] : levels_) {
+    const auto reach = [&](std::int64_t k) {
+      return radius + level.radius[k] - allowed * std::min(radius, level.radius[k]);
+    };
+    const std::int64_t hit = level.grid.find(center, radius + level.largest, [&](std::int64_t k) {
+      return (level.grid.center(k) - center).squaredNorm() < reach(k) * reach(k);
+    });
+    if (hit < 0) continue;
+    const Vec3& at = level.grid.center(hit);
+    return Overlap{level.sphere[hit], at, level.radius[hit],
+                   radius + level.radius[hit] - (at - center).norm()};
+  }
+  return std::nullopt;
 }
 
 void place_lattice(const Volume& volume, const Packing& packing,
@@ -113,15 +156,14 @@ std::int64_t place_at_random(const Volume& volume, const Packing& packing, std::
   const Vec3 room = half_widths(volume) - Vec3::Constant(r);  // of centres
   if ((room.array() < 0).any()) return 0;
 
-  // The standard distributions differ from library to library; the engine does not.
   std::mt19937_64 engine(seed);
-  const auto uniform = [&] { return static_cast<double>(engine() >> 11) * 0x1p-52 - 1; };
+  const auto coordinate = [&] { return 2 * uniform(engine) - 1; };
 
   SphereGrid grid(volume.center, half_widths(volume), r, count);
   const std::int64_t most_tries_in_vain = 2'000'000;
   std::int64_t placed = 0;
   for (std::int64_t in_vain = 0; placed < count && in_vain < most_tries_in_vain; ++in_vain) {
-    const double x = uniform(), y = uniform(), z = uniform();
+    const double x = coordinate(), y = coordinate(), z = coordinate();
     const Vec3 center = volume.center + room.cwiseProduct(Vec3(x, y, z));
     if (depth(volume, center) < r || grid.find_nearer(center, 2 * r) >= 0 || !is_free(center))
       continue;

@@ -139,7 +139,7 @@ std::string Section::place_of(const toml::source_region& source) const {
   // What came by --set carries the option as its file; a table made by one has no place at all.
   if (!source.path) return file_;
   if (source.path->starts_with("--set")) return *source.path;
-  return fmt::format("{}:{}:{}", file_, source.begin.line, source.begin.column);
+  return fmt::format("{}:{}:{}", *source.path, source.begin.line, source.begin.column);
 }
 
 std::string Section::place(std::string_view key) const {

@@ -21,13 +21,13 @@ struct Unit {
   double factor = 1;
 };
 
-constexpr Dimension pressure{-1, 1, -2}, power{2, 1, -3};
+constexpr Dimension power{2, 1, -3};
 
 constexpr Unit units_with_prefix[] = {
-    {"m", dimension::length}, {"g", dimension::mass, -3},
-    {"s", dimension::time},   {"N", dimension::force},
-    {"Pa", pressure},         {"bar", pressure, 5},
-    {"J", dimension::energy}, {"W", power},
+    {"m", dimension::length},    {"g", dimension::mass, -3},
+    {"s", dimension::time},      {"N", dimension::force},
+    {"Pa", dimension::pressure}, {"bar", dimension::pressure, 5},
+    {"J", dimension::energy},    {"W", power},
     {"Hz", dimension::spin},
 };
 
@@ -67,8 +67,9 @@ constexpr struct {
     {dimension::spin, "a rate", "rad/s", "\"0.1 rad/s\" or \"2 rev/h\""},
     {dimension::density, "a density", "kg/m^3", "\"1600 kg/m^3\""},
     {dimension::force, "a force", "N", "\"500 N\""},
-    {pressure, "a pressure", "Pa", "\"1.2 GPa\""},
     {{0, 1, -2}, "a stiffness or surface energy", "N/m", "\"1 MN/m\" or \"0.1 J/m^2\""},
+    {dimension::pressure, "a pressure", "Pa", "\"1.2 GPa\""},
+    {dimension::specific_energy, "an energy of a mass", "J/kg", "\"1.05 MJ/kg\""},
     {dimension::energy, "an energy", "J", "\"1 kJ\""},
     {dimension::gravitational_parameter, "a gravitational parameter", "m^3/s^2",
      "\"34.1 m^3/s^2\""},

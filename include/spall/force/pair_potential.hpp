@@ -38,6 +38,9 @@ double stiffness(const PairPotential& potential);
 double pair_force(const PairPotential& potential, double r);
 double pair_energy(const PairPotential& potential, double r);
 
+/// s, of steps for bodies of `mass` (kg, the lightest).
+double longest_step(const PairPotential& potential, double mass);
+
 /// Throws Error, which tells the step that would do, where `h` (s) is too long for bodies of `mass`
 /// (kg, the lightest) that meet at up to `speed` (m/s), or where such bodies would pass through
 /// each other.

@@ -110,7 +110,7 @@ struct PairDamping {
 
 /// Adds the forces of all pairs nearer than `cutoff` to the rows; calls `finish(body)` for each
 /// body of a window once nothing will be added to its row and neither its position nor its velocity
-/// will be asked for again. The forces of ghosts mean nothing.
+/// will be asked for again. The forces of ghosts mean nothing. `velocity` is what is damped.
 template <bool damped, class Law, class Finish>
 void sweep_pairs(const std::vector<NearWindow>& windows, const Law& law, double cutoff,
                  const PairDamping& damping, const double* velocity, PairRow* rows,

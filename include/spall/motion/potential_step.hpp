@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <functional>
+
 #include "spall/motion/world.hpp"
 
 namespace spall {
@@ -18,6 +20,10 @@ PotentialReport potential_steps(World& world, double h, int most_steps);
 
 /// J over all ranks, of the pairs as they are. Collective.
 double potential_energy(World& world);
+
+/// Calls `f(i, j)` with the rows of all pairs nearer than `distance` (m), at most the range of the
+/// last search; a pair with a ghost is on both ranks. Ghosts are those of world.near. Collective.
+void for_each_near_pair(World& world, double distance, const std::function<void(Index, Index)>& f);
 
 /// Largest speed (m/s) at which two bodies may meet: the box that holds all velocities is that
 /// wide. Collective.

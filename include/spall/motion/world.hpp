@@ -59,6 +59,7 @@ struct World {
   PenaltySettings penalty;
   TouchPairs touch;
   std::vector<ForceRow> loads;  ///< of the bodies, while steps of penalty contact go on
+  std::vector<Vec3> ahead;      ///< m/s, velocities expected in the middle of the next kick
   GravityKick kick;
   Ledger ledger;
   StageTimes times;

@@ -24,6 +24,7 @@ struct Bodies {
   std::vector<Vec3> angular_velocity;  ///< rad/s, world frame
   std::vector<Vec3> acceleration;      ///< m/s^2, by gravity when its field was last evaluated
   std::vector<double> heat;            ///< J, that damping has left in the body
+  std::vector<Vec3> kick;              ///< m/s, by pair potentials in the last step
 
   Index size() const { return static_cast<Index>(id.size()); }
   Index ghosts() const { return size() - owned; }
@@ -43,6 +44,7 @@ void for_each_field(BodiesLike& bodies, F&& f) {
   f("angular_velocity", bodies.angular_velocity);
   f("acceleration", bodies.acceleration);
   f("heat", bodies.heat);
+  f("kick", bodies.kick);
 }
 
 /// Appends a row of zeros to every field and returns its place; `owned` is left to the caller.

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,9 +11,11 @@
 #include "spall/analysis/gravity_map.hpp"
 #include "spall/base/types.hpp"
 #include "spall/domain/halo.hpp"
+#include "spall/force/constitutive.hpp"
 #include "spall/force/gravity.hpp"
 #include "spall/force/pair_potential.hpp"
 #include "spall/force/penalty.hpp"
+#include "spall/scene/surface_mesh.hpp"
 #include "spall/solver/problem.hpp"
 
 namespace spall {
@@ -20,6 +23,9 @@ namespace spall {
 struct Material {
   std::string name;
   double density = 0;  ///< kg/m^3 of a sphere of it
+  /// What it is a piece of: then `density` is the solid's, and a sphere of a lattice has the mass
+  /// of its cell.
+  std::optional<Solid> solid = std::nullopt;
 };
 
 /// What happens where two bodies meet.
@@ -31,7 +37,7 @@ struct ContactLaw {
   bool cohesion_is_impulse = false;  ///< cohesion read as N s a step, as the reference engine does
 };
 
-enum class Shape { sphere, box, ellipsoid, hollow_sphere, cylinder };
+enum class Shape { sphere, box, ellipsoid, hollow_sphere, cylinder, mesh };
 
 struct Volume {
   Shape shape = Shape::sphere;
@@ -40,17 +46,41 @@ struct Volume {
                                 ///< height (along z)
   double radius = 0;            ///< outer radius of sphere, hollow_sphere
   double inner_radius = 0;      ///< of hollow_sphere
+  std::string file = {};        ///< of mesh: a Wavefront OBJ file
+  double unit = 1;              ///< m, of mesh: the length of 1 in its file
+  std::shared_ptr<const SurfaceMesh> mesh = nullptr;  ///< read_case reads it from the file
 };
 
-enum class PackingKind { single, random, simple_cubic, fcc, hcp };
+enum class PackingKind { single, random, simple_cubic, fcc, hcp, graded, file };
+
+/// Boulders that are fine around a site and coarse far from it. At x the largest have the radius
+///   R(x) = growth |x - site|, not below `smallest` and not above the packing's radius,
+/// and there are N(>r) ~ r^-exponent of them from R down to R/4, which together fill `fill`.
+struct Grading {
+  Vec3 site = Vec3::Zero();  ///< m
+  double smallest = 0;       ///< m
+  double growth = 0;
+  double exponent = 3;
+  double fill = 0.5;
+};
+
+/// A body of an earlier run.
+struct StoredBody {
+  Vec3 position;  ///< m, from the centre of mass
+  double radius, mass;
+};
 
 struct Packing {
   PackingKind kind = PackingKind::single;
-  double radius = 0;  ///< of the spheres
+  double radius = 0;  ///< of the spheres; of graded ones the largest
   std::optional<double> spacing =
       std::nullopt;  ///< of lattices, nearest neighbours; 2 radius where left out
   std::optional<std::int64_t> count = std::nullopt;  ///< of random packings
-  Vec3 rotation = Vec3::Zero();                      ///< of lattices: rotation vector, rad
+  Vec3 rotation = Vec3::Zero();         ///< of lattices and stored bodies: rotation vector, rad
+  bool random_orientation = false;      ///< `rotation` is drawn by the case's seed
+  Grading grading = {};                 ///< of graded
+  std::string file = {};                ///< of file: a restart file of an earlier run
+  std::vector<StoredBody> stored = {};  ///< of file: read_stored_bodies puts them here
 };
 
 /// One recipe: a volume filled with spheres of one material.
@@ -116,12 +146,28 @@ struct OutputSettings {
   double restart_every = 600;  ///< s of wall time
 };
 
+/// What is measured of a projectile's debris behind a plate.
+struct DebrisSettings {
+  int projectile = -1, plate = -1;  ///< groups
+  std::string projectile_name, plate_name;
+  double every = 0;            ///< s; 0: at the end only
+  std::optional<double> wall;  ///< m behind the plate, of the wall that they are to hit
+  std::string place;           ///< where the case asks for it, for messages
+};
+
 /// The orbit whose change is asked for (thesis eqs. 3.3, 3.4).
 struct Binary {
   double separation = 0;  ///< m, R
-  double speed = 0;       ///< m/s, v_old
+  double speed = 0;       ///< m/s, v_old; negative where the impactor comes from ahead
   double parameter = 0;   ///< m^3/s^2, mu
   double period = 0;      ///< s, T_old
+};
+
+/// A law that follows from a material's constants and the lattice of the groups that are of it.
+struct DerivedLaw {
+  std::string material;
+  std::string place;  ///< where the case asks for it, for messages
+  Match match = Match::shocks;
 };
 
 struct Case {
@@ -136,6 +182,7 @@ struct Case {
   ContactLaw contact;
   std::optional<PairPotential> potential;
   std::optional<PenaltySettings> penalty;
+  std::optional<DerivedLaw> potential_of, contact_of;
   double allowed_overlap = 1e-3;  ///< of two bodies at the start, in units of the smaller radius
   std::vector<Group> groups;
   std::vector<Plane> planes;
@@ -148,6 +195,7 @@ struct Case {
   std::vector<Phase> phases;
   OutputSettings output;
   std::optional<Binary> binary;
+  std::optional<DebrisSettings> debris;
   std::vector<double> read_out;  ///< s after the impactor was added: where dv is tabulated
 };
 

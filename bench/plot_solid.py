@@ -1,0 +1,47 @@
+"""Tables of bench/results/solid.csv in bench/README.md.
+
+SPDX-License-Identifier: BSD-3-Clause
+"""
+import csv
+import statistics
+from pathlib import Path
+
+from readme import replace_section
+
+HERE = Path(__file__).parent
+
+
+def is_random(row):
+    return int(row["orientation"]) < 100
+
+
+def main():
+    rows = list(csv.DictReader((HERE / "results/solid.csv").open()))
+    lines = ["| up, m/s | Us = c0 + s up | random crystals, mean (least–most) | error | [100] | [110] | [111] | density "
+             "ratio wanted | random | error |", "|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|"]
+    shocks = [row for row in rows if row["what"] == "shock"]
+    for up in sorted({float(row["speed"]) for row in shocks}):
+        here = [row for row in shocks if float(row["speed"]) == up]
+        speeds = [float(row["measured"]) for row in here if is_random(row)]
+        ratios = [float(row["second"]) for row in here if is_random(row)]
+        along = {row["orientation"]: float(row["measured"]) for row in here}
+        wanted, dense = float(here[0]["wanted"]), float(here[0]["third"])
+        mean, ratio = statistics.mean(speeds), statistics.mean(ratios)
+        lines.append(
+            f"| {up:g} | {wanted:.0f} | {mean:.0f} ({min(speeds):.0f}–{max(speeds):.0f}) | "
+            f"{100 * (mean / wanted - 1):+.1f} % | {along['100']:.0f} | {along['110']:.0f} | {along['111']:.0f} | "
+            f"{dense:.3f} | {ratio:.3f} | {100 * (ratio / dense - 1):+.1f} % |")
+    lines += ["", "| crystal | largest stress of a pulled bar, GPa | at a strain of | pull-back of a spalled plate, GPa | "
+              "torn at, of the flyer's thickness |", "|---|--:|--:|--:|--:|"]
+    tension = {row["orientation"]: row for row in rows if row["what"] == "tension"}
+    spall = {row["orientation"]: row for row in rows if row["what"] == "spall"}
+    for orientation, row in tension.items():
+        name = f"seed {orientation}" if is_random(row) else f"[{orientation}]"
+        other = spall[orientation]
+        lines.append(f"| {name} | {float(row['measured']) / 1e9:.2f} | {100 * float(row['second']):.2f} % | "
+                     f"{float(other['measured']) / 1e9:.2f} | {float(other['wanted']):.2f} |")
+    replace_section(HERE / "README.md", "solid", "\n".join(lines))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,290 @@
+// Aluminium by its material's law against what is known of it: shocks, spall, tension.
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <functional>
+#include <string>
+
+#include "spall/base/require.hpp"
+#include "spall/domain/pack.hpp"
+#include "spall/motion/potential_step.hpp"
+#include "spall/scene/case.hpp"
+#include "spall/scene/packing.hpp"
+
+namespace {
+
+using namespace spall;
+
+struct Sample {
+  Solid solid;
+  PairPotential law;
+  double mass, d;
+  double step() const { return 0.04 * std::sqrt(mass / stiffness(law)); }
+};
+
+/// The turn that lays a direction of the crystal, "100", "110" or "111", along z; another number is
+/// the seed of a random turn.
+Vec3 turn(const std::string& orientation) {
+  Vec3 along = Vec3::UnitZ();
+  if (orientation == "100") return Vec3::Zero();
+  if (orientation == "110")
+    along = {1, 1, 0};
+  else if (orientation == "111")
+    along = {1, 1, 1};
+  else
+    return random_rotation(std::strtoull(orientation.c_str(), nullptr, 10));
+  const Eigen::AngleAxisd rotation(Eigen::Quaterniond::FromTwoVectors(along, Vec3::UnitZ()));
+  return rotation.angle() * rotation.axis();
+}
+
+struct Disc {
+  double low, high, radius, velocity;  // in spacings; m/s
+  bool fixed = false;
+};
+
+/// A world of discs of the crystal about the z axis, each a group.
+World make_discs(const Comm& comm, const Sample& m, const std::vector<Disc>& discs,
+                 const Vec3& rotation, std::vector<Vec3>* start = nullptr) {
+  World world;
+  world.comm = comm;
+  world.potential = m.law;
+  std::vector<std::pair<Vec3, int>> sites;
+  for (std::size_t g = 0; g < discs.size(); ++g) {
+    const Disc& disc = discs[g];
+    const Volume volume{
+        .shape = Shape::cylinder,
+        .center = {0, 0, (disc.low + disc.high) / 2 * m.d},
+        .extents = m.d * Vec3(2 * disc.radius, 2 * disc.radius, disc.high - disc.low)};
+    const Packing packing{.kind = PackingKind::fcc, .radius = m.d / 2, .rotation = rotation};
+    place_lattice(volume, packing,
+                  [&](const Vec3& x) { sites.emplace_back(x, static_cast<int>(g)); });
+  }
+  if (start)
+    for (const auto& [x, g] : sites) start->push_back(x);
+  Bodies& bodies = world.bodies;
+  const auto all = static_cast<std::int64_t>(sites.size());
+  for (std::int64_t id = all * comm.rank / comm.size; id < all * (comm.rank + 1) / comm.size;
+       ++id) {
+    const auto& [x, g] = sites[static_cast<std::size_t>(id)];
+    const Index b = append_row(bodies);
+    bodies.id[b] = id;
+    bodies.group[b] = g;
+    bodies.radius[b] = m.d / 2;
+    bodies.mass[b] = discs[static_cast<std::size_t>(g)].fixed ? infinity : m.mass;
+    bodies.position[b] = x;
+    bodies.velocity[b] = {0, 0, discs[static_cast<std::size_t>(g)].velocity};
+  }
+  bodies.owned = bodies.size();
+  return world;
+}
+
+/// Mean velocity along z and mass of the bodies about the axis, in bins one spacing wide from
+/// `low`.
+struct Profile {
+  std::vector<double> velocity, mass;
+};
+Profile profile(const World& world, double low, double high, double radius, double width) {
+  const auto bins = static_cast<std::size_t>((high - low) / width);
+  std::vector<double> sums(2 * bins, 0.0);
+  const Bodies& b = world.bodies;
+  for (Index k = 0; k < b.owned; ++k) {
+    const Vec3& x = b.position[k];
+    const double at = (x.z() - low) / width;
+    if (x.head<2>().norm() > radius || at < 0 || at >= static_cast<double>(bins)) continue;
+    sums[static_cast<std::size_t>(at)] += b.mass[k];
+    sums[bins + static_cast<std::size_t>(at)] += b.mass[k] * b.velocity[k].z();
+  }
+  world.comm.sum(sums);
+  Profile p;
+  for (std::size_t k = 0; k < bins; ++k) {
+    p.mass.push_back(sums[k]);
+    p.velocity.push_back(sums[k] > 0 ? sums[bins + k] / sums[k] : 0);
+  }
+  return p;
+}
+
+/// How much nearer along z two layers, three spacings thick, have come that began at `low` and
+/// `high`.
+double compression(const World& world, const std::vector<Vec3>& start, double low, double high,
+                   double radius) {
+  std::array<double, 6> sums{};
+  const double half = 1.5 * world.potential.distance;
+  for (Index b = 0; b < world.bodies.owned; ++b) {
+    const Vec3& x = start[static_cast<std::size_t>(world.bodies.id[b])];
+    if (x.head<2>().norm() > radius) continue;
+    for (int layer = 0; layer < 2; ++layer) {
+      if (std::abs(x.z() - (layer == 0 ? low : high)) > half) continue;
+      sums[3 * layer] += 1;
+      sums[3 * layer + 1] += x.z();
+      sums[3 * layer + 2] += world.bodies.position[b].z();
+    }
+  }
+  world.comm.sum(sums);
+  const auto mean = [&](int layer, int k) { return sums[3 * layer + k] / sums[3 * layer]; };
+  return (mean(1, 1) - mean(0, 1)) / (mean(1, 2) - mean(0, 2));
+}
+
+/// Two crystals meet at +-up: the shock runs into each. The front is where the axis has lost half
+/// of its speed; its speed is fitted while it crosses the second half of its way, so that its shape
+/// is steady and nothing has come from the sides.
+void shock(const Comm& comm, const Sample& m, const std::string& orientation, double up,
+           double length) {
+  const double radius = 1.5 * length, core = 4;
+  const Vec3 rotation = turn(orientation);
+  std::vector<Vec3> start;
+  World world = make_discs(comm, m, {{-length, -0.5, radius, up}, {0.5, length, radius, -up}},
+                           rotation, &start);
+  const double h = std::min(m.step(), 0.02 * m.d / up);
+  const double width = 2 * m.d;
+  std::vector<double> times, places;
+  double time = 0, ratio = 0;
+  for (int k = 0; k < 20000; ++k) {
+    potential_steps(world, h, 10);
+    time += 10 * h;
+    const Profile p = profile(world, 0, length * m.d, core * m.d, width);
+    std::size_t at = p.velocity.size() - 1;
+    while (at > 0 && p.velocity[at] > -up / 2) --at;
+    std::size_t front = 0;
+    while (front + 1 < p.velocity.size() && p.velocity[front] > -up / 2) ++front;
+    if (front == 0) continue;
+    const double rise =
+        (p.velocity[front - 1] + up / 2) / (p.velocity[front - 1] - p.velocity[front]);
+    const double place = width * (static_cast<double>(front) - 0.5 + rise);
+    const double way = place / (m.d * length) + up * time / (m.d * length);  // in the crystal
+    if (way > 0.4) {
+      times.push_back(time);
+      places.push_back(place);
+      ratio = compression(world, start, 2 * m.d, 0.6 * (place + up * time), core * m.d);
+    }
+    if (way > 0.8) break;
+  }
+  double t = 0, x = 0, tt = 0, tx = 0;
+  const auto n = static_cast<double>(times.size());
+  for (std::size_t k = 0; k < times.size(); ++k) {
+    t += times[k] / n;
+    x += places[k] / n;
+  }
+  for (std::size_t k = 0; k < times.size(); ++k) {
+    tt += (times[k] - t) * (times[k] - t);
+    tx += (times[k] - t) * (places[k] - x);
+  }
+  const double us = tx / tt + up;
+  if (comm.rank == 0)
+    fmt::print("shock,{},{:g},{:.1f},{:.4f},{:.1f},{:.4f}\n", orientation, up, us, ratio,
+               m.solid.sound_speed + m.solid.hugoniot_slope * up,
+               1 / (1 - up / (m.solid.sound_speed + m.solid.hugoniot_slope * up)));
+}
+
+/// A disc on one twice as thick. The strength is told by the pull-back of the free surface's speed,
+/// sigma = rho c du/2 with the crystal's own sound speed, `speed` fast enough for twice of it.
+void spall_test(const Comm& comm, const Sample& m, const std::string& orientation, double speed,
+                double thickness) {
+  const double radius = 4.5 * thickness;
+  World world =
+      make_discs(comm, m, {{-thickness, -0.5, radius, speed}, {0.5, 2 * thickness, radius, 0}},
+                 turn(orientation));
+  const double c = m.d * std::sqrt(stiffness(m.law) / m.mass) *
+                   (orientation == "110"   ? std::sqrt(5. / 4)
+                    : orientation == "111" ? std::sqrt(4. / 3)
+                    : orientation == "100" ? 1.0
+                                           : std::sqrt(1.2));
+  const double h = m.step();
+  double highest = 0, lowest = infinity, torn_at = 0;
+  for (double time = 0; time < 7 * thickness * m.d / c; time += 10 * h) {
+    potential_steps(world, h, 10);
+    const double back = 2 * thickness * m.d + speed * time;
+    const Profile p = profile(world, back - 2.5 * m.d, back + 2 * m.d, 4 * m.d, 4.5 * m.d);
+    const double v = p.velocity.empty() ? 0 : p.velocity[0];
+    if (v > highest) {
+      highest = v;
+      lowest = v;
+    }
+    lowest = std::min(lowest, v);
+  }
+  // The gap: the thinnest bin inside of the target.
+  const Profile p = profile(world, -thickness * m.d, 3 * thickness * m.d, 4 * m.d, m.d);
+  double least = infinity;
+  for (std::size_t b = static_cast<std::size_t>(thickness / 2); b < p.mass.size(); ++b) {
+    double beyond = 0;
+    for (std::size_t k = b + 1; k < p.mass.size(); ++k) beyond += p.mass[k];
+    if (beyond > 0 && p.mass[b] < least) {
+      least = p.mass[b];
+      torn_at = static_cast<double>(b) - thickness;
+    }
+  }
+  if (comm.rank == 0)
+    fmt::print("spall,{},{:g},{:.3g},{:.3g},{:.2f},{:.3f}\n", orientation, speed,
+               m.solid.density * c * (highest - lowest) / 2, m.solid.spall_strength,
+               torn_at / thickness, least / (pi * 16 * m.d * m.d * m.d * m.solid.density));
+}
+
+/// A bar between two grips that part at a tenth of a percent of the sound speed: the largest force
+/// through its middle.
+void tension(const Comm& comm, const Sample& m, const std::string& orientation) {
+  const double radius = 7, half = 14, speed = 2e-3 * m.solid.sound_speed;
+  World world = make_discs(comm, m,
+                           {{-half - 2, -half, radius, -speed, true},
+                            {-half + 0.01, half - 0.01, radius, 0},
+                            {half, half + 2, radius, speed, true}},
+                           turn(orientation));
+  // Bodies start with the speed that the stretch gives them: no wave runs from the grips.
+  for (Index b = 0; b < world.bodies.owned; ++b)
+    world.bodies.velocity[b].z() =
+        speed * std::clamp(world.bodies.position[b].z() / (half * m.d), -1.0, 1.0);
+  const double h = m.step();
+  double strongest = 0, strain_at = 0;
+  for (int k = 0; k * 20 * h * speed < 0.03 * half * m.d; ++k) {
+    potential_steps(world, h, 20);
+    double force = 0;
+    const Bodies& bodies = world.bodies;
+    const double reach = m.law.cutoff;
+    std::vector<double> near;
+    for (Index b = 0; b < bodies.owned; ++b)
+      if (std::abs(bodies.position[b].z()) < reach)
+        near.insert(near.end(), bodies.position[b].data(), bodies.position[b].data() + 3);
+    near = comm.all_gather(near);
+    for (std::size_t i = 0; i < near.size(); i += 3)
+      for (std::size_t j = 0; j < near.size(); j += 3) {
+        if (near[i + 2] >= 0 || near[j + 2] < 0) continue;
+        const Vec3 x(near[j] - near[i], near[j + 1] - near[i + 1], near[j + 2] - near[i + 2]);
+        force -= pair_force(m.law, x.norm()) * x.z() / x.norm();
+      }
+    const double stress = force / (pi * radius * radius * m.d * m.d);
+    if (stress > strongest) {
+      strongest = stress;
+      strain_at = k * 20 * h * speed / (half * m.d);
+    }
+  }
+  if (comm.rank == 0)
+    fmt::print("tension,{},{:g},{:.3g},{:.4f},{:.3g}\n", orientation, speed, strongest, strain_at,
+               m.solid.spall_strength);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Session session(argc, argv);
+  const Comm comm = session.world();
+  try {
+    require(argc >= 5,
+            "usage: bench_solid CASE shock|spall|tension ORIENTATION DAMPING [SPEED LENGTH]: the "
+            "law is that of the case's material; orientations are 100, 110, 111 or a seed");
+    const Case scene = read_case(argv[1], {"pair_potential.damping=" + std::string(argv[4])});
+    Sample m{*scene.materials[0].solid, *scene.potential, 0, scene.potential->distance};
+    m.mass = sphere_mass(m.solid, {12, std::sqrt(0.5), m.d});
+    const std::string what = argv[2];
+    const double speed = argc > 5 ? std::atof(argv[5]) : 0,
+                 length = argc > 6 ? std::atof(argv[6]) : 0;
+    if (what == "shock") shock(comm, m, argv[3], speed, length);
+    if (what == "spall") spall_test(comm, m, argv[3], speed, length);
+    if (what == "tension") tension(comm, m, argv[3]);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    Session::abort_all(1);
+  }
+}

@@ -1,0 +1,76 @@
+// From the constants of a solid to the law between the spheres that stand for it.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "spall/base/types.hpp"
+#include "spall/force/pair_potential.hpp"
+
+namespace spall {
+
+/// What handbooks say of a solid. 0: not known; a law that needs it says so.
+struct Solid {
+  double density = 0;             ///< kg/m^3
+  double sound_speed = 0;         ///< m/s, c0 of the shock speed U_s = c0 + s u_p
+  double hugoniot_slope = 0;      ///< s
+  double gruneisen = 0;           ///< Gruneisen's parameter
+  double youngs_modulus = 0;      ///< Pa
+  double poisson_ratio = 0;       ///< -
+  double yield_strength = 0;      ///< Pa
+  double tensile_strength = 0;    ///< Pa
+  double spall_strength = 0;      ///< Pa
+  double melt_energy = 0;         ///< J/kg, from room temperature to liquid
+  double sublimation_energy = 0;  ///< J/kg
+
+  double bulk_modulus() const { return density * sound_speed * sound_speed; }  ///< Pa
+};
+
+/// A lattice of equal spheres, by its nearest neighbours.
+struct Lattice {
+  int neighbours = 0;   ///< Z
+  double cell = 0;      ///< volume of a sphere's cell over d^3
+  double distance = 0;  ///< m, d
+  double volume() const { return cell * distance * distance * distance; }  ///< m^3, V
+};
+
+/// kg, of a sphere that stands for its cell of the solid.
+double sphere_mass(const Solid& solid, const Lattice& lattice);
+
+/// What a law derived from a solid is to get right: a lattice does not yield, so to a plane shock
+/// it answers with its longitudinal modulus, up to 2 K along [111], where a metal beyond its
+/// elastic limit answers with the bulk modulus K. One stiffness cannot do both.
+enum class Match { shocks, bulk };
+
+/// Morse's law for the lattice of a solid, with its spall strength, where that is known, under
+/// equal tension from all sides:
+///
+///   bulk:   k = 18 m c0^2 / (Z d^2),  a d = K' - 1 = 4 s - 2: bulk modulus and its slope
+///   shocks: 0.44 of this k, 1.6 times this a: what gives crystals of random orientation the shock
+///           speeds c0 + s up, for up to 0.63 c0 and s = 1.34; found by trial, measured by
+///           bench/solid.cpp
+///   D = k / (2 a^2),  bonds break at the force F_b = 6 V sigma / (Z d).
+///
+/// `place` says in messages who asks. Throws Error where a constant is missing or a strength is
+/// more than the whole law bears.
+PairPotential morse_law(const Solid& solid, const Lattice& lattice, Match match,
+                        const std::string& place);
+
+/// Pa, tension from all sides that the lattice bears: Z F_b d / (6 V).
+double triaxial_strength(const PairPotential& potential, const Lattice& lattice);
+
+/// m/s, of long waves in an fcc lattice of central bonds to the nearest neighbours, C11 = 2 C12 =
+/// 2 C44 = sqrt(2) k/d.
+struct LatticeSpeeds {
+  double along_100 = 0, along_110 = 0, along_111 = 0;  ///< longitudinal
+  double shear_100 = 0;
+};
+LatticeSpeeds sound_speeds(const PairPotential& potential, double mass);
+
+/// How rigid spheres hold together like the solid.
+struct Cohesion {
+  double force = 0;     ///< N: tensile strength = phi Z F / (pi d^2), phi = (pi/6) / cell
+  double range = 0;     ///< m: the stretch at which the elastic solid bears its tensile strength
+  double friction = 0;  ///< shear over tensile strength: yield/sqrt(3) (von Mises) over tensile
+};
+Cohesion cohesion_of(const Solid& solid, const Lattice& lattice, const std::string& place);
+
+}  // namespace spall

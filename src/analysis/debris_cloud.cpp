@@ -1,0 +1,323 @@
+// Percentiles by bisection and maps by sums: nothing is gathered but the list of fragments.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "spall/analysis/debris_cloud.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "spall/base/require.hpp"
+#include "spall/scene/shape.hpp"
+
+namespace spall {
+namespace {
+
+/// A body's place and velocity in the frame of the plate.
+struct Flight {
+  double depth, radius;          ///< m: behind the rear face; from the line of flight
+  double axial, radial;          ///< m/s
+  std::array<double, 2> across;  ///< m
+};
+
+Flight flight_of(const Target& target, const Vec3& position, const Vec3& velocity) {
+  const Vec3 x = position - target.origin;
+  const auto across = [&](const Vec3& v) {
+    return Eigen::Vector2d(v.dot(target.across[0]), v.dot(target.across[1]));
+  };
+  const Eigen::Vector2d at = across(x);
+  return {x.dot(target.normal),
+          at.norm(),
+          velocity.dot(target.normal),
+          across(velocity).norm(),
+          {at[0], at[1]}};
+}
+
+bool is_debris(const Target& target, const Flight& flight) {
+  return flight.depth > target.diameter / 4;
+}
+
+/// Calls `f(row, flight)` for this rank's bodies of projectile and plate.
+template <class F>
+void for_each_body(const Bodies& bodies, const Target& target, F&& f) {
+  for (Index b = 0; b < bodies.owned; ++b)
+    if (bodies.group[b] == target.projectile || bodies.group[b] == target.plate)
+      f(b, flight_of(target, bodies.position[b], bodies.velocity[b]));
+}
+
+/// Values with weights, and the part of the weight below the value that is looked for.
+struct Sample {
+  double fraction;
+  std::vector<std::pair<double, double>> values = {};
+};
+
+/// For each sample the smallest value with at least that part of all ranks' weight at or below it;
+/// 0 of no values. All by the same bisections. Collective.
+std::vector<double> percentiles(const Comm& comm, std::vector<Sample> samples) {
+  const std::size_t n = samples.size();
+  std::vector<double> ends(2 * n, -infinity), total(n, 0.0), result(n, 0.0);
+  for (std::size_t s = 0; s < n; ++s) {
+    auto& values = samples[s].values;
+    std::sort(values.begin(), values.end());
+    for (auto& [value, weight] : values) weight = total[s] += weight;
+    if (values.empty()) continue;
+    ends[s] = -values.front().first;
+    ends[n + s] = values.back().first;
+  }
+  comm.max(ends);
+  comm.sum(total);
+  constexpr int bisections = 50;
+  std::vector<double> low(n), high(ends.begin() + static_cast<std::ptrdiff_t>(n), ends.end());
+  for (std::size_t s = 0; s < n; ++s) low[s] = -ends[s];
+  std::vector<double> below(n);
+  for (int k = 0; k < bisections; ++k) {
+    for (std::size_t s = 0; s < n; ++s) {
+      const auto& values = samples[s].values;
+      const auto end = std::upper_bound(values.begin(), values.end(),
+                                        std::pair((low[s] + high[s]) / 2, infinity));
+      below[s] = end == values.begin() ? 0 : std::prev(end)->second;
+    }
+    comm.sum(below);
+    for (std::size_t s = 0; s < n; ++s)
+      (below[s] >= samples[s].fraction * total[s] ? high[s] : low[s]) = (low[s] + high[s]) / 2;
+  }
+  for (std::size_t s = 0; s < n; ++s)
+    if (total[s] > 0) result[s] = high[s];
+  return result;
+}
+
+/// Sums on square pixels about the line of flight.
+class Map {
+ public:
+  Map(double pixel, double low_x, double high_x, double half_y)
+      : pixel_(pixel),
+        low_{low_x, -half_y},
+        columns_(pixels(high_x - low_x)),
+        rows_(pixels(2 * half_y)),
+        sums_(columns_ * rows_, 0.0) {}
+  void add(double x, double y, double value) {
+    const auto at = [&](double place, int k) {
+      return static_cast<std::ptrdiff_t>(std::floor((place - low_[k]) / pixel_));
+    };
+    const auto column = at(x, 0), row = at(y, 1);
+    if (column < 0 || row < 0 || column >= static_cast<std::ptrdiff_t>(columns_) ||
+        row >= static_cast<std::ptrdiff_t>(rows_))
+      return;
+    sums_[static_cast<std::size_t>(row) * columns_ + static_cast<std::size_t>(column)] += value;
+  }
+  std::vector<double>& sums() { return sums_; }
+  /// m, extents of what is above `threshold`.
+  std::array<double, 2> extents(double threshold) const {
+    std::array<std::size_t, 2> low{columns_, rows_}, high{0, 0};
+    for (std::size_t k = 0; k < sums_.size(); ++k) {
+      if (sums_[k] <= threshold) continue;
+      const std::array<std::size_t, 2> at{k % columns_, k / columns_};
+      for (int d = 0; d < 2; ++d) {
+        low[d] = std::min(low[d], at[d]);
+        high[d] = std::max(high[d], at[d] + 1);
+      }
+    }
+    const auto extent = [&](int d) {
+      return high[d] > low[d] ? pixel_ * static_cast<double>(high[d] - low[d]) : 0.0;
+    };
+    return {extent(0), extent(1)};
+  }
+
+ private:
+  static constexpr double most = 1000;  // pixels: what flies further is not seen
+  std::size_t pixels(double extent) const {
+    return static_cast<std::size_t>(std::clamp(std::ceil(extent / pixel_), 1.0, most));
+  }
+  double pixel_;
+  std::array<double, 2> low_;
+  std::size_t columns_, rows_;
+  std::vector<double> sums_;
+};
+
+void measure_contour(const Comm& comm, const Bodies& bodies, const Target& target, Cloud& cloud) {
+  std::array<double, 2> reach{0, 0};
+  for_each_body(bodies, target, [&](Index, const Flight& f) {
+    if (!is_debris(target, f)) return;
+    reach = {std::max(reach[0], f.depth), std::max(reach[1], f.radius)};
+  });
+  comm.max(reach);
+  const double start = target.diameter / 4, pixel = target.diameter / 4;
+  for (int view = 0; view < 2; ++view) {
+    Map map(pixel, start, reach[0] + pixel, reach[1] + pixel);
+    for_each_body(bodies, target, [&](Index b, const Flight& f) {
+      if (is_debris(target, f)) map.add(f.depth, f.across[view], bodies.mass[b]);
+    });
+    comm.sum(map.sums());
+    const auto extents = map.extents(target.diameter / 100 * target.density * pixel * pixel);
+    cloud.contour_length = std::max(cloud.contour_length, extents[0]);
+    cloud.contour_width += extents[1] / 2;
+  }
+}
+
+/// Seen along the normal, in rings of sectors: the first ring from which on, over the next D/4, the
+/// plate is there.
+void measure_hole(const Comm& comm, const Bodies& bodies, const Target& target, Cloud& cloud) {
+  constexpr int sectors = 12, ahead = 4;
+  const double width = target.diameter / (4 * ahead);
+  const int rings = static_cast<int>(target.half_width / width);
+  std::vector<double> part(static_cast<std::size_t>(sectors * std::max(rings, 0)), 0.0);
+  const double reach = target.diameter / 4;
+  for_each_body(bodies, target, [&](Index b, const Flight& f) {
+    const int ring = static_cast<int>(f.radius / width);
+    const bool there = f.depth < reach && f.depth > -target.thickness - reach;
+    if (bodies.group[b] != target.plate || !there || ring >= rings) return;
+    const double turn = std::atan2(f.across[1], f.across[0]) / (2 * pi) + 0.5;
+    const int sector = std::min(static_cast<int>(turn * sectors), sectors - 1);
+    const double area = pi / sectors * width * width * (2 * ring + 1);
+    part[static_cast<std::size_t>(sector * rings + ring)] +=
+        bodies.mass[b] / (area * target.areal_density);
+  });
+  comm.sum(part);
+  double sum = 0, squares = 0;
+  for (int s = 0; s < sectors; ++s) {
+    const double* f = &part[static_cast<std::size_t>(s * rings)];
+    int edge = 0;
+    const auto mean = [&](int count) {
+      double m = 0;
+      for (int k = edge; k < edge + count; ++k) m += f[k] / count;
+      return m;
+    };
+    while (edge + ahead < rings && (f[edge] < 0.5 || mean(ahead) < 0.5)) ++edge;
+    // The ring before may hold the rest of what ends in this one.
+    const double filled = std::min(f[edge], 1.0) + (edge > 0 ? std::min(f[edge - 1], 0.5) : 0);
+    const double hole = 2 * std::max(0.0, width * (edge + 1 - filled));
+    sum += hole / sectors;
+    squares += hole * hole / sectors;
+  }
+  cloud.hole = sum;
+  cloud.hole_spread = std::sqrt(std::max(0.0, squares - sum * sum));
+}
+
+}  // namespace
+
+Target find_target(const Case& scene) {
+  Target t;
+  t.projectile = scene.debris->projectile;
+  t.plate = scene.debris->plate;
+  const Group& ball = scene.groups[t.projectile];
+  const Group& plate = scene.groups[t.plate];
+  int thin = 2;
+  if (plate.volume.shape == Shape::box) plate.volume.extents.minCoeff(&thin);
+  const double toward = ball.velocity[thin] < 0 ? -1 : 1;
+  t.normal = toward * Vec3::Unit(thin);
+  t.across = {Vec3::Unit((thin + 1) % 3), Vec3::Unit((thin + 2) % 3)};
+  t.diameter = 2 * half_widths(ball.volume).maxCoeff();
+  t.speed = ball.velocity.norm();
+  t.thickness = plate.volume.extents[thin];
+  const double volume = volume_of(plate.volume);
+  t.areal_density = plate.total_mass.value_or(scene.materials[plate.material].density * volume) *
+                    t.thickness / volume;
+  t.density = scene.materials[ball.material].density;
+  if (const auto& solid = scene.materials[ball.material].solid) t.melt_energy = solid->melt_energy;
+
+  // Along the flight to the plate's middle; from there straight to its rear face.
+  const double way = t.normal.dot(plate.volume.center - ball.volume.center);
+  t.origin = ball.volume.center + way / ball.velocity.dot(t.normal) * ball.velocity +
+             t.thickness / 2 * t.normal;
+  t.half_width = infinity;
+  for (const Vec3& side : t.across)
+    t.half_width = std::min(t.half_width, plate.volume.extents.dot(side.cwiseAbs()) / 2 -
+                                              std::abs(side.dot(t.origin - plate.volume.center)));
+  return t;
+}
+
+Cloud measure_cloud(const Comm& comm, const Bodies& bodies, const Target& target, double time) {
+  Cloud cloud{.time = time};
+  std::vector<Sample> samples{{0.99}, {0.01}, {0.99}, {0.01}, {0.99}, {0.99}};
+  // By origin, projectile then plate: mass, momentum, molten mass; ejecta; what is left.
+  std::array<double, 10> sums{};
+  for_each_body(bodies, target, [&](Index b, const Flight& f) {
+    const double m = bodies.mass[b];
+    const bool of_plate = bodies.group[b] == target.plate;
+    if (is_debris(target, f)) {
+      const double values[] = {f.axial, f.axial, f.radial, f.depth, f.depth, f.radius};
+      for (std::size_t s = 0; s < samples.size(); ++s) samples[s].values.emplace_back(values[s], m);
+      double* const origin = &sums[of_plate ? 3 : 0];
+      origin[0] += m;
+      origin[1] += m * f.axial;
+      if (target.melt_energy > 0 && bodies.heat[b] > target.melt_energy * m) origin[2] += m;
+    } else if (f.depth < -target.thickness - target.diameter / 4 && f.axial < 0) {
+      sums[6] += m;
+      sums[7] += m * f.axial;
+    } else if (of_plate && std::isfinite(m)) {
+      sums[8] += m;
+      sums[9] += m * f.axial;
+    }
+  });
+  comm.sum(sums);
+  const auto part = [](double of, double all) { return all > 0 ? of / all : 0; };
+  cloud.projectile_mass = sums[0];
+  cloud.projectile_momentum = sums[1];
+  cloud.projectile_melted = part(sums[2], sums[0]);
+  cloud.plate_mass = sums[3];
+  cloud.plate_momentum = sums[4];
+  cloud.plate_melted = part(sums[5], sums[3]);
+  cloud.ejecta_mass = sums[6];
+  cloud.ejecta_momentum = sums[7];
+  cloud.centre = part(sums[1] + sums[4], sums[0] + sums[3]);
+  cloud.plate_speed = part(sums[9], sums[8]);
+  const std::vector<double> p = percentiles(comm, std::move(samples));
+  cloud.front = p[0];
+  cloud.rear = p[1];
+  cloud.radial = p[2];
+  cloud.length = p[4] - p[3];
+  cloud.width = 2 * p[5];
+  measure_contour(comm, bodies, target, cloud);
+  measure_hole(comm, bodies, target, cloud);
+  return cloud;
+}
+
+Fragments find_fragments(const Comm& comm, const Ghosts& ghosts, const Bodies& bodies,
+                         const Links& links, const Target& target) {
+  std::vector<BodyId> name = find_clumps(comm, ghosts, bodies, links);
+  std::vector<char> chosen(bodies.owned, 0);
+  for_each_body(bodies, target,
+                [&](Index b, const Flight& f) { chosen[b] = is_debris(target, f); });
+  for (Index b = 0; b < bodies.owned; ++b)
+    if (!chosen[b]) name[b] = -1;
+  const ClumpList list = weigh_clumps(comm, bodies, name, std::numeric_limits<std::size_t>::max());
+  Fragments fragments;
+  for (const Clump& clump : list.largest) {
+    fragments.largest = std::max(fragments.largest, clump.mass);
+    if (clump.count == 1) {
+      ++fragments.singles;
+      continue;
+    }
+    ++fragments.pieces;
+    std::size_t decade = 0;
+    for (std::int64_t n = clump.count; n >= 10; n /= 10) ++decade;
+    if (fragments.counts.size() <= decade) fragments.counts.resize(decade + 1, 0.0);
+    fragments.counts[decade] += 1;
+  }
+  return fragments;
+}
+
+WallLoad load_wall(const Comm& comm, const Bodies& bodies, const Target& target, double distance) {
+  const double pixel = target.diameter / 2;
+  std::vector<Sample> samples{{0.5}, {0.9}};
+  Map map(pixel, -2 * distance, 2 * distance, 2 * distance);
+  WallLoad load;
+  for_each_body(bodies, target, [&](Index b, const Flight& f) {
+    if (!is_debris(target, f) || f.axial <= 0) return;
+    const double momentum = bodies.mass[b] * f.axial;
+    const double left = std::max(0.0, distance - f.depth) / f.axial;  // s
+    const Flight hit =
+        flight_of(target, bodies.position[b] + left * bodies.velocity[b], bodies.velocity[b]);
+    load.momentum += momentum;
+    for (Sample& sample : samples) sample.values.emplace_back(hit.radius, momentum);
+    map.add(hit.across[0], hit.across[1], momentum);
+  });
+  load.momentum = comm.sum(load.momentum);
+  comm.sum(map.sums());
+  const auto p = percentiles(comm, std::move(samples));
+  load.half_radius = p[0];
+  load.radius = p[1];
+  load.peak = *std::max_element(map.sums().begin(), map.sums().end()) / (pixel * pixel);
+  return load;
+}
+
+}  // namespace spall

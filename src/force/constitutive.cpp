@@ -1,0 +1,74 @@
+// Formulas for central forces between the nearest neighbours of a lattice.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "spall/force/constitutive.hpp"
+
+#include <cmath>
+
+#include "spall/base/require.hpp"
+
+namespace spall {
+
+double sphere_mass(const Solid& solid, const Lattice& lattice) {
+  return solid.density * lattice.volume();
+}
+
+PairPotential morse_law(const Solid& solid, const Lattice& lattice, Match match,
+                        const std::string& place) {
+  require(solid.sound_speed > 0 && solid.hugoniot_slope > 0.5,
+          "{} needs the material's sound_speed and its hugoniot_slope, which must be more than 0.5",
+          place);
+  require(lattice.neighbours >= 12,
+          "{}: bonds between the nearest neighbours make no solid of a simple cubic lattice, which "
+          "has no shear stiffness; take fcc or hcp",
+          place);
+  const double Z = lattice.neighbours, d = lattice.distance, V = lattice.volume();
+  const bool shocks = match == Match::shocks;
+  const double k = (shocks ? 0.44 : 1) * 18 * sphere_mass(solid, lattice) * solid.sound_speed *
+                   solid.sound_speed / (Z * d * d);
+  PairPotential p{.law = PairLaw::morse,
+                  .distance = d,
+                  .steepness = (shocks ? 1.6 : 1) * (4 * solid.hugoniot_slope - 2)};
+  p.depth = k * d * d / (2 * p.steepness * p.steepness);
+  // Half of the next shell's distance beyond: the whole law where it is not made to break.
+  p.cutoff = (1 + std::sqrt(2.0)) / 2 * d;
+  if (solid.spall_strength > 0) {
+    // F = (2 D a/d) (e - e^2) with e = exp(-a eps) is largest, (D a/d) / 2, at e = 1/2.
+    const double force = 6 * V * solid.spall_strength / (Z * d);
+    const double y = force * d / (2 * p.depth * p.steepness);
+    require(y < 0.25,
+            "{}: spall_strength = {:g} Pa is more than the {:.3g} Pa that bonds of this sound "
+            "speed and Hugoniot slope can bear",
+            place, solid.spall_strength, solid.spall_strength * 0.25 / y);
+    p.breaking_strain = -std::log((1 + std::sqrt(1 - 4 * y)) / 2) / p.steepness;
+    p.cutoff = (1 + 2 * p.breaking_strain) * d;
+  }
+  return p;
+}
+
+double triaxial_strength(const PairPotential& p, const Lattice& lattice) {
+  const double strongest = p.breaking_strain > 0 ? p.breaking_strain : std::log(2.0) / p.steepness;
+  PairPotential whole = p;
+  whole.breaking_strain = 0;
+  whole.cutoff = infinity;
+  const double force = -pair_force(whole, (1 + strongest) * p.distance);
+  return lattice.neighbours * force * lattice.distance / (6 * lattice.volume());
+}
+
+LatticeSpeeds sound_speeds(const PairPotential& potential, double mass) {
+  const double unit = potential.distance * std::sqrt(stiffness(potential) / mass);
+  return {.along_100 = unit,
+          .along_110 = unit * std::sqrt(5.0 / 4),
+          .along_111 = unit * std::sqrt(4.0 / 3),
+          .shear_100 = unit * std::sqrt(0.5)};
+}
+
+Cohesion cohesion_of(const Solid& solid, const Lattice& lattice, const std::string& place) {
+  require(solid.tensile_strength > 0 && solid.youngs_modulus > 0 && solid.yield_strength > 0,
+          "{} needs the material's tensile_strength, yield_strength and youngs_modulus", place);
+  const double d = lattice.distance, phi = pi / 6 / lattice.cell;
+  return {.force = solid.tensile_strength * pi * d * d / (phi * lattice.neighbours),
+          .range = d * solid.tensile_strength / solid.youngs_modulus,
+          .friction = solid.yield_strength / (std::sqrt(3.0) * solid.tensile_strength)};
+}
+
+}  // namespace spall

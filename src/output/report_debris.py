@@ -1,0 +1,148 @@
+# Pictures of a plate's impact: a film strip of radiographs, speeds, and what a wall would receive.
+# SPDX-License-Identifier: BSD-3-Clause
+import os
+
+import h5py
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.colors import LogNorm
+
+from report_figures import BLUE, GREY, INK, ORANGE, RED, readable_time
+
+
+class Flight:
+    """Bodies of projectile and plate in the plate's frame: depth behind its rear face, and across."""
+
+    def __init__(self, run):
+        groups = [group["name"] for group in run.case["groups"]]
+        debris = run.case["debris"]
+        self.ball, self.plate = groups.index(debris["projectile"]), groups.index(debris["plate"])
+        with h5py.File(os.path.join(run.folder, "trajectory.h5")) as file:
+            all_bodies = file["particles/all"]
+            self.time = all_bodies["position/time"][:]
+            self.group, self.mass = all_bodies["group"][:], all_bodies["mass"][:]
+            self.position = all_bodies["position/value"][:]
+            self.velocity = all_bodies["velocity/value"][:]
+            self.heat = all_bodies["heat/value"][:]
+        table = run.results["debris"]
+        self.diameter, self.speed = table["diameter"], table["speed"]
+        self.origin, self.normal = np.array(table["origin"]), np.array(table["normal"])
+        self.side = np.roll(np.abs(self.normal), 1)
+
+    def depth(self, k):
+        return (self.position[k] - self.origin) @ self.normal
+
+    def axial(self, k):
+        return self.velocity[k] @ self.normal
+
+    def height(self, k):
+        return (self.position[k] - self.origin) @ self.side
+
+
+def column_map(flight, k, extent, pixels):
+    """kg/m^2 seen from the side, and the picture's pixel (m)."""
+    x = flight.depth(k)
+    y = flight.height(k)
+    pixel = (extent[1] - extent[0]) / pixels
+    bins = [np.arange(extent[0], extent[1] + pixel / 2, pixel),
+            np.arange(extent[2], extent[3] + pixel / 2, pixel)]
+    weights = np.where(np.isfinite(flight.mass), flight.mass, 0)
+    counts, _, _ = np.histogram2d(x, y, bins=bins, weights=weights / pixel**2)
+    return counts.T, pixel
+
+
+def radiographs(run):
+    """Dark where much mass is in the way of the light, as on the film of a flash radiograph."""
+    flight = Flight(run)
+    frames = np.unique(np.linspace(0, len(flight.time) - 1, min(6, len(flight.time))).astype(int))
+    last = frames[-1]
+    debris = flight.depth(last) > flight.diameter / 4
+    reach = np.quantile(flight.depth(last)[debris], 0.999) if debris.any() else flight.diameter
+    wide = np.abs(flight.height(0)).max()
+    if debris.any():
+        wide = max(wide, np.quantile(np.abs(flight.height(last)[debris]), 0.999))
+    extent = (-2.2 * flight.diameter, 1.05 * reach, -wide, wide)
+    columns = 3
+    rows = -(-len(frames) // columns)
+    height = 12 / columns * (extent[3] - extent[2]) / (extent[1] - extent[0])
+    figure, axes = plt.subplots(rows, columns, figsize=(12, rows * (height + 0.35)), squeeze=False,
+                                layout="constrained")
+    # The film is dark where it looks through the middle of the projectile.
+    ball = flight.group == flight.ball
+    dark = 1.5 * flight.mass[ball].sum() / (np.pi / 4 * flight.diameter**2)
+    for panel, k in zip(axes.flat, frames):
+        spacing = flight.diameter / 12
+        image, _ = column_map(flight, k, extent, int((extent[1] - extent[0]) / (0.7 * spacing)))
+        panel.imshow(1 - np.exp(-3 * image / dark), origin="lower", cmap="gray_r", vmin=0, vmax=1,
+                     extent=[1e3 * e for e in extent], interpolation="bilinear")
+        panel.set_title(readable_time(flight.time[k]), loc="left")
+        panel.grid(False)
+        panel.tick_params(labelsize=8)
+    for panel in axes.flat[len(frames):]:
+        panel.axis("off")
+    axes.flat[0].set(xlabel="mm behind the plate", ylabel="mm")
+    return figure
+
+
+def speeds(run):
+    """Where the debris are and how fast, by origin, and the cloud against time."""
+    flight = Flight(run)
+    k = len(flight.time) - 1
+    speed = flight.speed
+    debris = flight.depth(k) > flight.diameter / 4
+    figure, axes = plt.subplots(1, 3, figsize=(12, 3.9), layout="constrained")
+    panel = axes[0]
+    order = np.argsort(-flight.axial(k)[debris])
+    x, y = flight.depth(k)[debris][order], flight.height(k)[debris][order]
+    dots = panel.scatter(1e3 * x, 1e3 * y, s=2, linewidths=0, cmap="inferno", vmin=0,
+                         vmax=speed, c=flight.axial(k)[debris][order])
+    panel.set(xlabel="mm behind the plate", ylabel="mm", aspect="equal",
+              title=f"speed along the normal, {readable_time(flight.time[k])}")
+    figure.colorbar(dots, ax=panel, label="m/s", shrink=0.8)
+    panel = axes[1]
+    bins = np.linspace(0, 1.1, 45)
+    for group, color, name in ((flight.ball, ORANGE, "projectile"), (flight.plate, BLUE, "plate")):
+        chosen = debris & (flight.group == group)
+        panel.hist(flight.axial(k)[chosen] / speed, bins, weights=1e3 * flight.mass[chosen],
+                   color=color, alpha=0.75, label=name)
+    panel.set(xlabel="speed along the normal / speed of the impact", ylabel="g", yscale="log",
+              title="debris by origin")
+    panel.legend()
+    panel = axes[2]
+    cloud = {key: np.array(value) for key, value in run.results["cloud"].items()}
+    for key, color in (("front", RED), ("radial", ORANGE), ("centre", BLUE), ("rear", GREY)):
+        panel.plot(1e6 * cloud["time"], cloud[key] / speed, "o-", ms=3, color=color, label=key)
+    panel.plot(1e6 * cloud["time"], cloud["hole"] / flight.diameter, "s--", ms=3, color=INK,
+               label="hole / D")
+    panel.set(xlabel="µs", title="over the speed of the impact", ylim=(0, None))
+    panel.legend(fontsize=8, ncols=2)
+    return figure
+
+
+def wall(run, distance):
+    """Momentum that debris flying on freely bring to each place of a wall."""
+    flight = Flight(run)
+    k = len(flight.time) - 1
+    axial, depth = flight.axial(k), flight.depth(k)
+    chosen = (depth > flight.diameter / 4) & (axial > 0)
+    left = np.maximum(0, distance - depth[chosen]) / axial[chosen]
+    place = flight.position[k][chosen] - flight.origin + left[:, None] * flight.velocity[k][chosen]
+    hit = [place @ flight.side, place @ np.cross(flight.normal, flight.side)]
+    half = 1.2 * run.results["wall"]["radius"]
+    pixel = flight.diameter / 2
+    bins = np.arange(-np.ceil(half / pixel) * pixel, half + pixel, pixel)
+    map_, _, _ = np.histogram2d(*hit, bins=[bins, bins],
+                                weights=flight.mass[chosen] * axial[chosen] / pixel**2)
+    figure, axes = plt.subplots(figsize=(5.6, 4.6), layout="constrained")
+    positive = map_[map_ > 0]
+    image = axes.imshow(np.where(map_ > 0, map_, np.nan).T, origin="lower", cmap="inferno",
+                        norm=LogNorm(positive.min(), positive.max()),
+                        extent=[1e3 * bins[0], 1e3 * bins[-1]] * 2)
+    turn = np.linspace(0, 2 * np.pi, 100)
+    for key, style in (("half_radius", "-"), ("radius", "--")):
+        r = 1e3 * run.results["wall"][key]
+        axes.plot(r * np.cos(turn), r * np.sin(turn), style, color=GREY, lw=1)
+    axes.set(xlabel="mm", ylabel="mm", title=f"momentum on a wall {1e3 * distance:g} mm behind")
+    axes.grid(False)
+    figure.colorbar(image, label="Pa s")
+    return figure

@@ -1,0 +1,106 @@
+// Names of columns stand beside their values, in for_each_column.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "spall/run/debris_log.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "spall/motion/potential_step.hpp"
+
+namespace spall {
+namespace {
+
+/// Neighbours hold together where a bond has any force, at most up to half the way to the second
+/// neighbours of a lattice.
+double bond_length(const PairPotential& p) {
+  return std::min(p.cutoff, (1 + std::sqrt(2.0)) / 2 * p.distance);
+}
+
+}  // namespace
+
+DebrisLog::DebrisLog(const Case& scene) {
+  if (!scene.debris) return;
+  target_ = find_target(scene);
+  wall_ = scene.debris->wall;
+  every_ = scene.debris->every;
+}
+
+std::string DebrisLog::read_out(const World& world, double time) {
+  const Cloud c = measure_cloud(world.comm, world.bodies, *target_, time);
+  rows_.push_back(c);
+  return fmt::format(
+      "debris at {:.4g} s: front {:.4g}, centre {:.4g}, rear {:.4g}, radial {:.4g} of the impact's "
+      "speed; hole {:.4g} +- {:.2g} diameters",
+      time, c.front / target_->speed, c.centre / target_->speed, c.rear / target_->speed,
+      c.radial / target_->speed, c.hole / target_->diameter, c.hole_spread / target_->diameter);
+}
+
+void DebrisLog::conclude(World& world, bool bonded, double time, ResultTable& table) {
+  if (!target_) return;
+  const Target& t = *target_;
+  if (rows_.empty() || rows_.back().time < time) read_out(world, time);
+  const Cloud& last = rows_.back();
+  for_each_column(last, [&](const char* name, double value, const char* unit, const char* note) {
+    table.add("debris", name, value, unit, note);
+  });
+  const auto components = [](const Vec3& v) { return std::vector<double>(v.data(), v.data() + 3); };
+  table.add("debris", "speed", t.speed, "m/s", "of the impact");
+  table.add("debris", "diameter", t.diameter, "m", "of the projectile, D");
+  table.add("debris", "origin", components(t.origin), "m", "where its line leaves the plate");
+  table.add("debris", "normal", components(t.normal), "", "of the plate, to its rear");
+  table.add("debris", "front_over_speed", last.front / t.speed, "", "of the impact");
+  table.add("debris", "radial_over_speed", last.radial / t.speed);
+  table.add("debris", "hole_over_diameter", last.hole / t.diameter, "", "of the projectile");
+  table.add("debris", "contour_length_over_width",
+            last.contour_width > 0 ? last.contour_length / last.contour_width : 0.0);
+  const double momentum = last.projectile_momentum + last.plate_momentum;
+  table.add("debris", "momentum_forward", momentum, "kg m/s");
+  if (bonded) {
+    Links links;
+    for_each_near_pair(world, bond_length(world.potential), [&](Index i, Index j) {
+      links.i.push_back(i);
+      links.j.push_back(j);
+    });
+    const Fragments f = find_fragments(world.comm, world.near.ghosts, world.bodies, links, t);
+    table.add("fragments", "pieces", f.pieces, "", "of two bodies or more, in the debris");
+    table.add("fragments", "singles", f.singles, "", "bodies alone");
+    table.add("fragments", "largest", f.largest, "kg");
+    table.add("fragments", "by_decade", f.counts, "", "pieces of 2 to 9, 10 to 99, ... bodies");
+  }
+  if (wall_) {
+    const WallLoad load = load_wall(world.comm, world.bodies, t, *wall_);
+    table.add("wall", "distance", *wall_, "m", "behind the plate; debris fly there freely");
+    table.add("wall", "momentum", load.momentum, "kg m/s");
+    table.add("wall", "half_radius", load.half_radius, "m", "with half of it");
+    table.add("wall", "radius", load.radius, "m", "with 90 % of it");
+    table.add("wall", "peak", load.peak, "Pa s", "on a pixel of half a diameter");
+  }
+  for_each_column(last, [&](const std::string& name, double, const char* unit, const char*) {
+    std::vector<double> values;
+    for (const Cloud& row : rows_)
+      for_each_column(row, [&](const char* other, double value, const char*, const char*) {
+        if (name == other) values.push_back(value);
+      });
+    table.add("cloud", name, values, unit);
+  });
+}
+
+void DebrisLog::save(Scalars& scalars) const {
+  scalars["debris.rows"] = static_cast<double>(rows_.size());
+  for (std::size_t r = 0; r < rows_.size(); ++r)
+    for_each_column(rows_[r], [&](const char* name, double value, const char*, const char*) {
+      scalars[fmt::format("debris.{}.{}", r, name)] = value;
+    });
+}
+
+void DebrisLog::load(const Scalars& scalars) {
+  rows_.resize(static_cast<std::size_t>(find_scalar(scalars, "debris.rows")));
+  for (std::size_t r = 0; r < rows_.size(); ++r)
+    for_each_column(rows_[r], [&](const char* name, double& value, const char*, const char*) {
+      value = find_scalar(scalars, fmt::format("debris.{}.{}", r, name));
+    });
+}
+
+}  // namespace spall

@@ -1,0 +1,264 @@
+// From constants of a solid to its spheres: elastic constants, waves, strength, and how cases ask.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "spall/force/constitutive.hpp"
+
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "spall/base/require.hpp"
+#include "spall/motion/potential_step.hpp"
+#include "spall/scene/scene.hpp"
+#include "spall/scene/shape.hpp"
+#include "testing.hpp"
+#include "worlds.hpp"
+
+namespace spall {
+namespace {
+
+const Solid aluminium{.density = 2703,
+                      .sound_speed = 5350,
+                      .hugoniot_slope = 1.34,
+                      .youngs_modulus = 68.9e9,
+                      .yield_strength = 276e6,
+                      .tensile_strength = 310e6,
+                      .spall_strength = 1.2e9};
+const Lattice fcc{12, std::sqrt(0.5), 0.25e-3};
+
+/// The twelve neighbours of a site.
+std::vector<Vec3> neighbours() {
+  std::vector<Vec3> all;
+  for (int i = -1; i <= 1; ++i)
+    for (int j = -1; j <= 1; ++j)
+      for (int k = -1; k <= 1; ++k)
+        if (std::abs(i) + std::abs(j) + std::abs(k) == 2)
+          all.push_back(fcc.distance / std::sqrt(2.0) * Vec3(i, j, k));
+  return all;
+}
+
+/// J/m^3 of the reference volume, of a crystal with this deformation gradient.
+double energy_density(const PairPotential& p, const Eigen::Matrix3d& F) {
+  double energy = 0;
+  for (const Vec3& x : neighbours()) energy += pair_energy(p, (F * x).norm()) / 2;
+  return energy / fcc.volume();
+}
+
+/// Without breaking: its bonds stretch as they are compressed.
+PairPotential whole_law() {
+  Solid solid = aluminium;
+  solid.spall_strength = 0;
+  return morse_law(solid, fcc, Match::bulk, "here");
+}
+
+TEST(Constitutive, crystal_has_the_bulk_modulus_and_answers_shocks_with_the_slope_asked_for) {
+  const PairPotential p = whole_law();
+  const auto pressure = [&](double strain) {
+    const auto energy = [&](double e) {
+      return energy_density(p, (1 + e) * Eigen::Matrix3d::Identity());
+    };
+    const double de = 1e-4, volume = 3 * (1 + strain) * (1 + strain);  // dV/de of unit volume
+    return -(energy(strain + de) - energy(strain - de)) / (2 * de * volume);
+  };
+  // K = -V dP/dV, dV/V = 3 de; K' by another difference.
+  const auto modulus = [&](double strain) {
+    const double de = 1e-3;
+    return -(pressure(strain + de) - pressure(strain - de)) / (2 * de) * (1 + strain) / 3;
+  };
+  EXPECT_NEAR(modulus(0), aluminium.bulk_modulus(), 1e-4 * aluminium.bulk_modulus());
+  const double de = 2e-3;
+  const double slope = (modulus(-de) - modulus(de)) / (pressure(-de) - pressure(de));
+  EXPECT_NEAR((slope + 1) / 4, aluminium.hugoniot_slope, 1e-3);
+}
+
+TEST(Constitutive, elastic_constants_are_those_of_central_bonds) {
+  const PairPotential p = whole_law();
+  const double c11 = std::sqrt(2.0) * stiffness(p) / fcc.distance, e = 1e-4;
+  const auto curvature = [&](const Eigen::Matrix3d& strain) {
+    const Eigen::Matrix3d one = Eigen::Matrix3d::Identity();
+    return (energy_density(p, one + e * strain) + energy_density(p, one - e * strain) -
+            2 * energy_density(p, one)) /
+           (e * e);
+  };
+  const Eigen::Matrix3d stretch = Vec3(1, 0, 0).asDiagonal();
+  Eigen::Matrix3d shear = Eigen::Matrix3d::Zero();
+  shear(0, 1) = shear(1, 0) = 0.5;
+  EXPECT_NEAR(curvature(stretch), c11, 1e-4 * c11);
+  EXPECT_NEAR(curvature(shear), c11 / 2, 1e-4 * c11);
+  EXPECT_NEAR(c11, 1.5 * aluminium.bulk_modulus(), 1e-12 * c11);
+}
+
+TEST(Constitutive, waves_run_at_the_lattice_s_sound_speeds) {
+  const PairPotential p = whole_law();
+  const double d = fcc.distance, m = sphere_mass(aluminium, fcc);
+  const LatticeSpeeds c = sound_speeds(p, m);
+  EXPECT_NEAR(c.along_100, std::sqrt(1.5) * aluminium.sound_speed, 1e-9 * c.along_100);
+  const struct {
+    Vec3 direction, motion;
+    double speed;
+  } waves[] = {{{1, 0, 0}, {1, 0, 0}, c.along_100},
+               {{1, 1, 0}, {1, 1, 0}, c.along_110},
+               {{1, 1, 1}, {1, 1, 1}, c.along_111},
+               {{1, 0, 0}, {0, 1, 0}, c.shear_100}};
+  for (const auto& wave : waves) {
+    // A standing wave: its crest, in the middle of a ball, falls through zero after a quarter of a
+    // period, before the ball's surface is heard of.
+    const double length = 14 * d, amplitude = 1e-4 * d, radius = 9 * d;
+    const Vec3 q = 2 * pi / length * wave.direction.normalized();
+    std::vector<Sphere> spheres;
+    std::vector<Vec3> rest;
+    std::size_t middle = 0;
+    const int n = 13;
+    for (int i = -n; i <= n; ++i)
+      for (int j = -n; j <= n; ++j)
+        for (int k = -n; k <= n; ++k) {
+          const Vec3 x = d / std::sqrt(2.0) * Vec3(i, j, k);
+          if ((i + j + k) % 2 != 0 || x.norm() > radius) continue;
+          if (x.isZero(0)) middle = spheres.size();
+          const Vec3 moved = x + amplitude * std::cos(q.dot(x)) * wave.motion.normalized();
+          spheres.push_back({.radius = d / 2, .mass = m, .position = moved});
+          rest.push_back(x);
+        }
+    World world = make_world(testing_world(), spheres, {});
+    world.potential = p;
+    const auto height = [&] {
+      return spheres_of(world)[middle].position.dot(wave.motion.normalized());
+    };
+    const double h = 0.1 * std::sqrt(m / stiffness(p));
+    double before = height(), now = before, time = 0;
+    while (now > 0 && time < length / wave.speed) {
+      potential_steps(world, h, 1);
+      before = now;
+      now = height();
+      time += h;
+    }
+    const double quarter = time - h * now / (now - before);
+    // Waves of fourteen spacings run up to 0.6 % slower than long ones.
+    EXPECT_NEAR(length / (4 * quarter), wave.speed, 0.01 * wave.speed) << wave.direction;
+  }
+}
+
+TEST(Constitutive, crystal_tears_at_the_strength_asked_for) {
+  const PairPotential p = morse_law(aluminium, fcc, Match::shocks, "here");
+  EXPECT_NEAR(triaxial_strength(p, fcc), aluminium.spall_strength, 1e-9 * aluminium.spall_strength);
+  double strongest = 0;
+  for (double e = 0; e < 2 * p.breaking_strain; e += 1e-3 * p.breaking_strain) {
+    // sigma = Z F d' / (6 V') with the spacing and the volume of now.
+    const double d = (1 + e) * fcc.distance, volume = fcc.cell * d * d * d;
+    strongest = std::max(strongest, -12 * pair_force(p, d) * d / (6 * volume));
+  }
+  // The cross-section has grown by 2 eps = 1.1 %.
+  EXPECT_NEAR(strongest, aluminium.spall_strength, 0.015 * aluminium.spall_strength);
+}
+
+TEST(Constitutive, rigid_spheres_hold_the_tensile_strength) {
+  // Simple cubic: a contact for each d^2 of the cross-section.
+  const Lattice cubic{6, 1, 0.2e-3};
+  const Cohesion c = cohesion_of(aluminium, cubic, "here");
+  EXPECT_NEAR(c.force / (0.2e-3 * 0.2e-3), aluminium.tensile_strength,
+              1e-12 * aluminium.tensile_strength);
+  EXPECT_NEAR(c.range / 0.2e-3, 310e6 / 68.9e9, 1e-15);
+  EXPECT_NEAR(c.friction, 276 / (std::sqrt(3.0) * 310), 1e-12);
+}
+
+// How cases ask for it.
+
+const char* const bodies = R"(
+[[groups]]
+name = "plate"
+material = "al"
+volume = {shape = "box", size = ["10 mm", "10 mm", "3 mm"]}
+packing = {kind = "fcc", diameter = "0.25 mm", orientation = "random"}
+[[phases]]
+name = "only"
+method = "potential"
+step = "1 ns"
+duration = "2 ns"
+[pair_potential]
+material = "al"
+damping = 0.4
+)";
+const char* const constants =
+    "density = 2703\nsound_speed = 5350\nhugoniot_slope = 1.34\nspall_strength = \"1.2 GPa\"\n";
+
+std::string complaint(const std::string& text) {
+  try {
+    parse_case(text, "x.toml");
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Constitutive, a_case_gets_law_and_masses_from_its_material) {
+  const Case scene =
+      parse_case(std::string("[materials.al.solid]\n") + constants + bodies, "x.toml");
+  const PairPotential expected = morse_law(aluminium, fcc, Match::shocks, "");
+  EXPECT_EQ(scene.potential->depth, expected.depth);
+  EXPECT_EQ(scene.potential->cutoff, expected.cutoff);
+  EXPECT_EQ(scene.potential->damping, 0.4);
+  const Bodies made = make_bodies(scene, Comm(MPI_COMM_SELF));
+  double mass = 0;
+  for (double m : made.mass) mass += m;
+  // What the surface of a turned lattice cuts evens out.
+  EXPECT_NEAR(mass, 2703 * volume_of(scene.groups[0].volume), 0.01 * mass);
+  EXPECT_NE(describe_phases(scene).find("[111] 5019 m/s"), std::string::npos);
+}
+
+TEST(Constitutive, orientations_follow_the_seed) {
+  const auto rotation = [&](const std::string& seed) {
+    return parse_case(seed + "[materials.al.solid]\n" + constants + bodies, "x.toml")
+        .groups[0]
+        .packing.rotation;
+  };
+  EXPECT_EQ(rotation("seed = 2\n"), rotation("seed = 2\n"));
+  EXPECT_GT((rotation("seed = 2\n") - rotation("seed = 3\n")).norm(), 1e-3);
+}
+
+TEST(Constitutive, a_material_s_file_is_read_once_and_named_in_messages) {
+  const Comm comm = testing_world();
+  if (comm.rank != 0) return;
+  const auto folder =
+      std::filesystem::temp_directory_path() / fmt::format("spall_materials_{}", getpid());
+  std::filesystem::create_directories(folder);
+  const auto write = [&](const std::string& text) { std::ofstream(folder / "al.toml") << text; };
+  write(constants);
+  const std::string file = (folder / "case.toml").string();
+  const std::string text = std::string("[materials.al]\nfile = \"al.toml\"\n") + bodies;
+  const Case scene = parse_case(text, file);
+  EXPECT_EQ(scene.materials[0].solid->sound_speed, 5350);
+  write("density = 2703\nsound_sped = 5350\n");
+  try {
+    parse_case(text, file);
+    FAIL();
+  } catch (const Error& error) {
+    const std::string place = (folder / "al.toml").string() + ":2:1";
+    EXPECT_EQ(std::string(error.what()).find(place), 0u) << error.what();
+    EXPECT_NE(std::string(error.what()).find("did you mean"), std::string::npos);
+  }
+  // A restart has the case as it was read, and its overrides.
+  std::filesystem::remove_all(folder);
+  const Case again = parse_case(scene.text, scene.file, scene.overrides);
+  EXPECT_EQ(again.potential->depth, scene.potential->depth);
+  EXPECT_EQ(again.materials[0].density, 2703);
+  EXPECT_EQ(complaint(text), "x.toml:2: materials.al.file: there is no file 'al.toml'");
+}
+
+TEST(Constitutive, what_a_law_lacks_is_told) {
+  EXPECT_NE(complaint(std::string("[materials.al.solid]\ndensity = 2703\n") + bodies)
+                .find("needs the material's sound_speed"),
+            std::string::npos);
+  EXPECT_NE(complaint(std::string("[materials.al]\ndensity = 2703\n") + bodies)
+                .find("is not a solid of [materials]"),
+            std::string::npos);
+  std::string cubic = std::string("[materials.al.solid]\n") + constants + bodies;
+  cubic.replace(cubic.find("\"fcc\""), 5, "\"simple_cubic\"");
+  EXPECT_NE(complaint(cubic).find("no shear stiffness"), std::string::npos);
+  std::string strong = std::string("[materials.al.solid]\n") + constants + bodies;
+  strong.replace(strong.find("1.2 GPa"), 7, "20 GPa");
+  EXPECT_NE(complaint(strong).find("can bear"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace spall

@@ -1,0 +1,220 @@
+// Debris clouds of known shape, speed and pieces: what is measured is what was made.
+// SPDX-License-Identifier: BSD-3-Clause
+#include <cmath>
+#include <random>
+
+#include "spall/analysis/debris_cloud.hpp"
+#include "spall/domain/pack.hpp"
+#include "spall/run/debris_log.hpp"
+#include "testing.hpp"
+
+namespace spall {
+namespace {
+
+Case scene(const std::string& velocity = "[0, 0, -6000]", const std::string& more = "") {
+  return parse_case(R"(
+[materials.al.solid]
+density = 2700
+melt_energy = "1 MJ/kg"
+[[groups]]
+name = "plate"
+material = "al"
+volume = {shape = "box", size = [50, 60, 4], center = [0, 0, -2]}
+packing = {kind = "fcc", diameter = 1}
+[[groups]]
+name = "ball"
+material = "al"
+volume = {shape = "sphere", diameter = 10, center = [0, 0, 6]}
+packing = {kind = "fcc", diameter = 1}
+velocity = )" + velocity +
+                        R"(
+[[phases]]
+name = "only"
+step = 1
+duration = 1
+[debris]
+projectile = "ball"
+plate = "plate"
+)" + more,
+                    "x.toml");
+}
+
+struct Body {
+  int group;
+  double mass;
+  Vec3 position, velocity;
+  double heat = 0;
+};
+
+/// Bodies shared by the ranks in turn.
+Bodies bodies_of(const Comm& comm, const std::vector<Body>& all) {
+  Bodies bodies;
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    if (static_cast<int>(k) % comm.size != comm.rank) continue;
+    const Index row = append_row(bodies);
+    bodies.id[row] = static_cast<BodyId>(k);
+    bodies.group[row] = all[k].group;
+    bodies.mass[row] = all[k].mass;
+    bodies.position[row] = all[k].position;
+    bodies.velocity[row] = all[k].velocity;
+    bodies.heat[row] = all[k].heat;
+  }
+  bodies.owned = bodies.size();
+  return bodies;
+}
+
+/// The plate as points of mass on a fine grid, with a hole.
+std::vector<Body> plate(const Target& target, double hole, const Vec3& middle) {
+  std::vector<Body> all;
+  const double step = 0.2;
+  for (double x = -25 + step / 2; x < 25; x += step)
+    for (double y = -30 + step / 2; y < 30; y += step)
+      if (Vec3(x - middle.x(), y - middle.y(), 0).norm() > hole / 2)
+        all.push_back({0, target.areal_density * step * step, {x, y, -2}, {0, 0, 3}});
+  return all;
+}
+
+TEST(Debris, target_is_what_the_case_laid) {
+  const Target t = find_target(scene("[3000, 0, -6000]"));
+  EXPECT_EQ(t.normal, Vec3(0, 0, -1));
+  EXPECT_DOUBLE_EQ(t.diameter, 10);
+  EXPECT_DOUBLE_EQ(t.thickness, 4);
+  EXPECT_DOUBLE_EQ(t.areal_density, 2700 * 4);
+  Case heavy = scene();
+  heavy.groups[0].total_mass = 3e6;
+  EXPECT_DOUBLE_EQ(find_target(heavy).areal_density, 1000);
+  // From 8 m above the plate's middle, half as far across.
+  EXPECT_LE((t.origin - Vec3(4, 0, -4)).norm(), 1e-12);
+  EXPECT_DOUBLE_EQ(t.half_width, 21);
+}
+
+TEST(Debris, hole_is_as_wide_as_it_was_made) {
+  const Comm comm = testing_world();
+  const Target t = find_target(scene());
+  for (double hole : {0.0, 13.0, 21.7, 30.0}) {
+    const Bodies bodies = bodies_of(comm, plate(t, hole, Vec3::Zero()));
+    const Cloud cloud = measure_cloud(comm, bodies, t, 0);
+    // The grid is an eleventh of a ring wide.
+    EXPECT_NEAR(cloud.hole, hole, 0.2) << hole;
+    EXPECT_LT(cloud.hole_spread, 0.2);
+    EXPECT_NEAR(cloud.plate_speed, -3, 1e-12);
+  }
+}
+
+TEST(Debris, hole_off_the_middle_has_the_spread_of_its_sectors) {
+  const Comm comm = testing_world();
+  const Target t = find_target(scene());
+  const Bodies bodies = bodies_of(comm, plate(t, 24, {2, 0, 0}));
+  const Cloud cloud = measure_cloud(comm, bodies, t, 0);
+  // r = 2 cos a + sqrt(144 - 4 sin^2 a): mean 12 - 4/48, standard deviation 2/sqrt 2.
+  EXPECT_NEAR(cloud.hole, 2 * (12 - 1. / 12), 0.2);
+  EXPECT_NEAR(cloud.hole_spread, 2 * std::sqrt(2.0), 0.15);
+}
+
+TEST(Debris, speeds_masses_and_extents_are_those_of_the_cloud) {
+  const Comm comm = testing_world();
+  const Target t = find_target(scene());
+  std::vector<Body> all;
+  // A column of 101 pieces of each kind, of speeds 0 to 5000, 10 to 110 m behind the plate.
+  for (int k = 0; k <= 100; ++k) {
+    const double z = -4 - 10 - k;
+    all.push_back({1, 2, {0, 0, z}, {0, 30.0 * k, -50.0 * k}, k < 25 ? 3e6 : 1e6});
+    all.push_back({0, 1, {3, 4, z}, {0, 0, -50.0 * k}, 2e6});
+  }
+  all.push_back({0, 7, {0, 0, 20}, {0, 0, 100}});  // ejecta
+  all.push_back({0, 7, {0, 0, -4.1}, {0, 0, 0}});  // plate
+  const Cloud c = measure_cloud(comm, bodies_of(comm, all), t, 1);
+  EXPECT_NEAR(c.front, 4950, 1e-9);
+  EXPECT_NEAR(c.centre, 2500, 1e-9);
+  EXPECT_NEAR(c.rear, 50, 1e-9);
+  EXPECT_NEAR(c.length, 98, 1e-9);
+  EXPECT_NEAR(c.width, 10, 1e-9);
+  EXPECT_NEAR(c.projectile_mass, 202, 1e-9);
+  EXPECT_NEAR(c.projectile_momentum, 202 * 2500., 1e-6);
+  EXPECT_NEAR(c.plate_mass, 101, 1e-9);
+  EXPECT_NEAR(c.projectile_melted, 25. / 101, 1e-12);
+  EXPECT_NEAR(c.plate_melted, 1, 1e-12);
+  EXPECT_NEAR(c.ejecta_mass, 7, 1e-12);
+  EXPECT_NEAR(c.ejecta_momentum, -700, 1e-9);
+  // Speeds across: 0 to 3000 of 202 kg, 0 of 101 kg: 99 % of 303 kg is the 98.5th of 101 steps.
+  EXPECT_NEAR(c.radial, 2970, 31);
+}
+
+TEST(Debris, contour_holds_what_is_thick_enough) {
+  const Comm comm = testing_world();
+  const Target t = find_target(scene());
+  std::vector<Body> all;
+  // A block 40 x 20 x 20 m of a tenth of the density, and dust around it that no contour shows.
+  for (double z = 0.25; z < 40; z += 0.5)
+    for (double x = -9.75; x < 10; x += 0.5)
+      for (double y = -9.75; y < 10; y += 0.5)
+        all.push_back({1, 270 * 0.125, {x, y, -4 - 5 - z}, {0, 0, -1000}});
+  for (int k = 0; k < 90; ++k) all.push_back({1, 1e-3, {k - 45., 0, -4. - k}, {0, 0, -1}});
+  const Cloud c = measure_cloud(comm, bodies_of(comm, all), t, 1);
+  const double pixel = 2.5;
+  EXPECT_NEAR(c.contour_length, 40, pixel);
+  EXPECT_NEAR(c.contour_width, 20, 2 * pixel);
+}
+
+TEST(Debris, pieces_are_counted_and_weighed_on_any_number_of_ranks) {
+  const Comm comm = testing_world();
+  const Target t = find_target(scene());
+  // Chains of 1, 2, 3, ..., 30 bodies behind the plate, one chain before it; all on rank 0.
+  std::vector<Body> all;
+  Links links;
+  for (int chain = 1; chain <= 31; ++chain)
+    for (int k = 0; k < chain; ++k) {
+      if (k > 0 && comm.rank == 0) {
+        links.i.push_back(static_cast<Index>(all.size()) - 1);
+        links.j.push_back(static_cast<Index>(all.size()));
+      }
+      all.push_back({chain % 2, 2, {0, 0, chain == 31 ? 50. : -50.}, Vec3::Zero()});
+    }
+  Bodies bodies;
+  if (comm.rank == 0) bodies = bodies_of(Comm(MPI_COMM_SELF), all);
+  const Ghosts none(comm, bodies.owned, {});
+  const Fragments f = find_fragments(comm, none, bodies, links, t);
+  EXPECT_EQ(f.singles, 1);
+  EXPECT_EQ(f.pieces, 29);
+  EXPECT_EQ(f.largest, 60);
+  EXPECT_EQ(f.counts, (std::vector<double>{8, 21}));
+}
+
+TEST(Debris, wall_receives_what_flies_there) {
+  const Comm comm = testing_world();
+  const Target t = find_target(scene());
+  std::vector<Body> all;
+  for (int k = 0; k < 100; ++k) {
+    const double a = 2 * pi * k / 100, r = 1 + 0.1 * k;  // where it hits
+    const Vec3 side(std::cos(a), std::sin(a), 0);
+    // 20 m behind the plate now, at the wall, 100 m behind it, after 0.1 s.
+    all.push_back({1, 3, Vec3(0, 0, -24) + 0.2 * r * side, Vec3(0, 0, -800) + 8 * r * side});
+  }
+  all.push_back({0, 1e3, {0, 0, -2}, {0, 0, -900}});  // still in the plate
+  const WallLoad load = load_wall(comm, bodies_of(comm, all), t, 100);
+  EXPECT_NEAR(load.momentum, 100 * 3 * 800, 1e-6);
+  EXPECT_NEAR(load.half_radius, 5.9, 1e-9);
+  EXPECT_NEAR(load.radius, 9.9, 1e-9);
+  EXPECT_GT(load.peak, 0);
+}
+
+TEST(Debris, log_survives_a_restart_and_reports_all_read_outs) {
+  const Comm comm = testing_world();
+  const Case asked = scene("[0, 0, -6000]", "every = 1\n");
+  World world;
+  world.comm = comm;
+  world.bodies = bodies_of(comm, plate(find_target(asked), 20, Vec3::Zero()));
+  DebrisLog log(asked), resumed(asked);
+  log.read_out(world, 1);
+  Scalars scalars;
+  log.save(scalars);
+  resumed.load(scalars);
+  ResultTable one, two;
+  log.conclude(world, false, 2, one);
+  resumed.conclude(world, false, 2, two);
+  EXPECT_EQ(one.toml(), two.toml());
+  EXPECT_NE(one.toml().find("time = [1.0, 2.0]"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace spall
