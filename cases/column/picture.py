@@ -1,8 +1,8 @@
 #!/usr/bin/python3
-"""Draws the collapse of the column and writes its runout into README.md.
+"""Draws the collapse of the column and writes the runouts of runs into README.md.
 
 SPDX-License-Identifier: BSD-3-Clause
-usage: cases/column/picture.py out/column
+usage: cases/column/picture.py ROLLING_FRICTION=FOLDER …; the first is drawn
 """
 import pathlib
 import sys
@@ -35,19 +35,22 @@ def extent(x, grain):
     return edges[np.argmin(covered)] if not covered.all() else edges[-1]
 
 
-def main(folder):
-    with h5py.File(folder / "trajectory.h5") as file:
-        all_x = file["particles/all/position/value"][:]
-        times = file["particles/all/position/time"][:]
-        grain = float(np.ravel(file["particles/all/radius"])[0])
+def read(folder):
+    with h5py.File(pathlib.Path(folder) / "trajectory.h5") as file:
+        return (
+            file["particles/all/position/value"][:],
+            file["particles/all/position/time"][:],
+            float(np.ravel(file["particles/all/radius"])[0]),
+        )
+
+
+def draw(all_x, times, grain):
     figure, axes = plt.subplots(4, 1, figsize=(8, 7), sharex=True, sharey=True)
-    shown = [0, len(times) // 4, len(times) // 2, len(times) - 1]
-    for axis, k in zip(axes, shown):
+    for axis, k in zip(axes, [0, len(times) // 4, len(times) // 2, len(times) - 1]):
         x = 1e3 * all_x[k]
-        slab = np.abs(x[:, 1]) < 6e3 * grain
-        order = np.argsort(-x[slab, 1])
-        near = x[slab][order]
-        axis.scatter(near[:, 0], near[:, 2], s=9, c=near[:, 1], cmap="copper", linewidths=0)
+        slab = x[np.abs(x[:, 1]) < 6e3 * grain]
+        slab = slab[np.argsort(-slab[:, 1])]
+        axis.scatter(slab[:, 0], slab[:, 2], s=9, c=slab[:, 1], cmap="copper", linewidths=0)
         axis.set_aspect("equal")
         axis.set_title(f"{1e3 * times[k]:.0f} ms", loc="right", fontsize=9, y=0.7)
         axis.set_ylim(0, 36)
@@ -55,16 +58,18 @@ def main(folder):
     figure.tight_layout()
     figure.savefig(here / "collapse.png", dpi=90)
 
-    start = RADIUS
-    end = extent(all_x[-1], grain)
-    runout, lube = (end - start) / start, 1.24
-    replace_section(
-        here / "README.md",
-        "runout",
-        f"{len(all_x[-1])} grains; runout (r - r0)/r0 = **{runout:.2f}**, measured on sand 1.24 a = "
-        f"{lube:.2f} (Lube et al. 2004): {100 * (runout / lube - 1):+.0f} %; height of the deposit "
-        f"{1e3 * (all_x[-1][:, 2].max() + grain):.0f} mm.",
-    )
+
+def main(runs):
+    rows = ["| rolling friction | runout (r - r0)/r0 | against 1.24 a, sand (Lube et al. 2004) | height, mm |", "|--:|--:|--:|--:|"]
+    for k, (friction, folder) in enumerate(runs):
+        all_x, times, grain = read(folder)
+        if k == 0:
+            draw(all_x, times, grain)
+        runout = extent(all_x[-1], grain) / RADIUS - 1
+        # The highest grains that are not alone.
+        height = np.quantile(all_x[-1][:, 2], 0.999) + grain
+        rows.append(f"| {friction} | {runout:.2f} | {100 * (runout / 1.24 - 1):+.0f} % | {1e3 * height:.0f} |")
+    replace_section(here / "README.md", "runout", "\n".join(rows))
 
 
-main(pathlib.Path(sys.argv[1]))
+main([argument.split("=") for argument in sys.argv[1:]])
