@@ -12,14 +12,14 @@
 
 #include "spall/base/require.hpp"
 #include "spall/domain/pack.hpp"
+#include "spall/force/penalty_sweep.hpp"
 #include "spall/motion/penalty_step.hpp"
 
 namespace {
 
 using namespace spall;
 
-/// The material of bench/granular.in. LAMMPS damps by Tsuji's polynomial of e, with sqrt(m F/delta)
-/// = sqrt(2/3 m S) for a unit; its tangential damping is the normal one.
+/// The material of bench/granular/lammps.in.
 PenaltySettings settings_of(const std::string& model) {
   PenaltySettings s{.young_modulus = 1e8, .poisson_ratio = 0.25};
   if (model == "jkr") s.adhesion = Adhesion::jkr;
@@ -28,7 +28,7 @@ PenaltySettings settings_of(const std::string& model) {
   return s;
 }
 
-/// Rows of 7 numbers of the section `name` of LAMMPS's file, as it stands there.
+/// To the line after the one that begins with `name`.
 void skip_to(std::ifstream& in, const std::string& name) {
   for (std::string line; std::getline(in, line);)
     if (line.rfind(name, 0) == 0) return;
@@ -77,6 +77,62 @@ void read_data(const Comm& comm, const std::string& path, World& world) {
   }
 }
 
+/// LAMMPS damps by Tsuji's polynomial of e in units of sqrt(m F/delta) = sqrt(2/3 m S), and along
+/// the contact as much as across.
+PenaltyLaw law_of_lammps(const World& world) {
+  PenaltyLaw law = penalty_law(world.penalty, world.law);
+  const double e = world.law.restitution;
+  const double tsuji =
+      1.2728 +
+      e * (-4.2783 + e * (11.087 + e * (-22.348 + e * (27.467 + e * (-18.022 + e * 4.8218)))));
+  law.damping = std::sqrt(2 / 3.0) * tsuji;
+  law.tangential_damping = 1;
+  return law;
+}
+
+/// Largest differences of forces and torques from those of LAMMPS's dump, whose velocities are half
+/// a step ahead of those that its forces saw; springs are one step old.
+void compare_forces(const Comm& comm, const std::string& dump, double h, World& world) {
+  require(comm.size == 1, "forces are compared on one rank");
+  Bodies& bodies = world.bodies;
+  std::vector<Vec3> force(bodies.owned), torque(bodies.owned);
+  std::ifstream in(dump);
+  skip_to(in, "ITEM: ATOMS");
+  for (Index k = 0; k < bodies.owned; ++k) {
+    double id;
+    Vec3 row[4];
+    in >> id;
+    for (Vec3& v : row) in >> v[0] >> v[1] >> v[2];
+    bodies.position[k] = row[0];
+    force[k] = row[2];
+    torque[k] = row[3];
+    bodies.velocity[k] = row[1] - h / 2 / bodies.mass[k] * force[k];
+    bodies.angular_velocity[k].setZero();
+  }
+  require(in.good(), "{}: ends too soon", dump);
+  const PenaltyLaw law = law_of_lammps(world);
+  search_touch_pairs(comm, bodies, {}, world.period, {.gap = widest_gap(law, 0.5), .skin = 0.1},
+                     world.touch);
+  std::vector<ForceRow> rows(bodies.size());
+  double worst = 0, worst_torque = 0, largest = 0, largest_torque = 0;
+  with_contact_model(law, h, [&](const auto& model) {
+    sweep_contacts<false>(bodies, model, world.touch.gap, world.touch.windows, world.touch.springs,
+                          rows.data(), [&](Index b) {
+                            const auto difference = [](const RowHalf& a, const Vec3& v) {
+                              return (Vec3(a[0], a[1], a[2]) - v).norm();
+                            };
+                            const BodyId id = bodies.id[b];
+                            worst = std::max(worst, difference(rows[b].force, force[id]));
+                            worst_torque =
+                                std::max(worst_torque, difference(rows[b].torque, torque[id]));
+                            largest = std::max(largest, force[id].norm());
+                            largest_torque = std::max(largest_torque, torque[id].norm());
+                          });
+  });
+  fmt::print("forces {:.3g} of {:.4g} N, torques {:.3g} of {:.4g} N m\n", worst / largest, largest,
+             worst_torque / largest_torque, largest_torque);
+}
+
 double processor_seconds() {
   rusage usage;
   getrusage(RUSAGE_SELF, &usage);
@@ -96,8 +152,8 @@ int main(int argc, char** argv) {
   Session session(argc, argv);
   const Comm comm = session.world();
   try {
-    require(argc == 5, "usage: bench_granular data hertz|dmt|jkr steps repetitions");
-    const int steps = std::atoi(argv[3]), repetitions = std::atoi(argv[4]);
+    require(argc == 5,
+            "usage: bench_granular data hertz|dmt|jkr steps repetitions, or forces dump");
     constexpr double h = 1e-3;
     World world;
     world.comm = comm;
@@ -105,6 +161,11 @@ int main(int argc, char** argv) {
     world.penalty = settings_of(argv[2]);
     const double program = peak_bytes();
     read_data(comm, argv[1], world);
+    if (argv[3] == std::string("forces")) {
+      compare_forces(comm, argv[4], h, world);
+      return 0;
+    }
+    const int steps = std::atoi(argv[3]), repetitions = std::atoi(argv[4]);
     const auto count = comm.sum(static_cast<double>(world.bodies.owned));
     penalty_steps(world, h, 10);
     for (int r = 0; r < repetitions; ++r) {

@@ -71,6 +71,11 @@ refuses "a missing file" "$ranks" nowhere.toml nowhere.toml
 write_case 's/center = \["3 m"/center = ["1.5 m"/' overlap.toml
 refuses "overlapping bodies" "$ranks" overlap.toml overlap.toml:10 groups.right allowed_overlap
 write_case '/^\[\[groups/,/^velocity/d' none.toml
+write_case 's/^name = "meet"/&\nmethod = "penalty"/; s/"-1 m/"-6700 m/; s/^friction.*/restitution = 0.5\n[penalty]\nyoung_modulus = "50 GPa"/' fast.toml
+refuses "a sphere at 6.7 km/s that penalty contact cannot stop" "$ranks" fast.toml phases.meet \
+  "body 0" "body 1" "young_modulus must be at least"
+write_case 's/^name = "meet"/&\nmethod = "penalty"/' lawless.toml
+refuses "penalty contact without a law" "$ranks" lawless.toml phases.meet "[penalty]"
 refuses "no bodies" "$ranks" none.toml none.toml "no bodies"
 write_case '' few.toml
 refuses "more ranks than bodies" 3 few.toml few.toml "2 bodies" "3 ranks"
@@ -120,6 +125,20 @@ sed 's/count = 300/count = 40/; s/radius = "10 m"/radius = "6 m"/; s/duration = 
 on_ranks "$ranks" run small.toml --out whole || fail "a small run: $(cat stderr)"
 on_ranks "$ranks" resume whole/after_aggregation.h5 --out resumed || fail "resume: $(cat stderr)"
 diff <(results_of whole) <(results_of resumed) || fail "a resumed run ends otherwise"
+
+# The same in penalty contact, whose springs go on too.
+sed 's/"30 mm"/"8 mm"/g; s/"16.5 mm"/"6 mm"/; s/duration = ".*"/duration = "2 ms"/' \
+  "$cases/column/case.toml" >grains.toml
+cat >>grains.toml <<'END'
+[[phases]]
+name = "later"
+method = "penalty"
+step = "20 us"
+duration = "2 ms"
+END
+on_ranks "$ranks" run grains.toml --out grains || fail "a run of grains: $(cat stderr)"
+on_ranks "$ranks" resume grains/after_collapse.h5 --out grains_resumed || fail "resume: $(cat stderr)"
+diff <(results_of grains) <(results_of grains_resumed) || fail "resumed grains end otherwise"
 
 # A signal stops a run; it goes on from where it was.
 write_case 's/duration = "2 s"/duration = "1e9 s"/' endless.toml

@@ -123,6 +123,11 @@ Ghosts make_halo(const Comm& comm, Bodies& bodies, std::vector<double>& reach, c
   const auto incoming = comm.exchange(outgoing);
   std::vector<double> one_row;
   if (bodies.owned > 0) pack_row(bodies, 0, one_row);
+  // Fields grow once, and by no more than they need.
+  std::size_t arriving = 0;
+  for (const auto& rows : incoming) arriving += rows.size();
+  const std::size_t size = bodies.owned + arriving / (5 + packed_row_width());
+  for_each_field(bodies, [&](const char*, auto& field) { field.reserve(size); });
   std::vector<Origin> origins;
   shifts.clear();
   for (int rank = 0; rank < comm.size; ++rank) {

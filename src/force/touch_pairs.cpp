@@ -3,6 +3,7 @@
 #include "spall/force/touch_pairs.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <numeric>
 
 #include "spall/base/require.hpp"
@@ -62,75 +63,82 @@ void for_each_touching(const TouchPairs& touch, F&& f) {
 /// The springs of each row's contacts by the other body's id, or by -1 - wall.
 class Kept {
  public:
-  struct Entry {
-    BodyId other;
-    Vec3 sliding, rolling;
-  };
   struct Found {
-    const Entry* entry;
-    double sign;  ///< of the sliding spring as seen from the row that was asked for
+    bool touching = false;
+    Vec3 sliding = Vec3::Zero(), rolling = Vec3::Zero();
   };
 
   /// From the pairs themselves: rows are as they were.
-  Kept(const Bodies& bodies, const TouchPairs& touch) {
+  Kept(const Bodies& bodies, const TouchPairs& touch, bool rolling) : has_rolling_(rolling) {
     start_.assign(bodies.owned + 1, 0);
     for_each_touching(touch, [&](Index i, Index, const Vec3&, const Vec3&) { ++start_[i + 1]; });
     for (const WallTouch& t : touch.walls)
       if (t.touching) ++start_[t.row + 1];
     allocate();
-    for_each_touching(touch, [&](Index i, Index j, const Vec3& sliding, const Vec3& rolling) {
-      add(i, {bodies.id[j], sliding, rolling});
+    for_each_touching(touch, [&](Index i, Index j, const Vec3& sliding, const Vec3& roll) {
+      add(i, bodies.id[j], sliding, roll);
     });
     for (const WallTouch& t : touch.walls)
-      if (t.touching) add(t.row, {-1 - t.wall, t.sliding, t.rolling});
+      if (t.touching) add(t.row, -1 - t.wall, t.sliding, t.rolling);
   }
 
   /// From memory: every entry has a body here.
-  Kept(const Bodies& bodies, const ContactMemory& memory) {
+  Kept(const Bodies& bodies, const ContactMemory& memory, bool rolling) : has_rolling_(rolling) {
     std::vector<std::pair<BodyId, Index>> rows(bodies.owned);
     for (Index b = 0; b < bodies.owned; ++b) rows[b] = {bodies.id[b], b};
     std::sort(rows.begin(), rows.end());
-    const auto find = [&](BodyId id) -> Index {
+    const auto row_of_id = [&](BodyId id) -> Index {
       const auto at = std::lower_bound(rows.begin(), rows.end(), std::pair{id, Index{0}});
       return at != rows.end() && at->first == id ? at->second : -1;
     };
     std::vector<Index> row(memory.i.size());
     start_.assign(bodies.owned + 1, 0);
     for (std::size_t m = 0; m < row.size(); ++m) {
-      row[m] = find(memory.i[m]);
-      const Index at = row[m] >= 0 ? row[m] : find(memory.j[m]);
-      ++start_[at + 1];
+      row[m] = row_of_id(memory.i[m]);
+      ++start_[(row[m] >= 0 ? row[m] : row_of_id(memory.j[m])) + 1];
     }
     allocate();
     for (std::size_t m = 0; m < row.size(); ++m) {
       if (row[m] >= 0)
-        add(row[m], {memory.j[m], memory.impulse[m], memory.rolling[m]});
+        add(row[m], memory.j[m], memory.impulse[m], memory.rolling[m]);
       else
-        add(find(memory.j[m]), {memory.i[m], -memory.impulse[m], memory.rolling[m]});
+        add(row_of_id(memory.j[m]), memory.i[m], -memory.impulse[m], memory.rolling[m]);
     }
   }
 
-  const Entry* find(Index row, BodyId other) const {
+  Found find(Index row, BodyId other) const {
     for (Index k = row > 0 ? start_[row - 1] : 0; k < start_[row]; ++k)
-      if (entries_[k].other == other) return &entries_[k];
-    return nullptr;
+      if (other_[k] == other) return {true, sliding_[k], has_rolling_ ? rolling_[k] : Vec3::Zero()};
+    return {};
   }
-  /// A pair may have been kept with either body.
+  /// A pair may have been kept with either body, from which its sliding has the other sign.
   Found find(const Bodies& bodies, Index i, Index j) const {
-    if (const Entry* entry = find(i, bodies.id[j])) return {entry, 1};
-    return {j < bodies.owned ? find(j, bodies.id[i]) : nullptr, -1};
+    Found found = find(i, bodies.id[j]);
+    if (found.touching || j >= bodies.owned) return found;
+    found = find(j, bodies.id[i]);
+    found.sliding = -found.sliding;
+    return found;
   }
 
  private:
   // While entries are added start_[row] is where the next one goes, afterwards the row's end.
   void allocate() {
     std::partial_sum(start_.begin(), start_.end(), start_.begin());
-    entries_.resize(start_.back());
+    other_.resize(start_.back());
+    sliding_.resize(start_.back());
+    if (has_rolling_) rolling_.resize(start_.back());
   }
-  void add(Index row, const Entry& entry) { entries_[start_[row]++] = entry; }
+  void add(Index row, BodyId other, const Vec3& sliding, const Vec3& rolling) {
+    const Index at = start_[row]++;
+    other_[at] = other;
+    sliding_[at] = sliding;
+    if (has_rolling_) rolling_[at] = rolling;
+  }
 
+  bool has_rolling_;
   std::vector<Index> start_;
-  std::vector<Entry> entries_;
+  std::vector<BodyId> other_;
+  std::vector<Vec3> sliding_, rolling_;
 };
 
 std::vector<double> work_of(const Bodies& bodies, const TouchPairs& touch) {
@@ -166,27 +174,25 @@ void recall_springs(const Bodies& bodies, const Kept& kept, bool rolling, TouchP
   for_each_pair(touch.windows,
                 [&](std::size_t w, std::size_t slot, std::size_t l, Index i, Index j) {
                   const Kept::Found found = kept.find(bodies, i, j);
-                  if (!found.entry) return;
+                  if (!found.touching) return;
                   WindowSprings& springs = touch.springs[w];
                   springs.touching[slot] |= 1 << l;
-                  set_lane(springs.sliding, slot, l, found.sign * found.entry->sliding);
-                  if (rolling) set_lane(springs.rolling, slot, l, found.entry->rolling);
+                  set_lane(springs.sliding, slot, l, found.sliding);
+                  if (rolling) set_lane(springs.rolling, slot, l, found.rolling);
                 });
 }
 
-void find_walls(const Bodies& bodies, const std::vector<Plane>& planes, double reach,
-                const Kept& kept, std::vector<WallTouch>& walls) {
-  walls.clear();
+void find_walls(const Bodies& bodies, const Walls& walls, double reach, const Kept& kept,
+                std::vector<WallTouch>& touches) {
+  touches.clear();
   for (Index b = 0; b < bodies.owned; ++b)
-    for (std::size_t p = 0; p < planes.size(); ++p) {
-      if (planes[p].normal.dot(bodies.position[b] - planes[p].point) > bodies.radius[b] + reach)
-        continue;
-      WallTouch& t = walls.emplace_back(WallTouch{b, static_cast<std::int32_t>(p)});
-      if (const Kept::Entry* entry = kept.find(b, -1 - t.wall)) {
-        t.touching = true;
-        t.sliding = entry->sliding;
-        t.rolling = entry->rolling;
-      }
+    for (std::size_t w = 0; w < walls.size(); ++w) {
+      if (face_of(walls, w, bodies.position[b]).height > bodies.radius[b] + reach) continue;
+      WallTouch& t = touches.emplace_back(WallTouch{b, static_cast<std::int32_t>(w)});
+      const Kept::Found found = kept.find(b, -1 - t.wall);
+      t.touching = found.touching;
+      t.sliding = found.sliding;
+      t.rolling = found.rolling;
     }
 }
 
@@ -218,17 +224,17 @@ std::int64_t count_touching(const Bodies& bodies, const TouchPairs& touch) {
                                [](const WallTouch& t) { return t.touching; });
 }
 
-void search_touch_pairs(const Comm& comm, Bodies& bodies, const std::vector<Plane>& planes,
-                        const Period& period, const TouchRange& range, TouchPairs& touch) {
+void search_touch_pairs(const Comm& comm, Bodies& bodies, const Walls& walls, const Period& period,
+                        const TouchRange& range, TouchPairs& touch) {
   const auto work = work_of(bodies, touch);
   const bool cut = needs_cut(comm, total(work), touch);
   const Kept kept = [&] {
-    if (!cut) return Kept(bodies, touch);
+    if (!cut) return Kept(bodies, touch, range.rolling);
     ContactMemory memory = remember(bodies, touch);
     touch.carried = {};
     touch.springs.clear();
     migrate(comm, bodies, memory, partition(comm, bodies, work));
-    return Kept(bodies, memory);
+    return Kept(bodies, memory, range.rolling);
   }();
 
   double largest = 0;
@@ -249,7 +255,11 @@ void search_touch_pairs(const Comm& comm, Bodies& bodies, const std::vector<Plan
   touch.ghosts = make_halo(comm, bodies, reaches, period, touch.shifts);
   find_near_pairs(bodies, reach, touch.windows);
   recall_springs(bodies, kept, range.rolling, touch);
-  find_walls(bodies, planes, range.gap + range.skin, kept, touch.walls);
+  find_walls(bodies, walls, range.gap + range.skin, kept, touch.walls);
+  const auto all_equal = [](const std::vector<double>& values) {
+    return std::adjacent_find(values.begin(), values.end(), std::not_equal_to<>()) == values.end();
+  };
+  touch.equal = all_equal(bodies.radius) && all_equal(bodies.mass);
   touch.gap = range.gap;
   touch.skin = range.skin;
   touch.moved = 0;

@@ -34,7 +34,7 @@ struct Box {
 /// Of all bodies, and of what stands still where there are walls.
 Box velocities_of(const World& world) {
   Box box;
-  if (!world.planes.empty()) box.add(Vec3::Zero());
+  if (world.walls().size() > 0) box.add(Vec3::Zero());
   for (Index b = 0; b < world.bodies.owned; ++b) box.add(world.bodies.velocity[b]);
   return box;
 }
@@ -55,7 +55,7 @@ double displacement(const World& world) {
   double furthest = 0, from_walls = 0;
   for (Index b = 0; b < bodies.owned; ++b) {
     furthest = std::max(furthest, (moved(b) - centre).squaredNorm());
-    if (!world.planes.empty()) from_walls = std::max(from_walls, moved(b).squaredNorm());
+    if (world.walls().size() > 0) from_walls = std::max(from_walls, moved(b).squaredNorm());
   }
   return std::sqrt(world.comm.max(std::max(4 * furthest, from_walls)));
 }
@@ -101,7 +101,8 @@ void update_pairs(World& world, const PenaltyLaw& law) {
   }
   for (Index b = 0; b < bodies.owned; ++b) largest = std::max(largest, bodies.radius[b]);
   largest = world.comm.max(largest);
-  search_touch_pairs(world.comm, bodies, world.planes, world.period,
+  world.loads = {};  // a search needs the memory
+  search_touch_pairs(world.comm, bodies, world.walls(), world.period,
                      {.gap = widest_gap(law, largest),
                       .skin = best_skin(world, 2 * largest),
                       .rolling = law.rolling_friction > 0},
@@ -129,9 +130,14 @@ Box kick_and_drift(World& world, const PenaltyLaw& law, double h, int drifts) {
     row = ForceRow{};
   };
   with_contact_model(law, h, [&](const auto& model) {
-    sweep_walls(bodies, world.planes, model, world.touch.walls, rows);
-    sweep_contacts(bodies, model, world.touch.gap, world.touch.windows, world.touch.springs, rows,
-                   finish);
+    sweep_walls(bodies, world.walls(), model, world.touch.walls, rows);
+    const TouchPairs& touch = world.touch;
+    if (touch.equal)
+      sweep_contacts<true>(bodies, model, touch.gap, touch.windows, world.touch.springs, rows,
+                           finish);
+    else
+      sweep_contacts<false>(bodies, model, touch.gap, touch.windows, world.touch.springs, rows,
+                            finish);
   });
   // Nobody reads a ghost's force, but its row belongs to another body after the next search.
   world.ledger.dissipated += taken;
@@ -173,11 +179,11 @@ PenaltyReport penalty_steps(World& world, double h, int most_steps) {
     update_pairs(world, law);
     const int drifts = step < report.steps ? 2 : 1;
     velocities = kick_and_drift(world, law, h, drifts);
-    if (!world.planes.empty()) velocities.add(Vec3::Zero());
+    if (world.walls().size() > 0) velocities.add(Vec3::Zero());
     book_motion(world.comm, velocities, drifts * h / 2, world.touch);
     if (world.touch.searches != searches)
       check_penalty_step(world.comm, bodies, world.penalty, world.law, h,
-                         velocities.united(world.comm).diagonal(), "penalty contact");
+                         velocities.united(world.comm).diagonal(), "bodies have become faster");
   }
   world.kick.evaluated = false;
   world.kick.load = 0;
@@ -191,7 +197,7 @@ double contact_energy(World& world) {
   update_pairs(world, law);
   return world.comm.sum(with_contact_model(law, 1, [&](const auto& model) {
     const TouchPairs& touch = world.touch;
-    return wall_energy(world.bodies, world.planes, model, touch.walls) +
+    return wall_energy(world.bodies, world.walls(), model, touch.walls) +
            sweep_contact_energy(world.bodies, model, touch.gap, touch.windows, touch.springs);
   }));
 }

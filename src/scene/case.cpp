@@ -194,6 +194,7 @@ void read_case_keys(Section& in, Case& scene) {
     s.check("normal", !plane.normal.isZero(0), "is zero");
     plane.normal.normalize();
   });
+  read_walls(in, scene);
   in.table("gravity", "of bodies on each other, and uniform", [&](Section& s) {
     s.take("method", "of self-gravity", scene.gravity.method, gravity_methods);
     s.take("accuracy", "rms relative force error of tree", scene.gravity.accuracy,
@@ -251,6 +252,10 @@ void check_whole(const Case& scene) {
           "{}: read_out tells times after the impact, but no phase has an impactor", scene.file);
   for (const Phase& phase : scene.phases) {
     if (phase.method == Method::penalty) check_penalty(scene, phase);
+    require(phase.method == Method::penalty || (scene.cylinders.empty() && !scene.period.any()),
+            "{}: [[cylinders]] and [periodic] act in phases of method = \"penalty\" only, not in "
+            "phases.{}",
+            scene.file, phase.name);
     if (phase.method != Method::potential) continue;
     require(
         scene.potential.has_value(),

@@ -9,6 +9,9 @@ namespace spall {
 
 void read_penalty(Section& in, PenaltySettings& settings);
 
+/// [[boxes]], [[cylinders]] and [periodic].
+void read_walls(Section& in, Case& scene);
+
 /// What phases of penalty contact need of the rest of the case.
 void check_penalty(const Case& scene, const Phase& phase);
 

@@ -87,10 +87,11 @@ struct HertzLanes {
       : modulus(law.normal), kt(law.tangential), pull(dmt ? 2 * pi * law.work_of_adhesion : 0) {}
   static constexpr bool sticks = false;
   NormalForce force(const Lanes& overlap, const Lanes& radius) const {
-    const Lanes a = root_of(radius * overlap), attraction = pull * radius;
+    const Lanes inverse = inverse_sqrt(radius * overlap), attraction = pull * radius;
+    const Lanes a = radius * overlap * inverse;
     Lanes f = (4 / 3.0 * modulus) * a * overlap;
     if constexpr (dmt) f -= attraction;
-    return {f, (2 * modulus) * a, kt * a, attraction, 0.5 / overlap};
+    return {f, (2 * modulus) * a, kt * a, attraction, 0.5 * radius * inverse * inverse};
   }
   Lanes energy(const Lanes& overlap, const Lanes& radius) const {
     const Lanes hertz = (8 / 15.0 * modulus) * root_of(radius * overlap) * overlap * overlap;

@@ -179,20 +179,55 @@ auto with_contact_model(const PenaltyLaw& law, double h, F&& f) {
   });
 }
 
+/// Asks for the bodies of the next window's pairs, a slot of them with each slot of this one: the
+/// processor itself looks ahead only a few slots, far less than memory takes to answer.
+class BodiesAhead {
+ public:
+  BodiesAhead(const NearWindow& next, const Bodies& bodies, const ForceRow* rows)
+      : at_(next.partners.data()),
+        end_(at_ + next.partners.size()),
+        position_(bodies.position.data()),
+        velocity_(bodies.velocity.data()),
+        spin_(bodies.angular_velocity.data()),
+        rows_(rows) {}
+  void ask_for_slot() {
+    if (at_ == end_) return;
+    for (std::size_t l = 0; l < lane_count; ++l) {
+      const Index row = at_[l] / doubles_a_row;
+      __builtin_prefetch(position_ + row);
+      __builtin_prefetch(velocity_ + row);
+      __builtin_prefetch(spin_ + row);
+      __builtin_prefetch(rows_ + row, 1);
+    }
+    at_ += lane_count;
+  }
+
+ private:
+  const Index* at_;
+  const Index* end_;
+  const Vec3* position_;
+  const Vec3* velocity_;
+  const Vec3* spin_;
+  const ForceRow* rows_;
+};
+
 /// Adds the forces of all pairs to the rows and steps their springs; `gap` (m) is the widest at
 /// which bodies act on each other. Calls `finish(body)` for each body of a window once nothing will
 /// be added to its row and none of its fields will be asked for again. The forces of ghosts mean
-/// nothing.
-template <class Model, class Finish>
+/// nothing. `equal`: all bodies have the size and mass of the first, which is then read once.
+template <bool equal, class Model, class Finish>
+[[gnu::flatten]]
 void sweep_contacts(const Bodies& bodies, const Model& model, double gap,
                     const std::vector<NearWindow>& windows, std::vector<WindowSprings>& springs,
                     ForceRow* rows, Finish&& finish) {
   double* const forces = reinterpret_cast<double*>(rows);
-  const auto number = [&](const std::vector<double>& of, const Index* at) {
-    return gather_body_numbers(of, at);
+  const auto number = [](const std::vector<double>& of, const Index* at) {
+    return equal ? spread(of[0]) : gather_body_numbers(of, at);
   };
+  const auto inverse_mass = [&](const Index* at) -> Lanes { return 1.0 / number(bodies.mass, at); };
   for (std::size_t w = 0; w < windows.size(); ++w) {
     const NearWindow& window = windows[w];
+    BodiesAhead ahead(windows[std::min(w + 1, windows.size() - 1)], bodies, rows);
     WindowSprings& kept = springs[w];
     const Index* partners = window.partners.data();
     std::size_t slot = 0;
@@ -200,7 +235,7 @@ void sweep_contacts(const Bodies& bodies, const Model& model, double gap,
       const Index* own = window.rows.data() + g * lane_count;
       const LaneVectors xi = gather_body_vectors(bodies.position, own);
       const LaneVectors vi = gather_body_vectors(bodies.velocity, own);
-      const Lanes ri = number(bodies.radius, own), wi = 1.0 / number(bodies.mass, own);
+      const Lanes ri = number(bodies.radius, own), wi = inverse_mass(own);
       LaneVectors spin_i{}, surface_i{};
       if constexpr (Model::frictional) {
         spin_i = gather_body_vectors(bodies.angular_velocity, own);
@@ -209,6 +244,7 @@ void sweep_contacts(const Bodies& bodies, const Model& model, double gap,
       LaneVectors force{}, lever{}, roll{};
       Lanes power{};
       for (Index s = 0; s < window.slots[g]; ++s, ++slot, partners += lane_count) {
+        ahead.ask_for_slot();
         const LaneVectors apart = gather_body_vectors(bodies.position, partners) - xi;
         const Lanes rj = number(bodies.radius, partners);
         const Lanes r2 = dot(apart, apart), radii = ri + rj, reach = radii + gap;
@@ -222,7 +258,7 @@ void sweep_contacts(const Bodies& bodies, const Model& model, double gap,
         c.normal = inverse * apart;
         c.overlap = near ? radii - distance : spread(-infinity);
         c.radius = ri * rj * inverse_radii;
-        c.inverse_mass = wi + 1.0 / number(bodies.mass, partners);
+        c.inverse_mass = wi + inverse_mass(partners);
         c.kappa = distance * inverse_radii;
         c.velocity = gather_body_vectors(bodies.velocity, partners) - vi;
         SpringLanes spring;

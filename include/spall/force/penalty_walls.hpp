@@ -16,24 +16,22 @@ struct WallLanes {
   SpringLanes spring;
   unsigned before = 0;  ///< lanes that touched a step ago
 
-  WallLanes(const Bodies& bodies, const std::vector<Plane>& planes,
-            std::span<const WallTouch> touches) {
+  WallLanes(const Bodies& bodies, const Walls& walls, std::span<const WallTouch> touches) {
     for (std::size_t l = 0; l < lane_count; ++l) {
       const WallTouch& t = touches[std::min(l, touches.size() - 1)];
-      const Plane& plane = planes[t.wall];
+      const Face face = face_of(walls, t.wall, bodies.position[t.row]);
       const double radius = bodies.radius[t.row];
-      const double height = plane.normal.dot(bodies.position[t.row] - plane.point);
       const Vec3 surface = radius * bodies.angular_velocity[t.row];
       places[l] = doubles_a_row * t.row;
-      set(contact.normal, l, -plane.normal);
-      contact.overlap[l] = radius - height;
+      set(contact.normal, l, -face.normal);
+      contact.overlap[l] = radius - face.height;
       contact.radius[l] = radius;
       contact.inverse_mass[l] = 1 / bodies.mass[t.row];
       contact.kappa[l] = 1;
       set(contact.velocity, l, -bodies.velocity[t.row]);
       set(contact.surface, l, surface);
       set(contact.rolling, l, -bodies.angular_velocity[t.row]);
-      contact.twist[l] = -0.5 * bodies.angular_velocity[t.row].dot(plane.normal);
+      contact.twist[l] = -0.5 * bodies.angular_velocity[t.row].dot(face.normal);
       set(spring.sliding, l, t.sliding);
       set(spring.rolling, l, t.rolling);
       before |= t.touching ? 1u << l : 0;
@@ -49,12 +47,12 @@ struct WallLanes {
 
 /// Adds the forces of walls to the rows and steps their springs.
 template <class Model>
-void sweep_walls(const Bodies& bodies, const std::vector<Plane>& planes, const Model& model,
-                 std::vector<WallTouch>& walls, ForceRow* rows) {
-  const std::span<WallTouch> all(walls);
+void sweep_walls(const Bodies& bodies, const Walls& walls, const Model& model,
+                 std::vector<WallTouch>& touches, ForceRow* rows) {
+  const std::span<WallTouch> all(touches);
   for (std::size_t first = 0; first < all.size(); first += lane_count) {
     const auto part = all.subspan(first, std::min(lane_count, all.size() - first));
-    WallLanes eight(bodies, planes, part);
+    WallLanes eight(bodies, walls, part);
     ContactLanes& c = eight.contact;
     const LaneMask touching =
         model.touches(c.overlap, c.radius, eight.before) & (c.inverse_mass > 0.0);
@@ -75,13 +73,13 @@ void sweep_walls(const Bodies& bodies, const std::vector<Plane>& planes, const M
 
 /// J, elastic.
 template <class Model>
-double wall_energy(const Bodies& bodies, const std::vector<Plane>& planes, const Model& model,
-                   const std::vector<WallTouch>& walls) {
-  const std::span<const WallTouch> all(walls);
+double wall_energy(const Bodies& bodies, const Walls& walls, const Model& model,
+                   const std::vector<WallTouch>& touches) {
+  const std::span<const WallTouch> all(touches);
   double energy = 0;
   for (std::size_t first = 0; first < all.size(); first += lane_count) {
     const auto part = all.subspan(first, std::min(lane_count, all.size() - first));
-    const WallLanes eight(bodies, planes, part);
+    const WallLanes eight(bodies, walls, part);
     const Lanes u = model.energy(eight.contact.overlap, eight.contact.radius, eight.before);
     for (std::size_t l = 0; l < part.size(); ++l) energy += u[l];
   }

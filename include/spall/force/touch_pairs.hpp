@@ -9,8 +9,8 @@
 #include "spall/domain/halo.hpp"
 #include "spall/force/near_pairs.hpp"
 #include "spall/force/pair_sweep.hpp"
+#include "spall/force/walls.hpp"
 #include "spall/scene/bodies.hpp"
-#include "spall/scene/case.hpp"
 
 namespace spall {
 
@@ -52,8 +52,9 @@ struct TouchPairs {
   Index ghosts_after_cut = 0;
   int searches_since_cut = 0;
   std::int64_t searches = 0;
-  int steps = 0;     ///< that the pairs have served
-  double pairs = 0;  ///< over all ranks, of the last search
+  int steps = 0;       ///< that the pairs have served
+  double pairs = 0;    ///< over all ranks, of the last search
+  bool equal = false;  ///< all bodies here have one size and mass
 };
 
 /// How near bodies must come to be listed.
@@ -66,8 +67,8 @@ struct TouchRange {
 /// Finds ghosts and pairs anew; cuts the domain before where the ranks' work differs by more than a
 /// tenth. Springs stay with their pairs. Throws Error where space repeats itself so soon that a
 /// body would meet two images of another. Collective.
-void search_touch_pairs(const Comm& comm, Bodies& bodies, const std::vector<Plane>& planes,
-                        const Period& period, const TouchRange& range, TouchPairs& touch);
+void search_touch_pairs(const Comm& comm, Bodies& bodies, const Walls& walls, const Period& period,
+                        const TouchRange& range, TouchPairs& touch);
 
 /// The springs of all touching pairs by id, each on one rank.
 ContactMemory remember(const Bodies& bodies, const TouchPairs& touch);

@@ -13,6 +13,7 @@
 #include "spall/force/pair_sweep.hpp"
 #include "spall/force/penalty.hpp"
 #include "spall/force/touch_pairs.hpp"
+#include "spall/force/walls.hpp"
 #include "spall/scene/bodies.hpp"
 #include "spall/scene/case.hpp"
 
@@ -45,6 +46,7 @@ struct Ledger {
 struct World {
   Comm comm;
   std::vector<Plane> planes;
+  std::vector<Cylinder> cylinders;
   Period period;
   ContactLaw law;
   GravitySettings gravity;
@@ -62,6 +64,8 @@ struct World {
   Ledger ledger;
   StageTimes times;
 
+  Walls walls() const { return {planes, cylinders}; }
+
   bool has_gravity() const {
     return gravity.method != GravityMethod::none || !uniform_gravity.isZero(0);
   }
@@ -72,6 +76,7 @@ inline World make_world(const Comm& comm, const Case& scene) {
   World world;
   world.comm = comm;
   world.planes = scene.planes;
+  world.cylinders = scene.cylinders;
   world.period = scene.period;
   world.law = scene.contact;
   world.potential = scene.potential.value_or(PairPotential{});

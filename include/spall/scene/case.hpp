@@ -103,6 +103,13 @@ struct Plane {
   Vec3 normal = Vec3::UnitZ();
 };
 
+/// The space outside an endless cylinder, which never moves.
+struct Cylinder {
+  Vec3 point = Vec3::Zero();  ///< on the axis
+  Vec3 axis = Vec3::UnitZ();
+  double radius = 0;  ///< m
+};
+
 /// A sphere added at the start of a phase, aimed at the target along a direction.
 struct Impactor {
   double mass = 0;
@@ -179,6 +186,7 @@ struct Case {
   double allowed_overlap = 1e-3;  ///< of two bodies at the start, in units of the smaller radius
   std::vector<Group> groups;
   std::vector<Plane> planes;
+  std::vector<Cylinder> cylinders;
   Period period;
   GravitySettings gravity;
   Vec3 uniform_gravity = Vec3::Zero();  ///< m/s^2
