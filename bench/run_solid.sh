@@ -5,7 +5,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 source jobs/environment.sh
 build=${1:-build/release} length=${2:-14}
-run() { mpirun -n 2 "$build/bench/bench_solid" cases/plate/case.toml "$@"; }
+run() { mpirun -n "${RANKS:-2}" "$build/bench/bench_solid" cases/plate/case.toml "$@"; }
 {
   echo "what,orientation,speed,measured,second,wanted,third"
   for up in 500 1000 2000 3350; do
