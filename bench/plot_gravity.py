@@ -91,15 +91,17 @@ def main():
         "",
         "![error against time](gravity.png)",
         "",
-        "| set | bodies | ranks | order | asked | rms | 99 % | max | tree, s | of it building, s |"
-        " exact sum, s | bytes a body | net force | net torque |",
-        "|" + "---|" * 14,
+        "| set | bodies | ranks | order | asked | rms | 99 % | max | tree, s | build, s |"
+        " moments and exchange, s | walk, s | exact sum, s | bytes a body | net force | net torque |",
+        "|" + "---|" * 16,
     ]
     for r in rows:
         lines.append(
             f"| {r['set']} | {int(r['bodies']):,} | {int(r['ranks'])} | {int(r['order'])} |"
             f" {r['asked']:.0e} | {r['rms']:.1e} | {r['p99']:.1e} | {r['max']:.1e} |"
-            f" {r['tree_s']:.3g} | {r['build_s']:.3g} | {r['direct_s']:.3g} | {r['bytes']:.0f} |"
+            f" {r['tree_s']:.3g} | {r['build_s']:.3g} | {r['exchange_s']:.3g} |"
+            f" {r['tree_s'] - r['build_s'] - r['exchange_s']:.3g} |"
+            f" {r['direct_s']:.3g} | {r['bytes']:.0f} |"
             f" {r['net_force']:.0e} |"
             f" {r['net_torque']:.0e} |")
     lines += ["", "Net force: |sum F| / sum |F|; net torque: |sum x × F| / sum |x| |F|. The exact sum "

@@ -2,6 +2,20 @@
 
 SPDX-License-Identifier: BSD-3-Clause
 """
+import datetime
+import os
+import pathlib
+import subprocess
+
+
+def origin(ranks):
+    """What was measured, when and where."""
+    commit = subprocess.run(["git", "describe", "--always", "--dirty"], text=True,
+                            cwd=pathlib.Path(__file__).parent, capture_output=True).stdout.strip()
+    cpu = next((line.split(":")[1].strip() for line in open("/proc/cpuinfo")
+                if line.startswith("model name")), "")
+    shared = f"{ranks} rank{'s' if ranks > 1 else ''} on {os.cpu_count()} shared cores ({cpu})"
+    return f"commit {commit}, {datetime.date.today()}, {shared}"
 
 
 def replace_section(path, name, text):

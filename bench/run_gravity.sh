@@ -10,7 +10,7 @@ here=$(dirname "$0")
 mkdir -p "$here/results"
 csv=$here/results/gravity.csv
 echo "# commit $(git -C "$here" rev-parse --short HEAD), $(date +%F), $(sed -n 's/^model name.*: //p' /proc/cpuinfo | head -n 1), $(nproc) cores" > "$csv"
-echo "set,bodies,ranks,order,asked,rms,p99,max,tree_s,build_s,direct_s,plain_s,bytes,net_force,net_torque" >> "$csv"
+echo "set,bodies,ranks,order,asked,rms,p99,max,tree_s,build_s,exchange_s,direct_s,plain_s,bytes,net_force,net_torque" >> "$csv"
 for set in $sets; do
   for ranks in $counts; do
     mpirun --oversubscribe -n $ranks "$build/bench/bench_gravity" "${set%:*}" "${set#*:}" >> "$csv"

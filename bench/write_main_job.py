@@ -3,26 +3,16 @@
 SPDX-License-Identifier: BSD-3-Clause
 """
 import csv
-import datetime
 import pathlib
-import subprocess
 import sys
 import tomllib
 
-from readme import replace_section
+from readme import origin, replace_section
 
 here = pathlib.Path(__file__).resolve().parent
 # The engine of the thesis, tuned, on this pile and 2 threads: seconds of solving a step to an rms
 # natural-map residual in m/s.
 REFERENCE_SECONDS, REFERENCE_RMS = 0.127, 2.6e-4
-
-
-def origin():
-    commit = subprocess.run(["git", "describe", "--always", "--dirty"], cwd=here, text=True,
-                            capture_output=True).stdout.strip()
-    cpu = next((line.split(":")[1].strip() for line in open("/proc/cpuinfo")
-                if line.startswith("model name")), "")
-    return f"commit {commit}, {datetime.date.today()}, 2 ranks on 2 shared cores ({cpu})"
 
 
 def main(folder):
@@ -43,13 +33,14 @@ def main(folder):
            f"**{1e3 * float(asked['step_s']):.0f} ms**, {1e3 * solving:.1f} ms of it solving, to an "
            f"rms residual of {float(asked['rms_m_s']):.1e} m/s; the engine of the thesis, tuned, solves "
            f"{1e3 * REFERENCE_SECONDS:.0f} ms to {REFERENCE_RMS:.1e} m/s.\n"
-           f"({origin()})")
+           f"({origin(2)})")
     replace_section(here.parent / "README.md", "main job", job)
     names = ["tolerance", "products", "solver_s", "step_s", "E", "rms_m_s"]
     table = ["| tolerance on E_eps | products | solving, s | whole step, s | E | rms, m/s |",
              "|--:|--:|--:|--:|--:|--:|"]
     table += ["| " + " | ".join(row[name] for name in names) + " |" for row in rows]
-    replace_section(here / "README.md", "settled step", f"{origin()}\n\n" + "\n".join(table))
+    replace_section(here / "README.md", "settled step", f"{origin(2)}\n\n" + "\n".join(table))
 
 
-main(*sys.argv[1:])
+if __name__ == "__main__":
+    main(*sys.argv[1:])

@@ -11,6 +11,7 @@
 
 #include "spall/base/comm.hpp"
 #include "spall/base/require.hpp"
+#include "spall/output/stored_bodies.hpp"
 #include "spall/run/run.hpp"
 #include "spall/run/solve_file.hpp"
 #include "spall/scene/case.hpp"
@@ -51,6 +52,11 @@ std::string default_folder(const std::string& file) {
 void list_cases() {
   for (const std::string& file : find_cases("cases"))
     fmt::print("{:<36} {}\n", file, read_case(file).title);
+}
+
+void check_case(const Options& options) {
+  const Case scene = with_stored_bodies(read_case(options.file, options.overrides));
+  fmt::print("{}{}", describe_bodies(scene), describe_phases(scene));
 }
 
 int report(const std::string& folder) {
@@ -117,7 +123,7 @@ int dispatch(const Comm& comm, int argc, char** argv) {
     return 0;
   }
   if (comm.rank != 0) return 0;  // what follows needs no second rank
-  if (*check) fmt::print("{}", describe(read_case(options.file, options.overrides)));
+  if (*check) check_case(options);
   if (*page) return report(options.file);
   if (*list) list_cases();
   if (*keys) fmt::print("{}", case_reference());

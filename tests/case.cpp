@@ -178,7 +178,7 @@ TEST(Case, mistakes_name_file_line_key_and_what_would_be_right) {
        "x.toml:19:12: groups.ball.material = \"iron\" is not in [materials]"},
       {{"\"random\"", "\"dense\""},
        "x.toml:15:19: groups.pile.packing.kind = \"dense\": one of \"single\", \"random\", "
-       "\"simple_cubic\", \"fcc\", \"hcp\" is wanted"},
+       "\"simple_cubic\", \"fcc\", \"hcp\", \"graded\", \"file\" is wanted"},
       {{"\"random\", diameter = \"3.4 m\", count = 100", "\"fcc\", radius = 2, spacing = 3"},
        "x.toml:15:48: groups.pile.packing.spacing = 3 m is less than the spheres' diameter, 4 m"},
       {{"count = 100", "count = 1.5"},

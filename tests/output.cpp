@@ -194,6 +194,7 @@ RestartState some_state(const Comm& comm, BodyId bodies) {
     state.contacts.i.push_back(id);
     state.contacts.j.push_back(id % 4 ? id + 1 : -1);
     state.contacts.impulse.push_back(Vec3::Constant(std::sqrt(static_cast<double>(id))));
+    state.contacts.rolling.push_back(Vec3::Constant(std::cbrt(static_cast<double>(id))));
   }
   return state;
 }
@@ -208,6 +209,7 @@ TEST(Restart, the_same_ranks_get_the_same_rows_with_the_same_bits) {
   EXPECT_TRUE(same_bits(in.contacts.i, out.contacts.i));
   EXPECT_TRUE(same_bits(in.contacts.j, out.contacts.j));
   EXPECT_TRUE(same_bits(in.contacts.impulse, out.contacts.impulse));
+  EXPECT_TRUE(same_bits(in.contacts.rolling, out.contacts.rolling));
   EXPECT_EQ(in.case_text, out.case_text);
   EXPECT_EQ(in.case_file, out.case_file);
   EXPECT_EQ(in.overrides, out.overrides);

@@ -170,6 +170,89 @@ TEST(RandomPacking, a_scene_in_other_units_is_the_same_to_the_bit) {
   for (std::size_t k = 0; k < one.size(); ++k) EXPECT_EQ(Vec3(one[k] * 0x1p20), other[k]);
 }
 
+struct Boulder {
+  Vec3 center;
+  double radius;
+};
+
+std::vector<Boulder> graded_boulders(const Volume& volume, const Packing& packing) {
+  std::vector<Boulder> boulders;
+  place_graded(volume, packing, 5, [&](const Vec3& center, double radius) {
+    boulders.push_back({center, radius});
+  });
+  return boulders;
+}
+
+TEST(GradedPacking, is_fine_at_its_site_coarse_elsewhere_and_clear_of_itself) {
+  const Volume volume{.shape = Shape::ellipsoid, .extents = {60, 50, 40}};
+  const Packing packing{.kind = PackingKind::graded,
+                        .radius = 4,
+                        .grading = {.site = {-30, 0, 0}, .smallest = 0.8, .growth = 0.2}};
+  const auto boulders = graded_boulders(volume, packing);
+  double solid = 0;
+  for (std::size_t a = 0; a < boulders.size(); ++a) {
+    const auto& [x, r] = boulders[a];
+    const double largest =
+        std::clamp(0.2 * (x - packing.grading.site).norm(), 0.8, 4.0) * (1 + 1e-9);
+    EXPECT_GE(depth(volume, x), r);
+    EXPECT_LE(r, largest);
+    EXPECT_GT(r, largest / 4 * (1 - 1e-8));
+    for (std::size_t b = 0; b < a; ++b)
+      EXPECT_GE((x - boulders[b].center).norm(), (r + boulders[b].radius) * (1 - 1e-12));
+    solid += ball_volume(r);
+  }
+  EXPECT_NEAR(solid / volume_of(volume), 0.5, 0.05);  // boulders keep whole from the surface
+  EXPECT_EQ(graded_boulders(volume, packing).back().center, boulders.back().center);
+}
+
+TEST(GradedPacking, of_one_largest_size_follows_its_power_law) {
+  Packing packing{.kind = PackingKind::graded,
+                  .radius = 1,
+                  .grading = {.smallest = 1, .growth = 1, .exponent = 2.5, .fill = 0.4}};
+  const auto boulders = graded_boulders(box(Vec3::Constant(36)), packing);
+  const auto above = [&](double r) {
+    return static_cast<double>(std::ranges::count_if(
+        boulders, [&](const Boulder& one) { return one.radius > r * (1 - 1e-9); }));
+  };
+  // Six sizes lie in a factor of 4; each has 2^(2.5/3) times as many as the next larger one.
+  const double ratio = std::exp2(2.5 / 3);
+  for (int k = 1; k < 6; ++k)
+    EXPECT_NEAR(above(std::exp2(-k / 3.0)) / above(1), (std::pow(ratio, k + 1) - 1) / (ratio - 1),
+                0.1 * std::pow(ratio, k));
+}
+
+TEST(SphereSet, finds_overlaps_that_brute_force_finds) {
+  std::mt19937_64 engine(3);
+  std::uniform_real_distribution<double> uniform(-1, 1), power(-7, -1);
+  const auto sphere = [&]() -> Boulder {
+    return {{uniform(engine), uniform(engine), uniform(engine)}, std::exp2(power(engine))};
+  };
+  SphereSet set(Vec3::Zero(), Vec3::Constant(0.8), 1000);  // some lie beyond its box
+  std::vector<Boulder> boulders;
+  for (int k = 0; k < 300; ++k) {
+    boulders.push_back(sphere());
+    set.add(boulders.back().center, boulders.back().radius);
+  }
+  int found = 0;
+  for (int k = 0; k < 3000; ++k) {
+    const Boulder probe = sphere();
+    const auto depth_in = [&](const Boulder& other) {
+      return probe.radius + other.radius - (probe.center - other.center).norm();
+    };
+    const bool any = std::ranges::any_of(boulders, [&](const Boulder& other) {
+      return depth_in(other) > 0.1 * std::min(probe.radius, other.radius);
+    });
+    const auto hit = set.find_overlap(probe.center, probe.radius, 0.1);
+    ASSERT_EQ(hit.has_value(), any);
+    if (hit) {
+      EXPECT_NEAR(hit->depth, depth_in(boulders[hit->sphere]), 1e-15);
+      ++found;
+    }
+  }
+  EXPECT_GT(found, 300);
+  EXPECT_LT(found, 2700);
+}
+
 TEST(SphereGrid, finds_what_brute_force_finds) {
   const auto centers = random_spheres(ball(1), 0.05, 500, 4);
   SphereGrid grid(Vec3::Zero(), Vec3::Constant(0.8), 0.05, 500);  // some lie beyond its box

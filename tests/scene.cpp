@@ -88,11 +88,11 @@ TEST(Scene, groups_do_not_overlap_and_stay_above_planes) {
 
 TEST(Scene, motion_and_mass_are_the_groups) {
   const Case scene = parse(nucleus_and_boulders);
-  const auto counts = count_bodies(scene);
+  const auto contents = measure_groups(scene);
   const Bodies all = all_on_this_rank(scene);
-  EXPECT_EQ(counts[0], 1);
-  EXPECT_EQ(counts[1], 700);
-  EXPECT_EQ(counts[0] + counts[1] + counts[2], all.owned);
+  EXPECT_EQ(contents[0].count, 1);
+  EXPECT_EQ(contents[1].count, 700);
+  EXPECT_EQ(contents[0].count + contents[1].count + contents[2].count, all.owned);
   double plate = 0;
   for (Index b = 0; b < all.owned; ++b) {
     if (all.group[b] == 0) {
@@ -106,7 +106,7 @@ TEST(Scene, motion_and_mass_are_the_groups) {
     }
     if (all.group[b] == 2) plate += all.mass[b];
   }
-  EXPECT_NEAR(plate, 1e6, 1e-6 * std::sqrt(counts[2]));  // round-off of the sum
+  EXPECT_NEAR(plate, 1e6, 1e-6 * std::sqrt(contents[2].count));  // round-off of the sum
 }
 
 TEST(Scene, other_seeds_give_other_places_and_the_same_number) {
@@ -158,14 +158,12 @@ TEST(Scene, the_cases_that_come_with_the_program_have_the_thesis_masses) {
   const std::vector<std::string> files = find_cases(CASES);
   for (const std::string& file : files) {
     const Case scene = read_case(file);
+    const auto is_stored = [](const Group& g) { return g.packing.kind == PackingKind::file; };
+    if (std::ranges::any_of(scene.groups, is_stored)) continue;  // an earlier run makes its bodies
     double mass = 0;
-    const auto counts = count_bodies(scene);
-    for (std::size_t g = 0; g < counts.size(); ++g) {
-      const Group& group = scene.groups[g];
-      const double r = group.packing.radius;
-      mass += group.total_mass.value_or(static_cast<double>(counts[g]) * 4 * pi / 3 * r * r * r *
-                                        scene.materials[group.material].density);
-    }
+    const auto contents = measure_groups(scene);
+    for (std::size_t g = 0; g < contents.size(); ++g)
+      mass += scene.groups[g].total_mass.value_or(contents[g].mass);
     const std::string folder = std::filesystem::path(file).parent_path().filename();
     if (folder == "didymoon") {
       EXPECT_NEAR(mass, 1.8651e9, 0.0001e9);
@@ -176,7 +174,7 @@ TEST(Scene, the_cases_that_come_with_the_program_have_the_thesis_masses) {
     if (folder == "pull") {
       EXPECT_DOUBLE_EQ(mass, 1.0723e9);
     }
-    EXPECT_FALSE(describe(scene).empty());
+    EXPECT_FALSE(describe_bodies(scene).empty());
   }
   EXPECT_GE(files.size(), 7u);
 }

@@ -153,9 +153,7 @@ ContactMemory remember(const Bodies& bodies, const Pairs& pairs, bool once) {
   ContactMemory memory;
   for (Index p = 0; p < pairs.size(); ++p) {
     if (pairs.impulse[p].isZero(0) || (once && pairs.i[p] >= bodies.owned)) continue;
-    memory.i.push_back(bodies.id[pairs.i[p]]);
-    memory.j.push_back(partner_id(bodies, pairs, p));
-    memory.impulse.push_back(pairs.impulse[p]);
+    memory.add(bodies.id[pairs.i[p]], partner_id(bodies, pairs, p), pairs.impulse[p]);
   }
   return memory;
 }

@@ -68,11 +68,9 @@ void update_neighbours(const Comm& comm, Bodies& bodies, const std::vector<Plane
   const auto work = work_of(bodies, neighbours.pairs);
   const bool cut = needs_cut(comm, total(work), neighbours);
   ContactMemory memory = remember(bodies, neighbours.pairs, cut);
-  for (std::size_t m = 0; m < neighbours.carried.i.size(); ++m) {
-    memory.i.push_back(neighbours.carried.i[m]);
-    memory.j.push_back(neighbours.carried.j[m]);
-    memory.impulse.push_back(neighbours.carried.impulse[m]);
-  }
+  const ContactMemory& carried = neighbours.carried;
+  for (std::size_t m = 0; m < carried.i.size(); ++m)
+    memory.add(carried.i[m], carried.j[m], carried.impulse[m]);
   neighbours.carried = {};
   if (cut) migrate(comm, bodies, memory, partition(comm, bodies, work));
 

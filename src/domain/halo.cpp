@@ -37,7 +37,18 @@ struct Cluster {
 struct RemoteBox {
   Box box;
   int rank;
+  Vec3 shift;  ///< of a body that meets the box, to where it is seen from there
 };
+
+/// All by which an image may be away from its body, none first.
+std::vector<Vec3> shifts_of(const Period& period) {
+  std::vector<Vec3> shifts{Vec3::Zero()};
+  for (int k = 0; k < 3; ++k)
+    for (std::size_t s = 0, before = shifts.size(); s < before && period.size[k] > 0; ++s)
+      for (double sign : {-1.0, 1.0})
+        shifts.push_back(shifts[s] + sign * period.size[k] * Vec3::Unit(k));
+  return shifts;
+}
 
 std::vector<Cluster> cluster_bodies(const Bodies& bodies, std::span<const double> reach) {
   double mean = 0;
@@ -59,7 +70,8 @@ std::vector<Cluster> cluster_bodies(const Bodies& bodies, std::span<const double
 
 }  // namespace
 
-Ghosts make_halo(const Comm& comm, Bodies& bodies, std::vector<double>& reach) {
+Ghosts make_halo(const Comm& comm, Bodies& bodies, std::vector<double>& reach, const Period& period,
+                 std::vector<Vec3>& shifts) {
   resize(bodies, bodies.owned);
   reach.resize(bodies.owned);
   const auto clusters = cluster_bodies(bodies, reach);
@@ -75,12 +87,15 @@ Ghosts make_halo(const Comm& comm, Bodies& bodies, std::vector<double>& reach) {
   Box whole;
   for (const auto& cluster : clusters) whole.add(cluster.box);
   std::vector<RemoteBox> around, near;
-  for (std::size_t k = 0; k < all.size(); k += 7) {
-    const RemoteBox box{
-        {Vec3(all[k + 1], all[k + 2], all[k + 3]), Vec3(all[k + 4], all[k + 5], all[k + 6])},
-        static_cast<int>(all[k])};
-    if (box.rank != comm.rank && whole.meets(box.box)) around.push_back(box);
-  }
+  for (const Vec3& shift : shifts_of(period))
+    for (std::size_t k = 0; k < all.size(); k += 7) {
+      const RemoteBox box{{Vec3(all[k + 1], all[k + 2], all[k + 3]) - shift,
+                           Vec3(all[k + 4], all[k + 5], all[k + 6]) - shift},
+                          static_cast<int>(all[k]),
+                          shift};
+      const bool itself = box.rank == comm.rank && shift.isZero(0);
+      if (!itself && whole.meets(box.box)) around.push_back(box);
+    }
   std::vector<std::vector<double>> outgoing(comm.size);
   for (const auto& cluster : clusters) {
     near.clear();
@@ -89,11 +104,15 @@ Ghosts make_halo(const Comm& comm, Bodies& bodies, std::vector<double>& reach) {
     for (Index b = cluster.first; b < cluster.last && !near.empty(); ++b) {
       Box own;
       own.add(bodies.position[b], bodies.radius[b] + reach[b]);
-      int last = -1;  // boxes come rank by rank: a rank gets one copy
+      // Boxes come image by image and rank by rank: a rank gets one copy of each image.
+      const RemoteBox* last = nullptr;
       for (const auto& remote : near) {
-        if (remote.rank == last || !own.meets(remote.box)) continue;
-        last = remote.rank;
+        if ((last && remote.rank == last->rank && remote.shift == last->shift) ||
+            !own.meets(remote.box))
+          continue;
+        last = &remote;
         auto& row = outgoing[remote.rank];
+        row.insert(row.end(), remote.shift.data(), remote.shift.data() + 3);
         row.push_back(b);
         row.push_back(reach[b]);
         pack_row(bodies, b, row);
@@ -105,14 +124,17 @@ Ghosts make_halo(const Comm& comm, Bodies& bodies, std::vector<double>& reach) {
   std::vector<double> one_row;
   if (bodies.owned > 0) pack_row(bodies, 0, one_row);
   std::vector<Origin> origins;
+  shifts.clear();
   for (int rank = 0; rank < comm.size; ++rank) {
     const auto& rows = incoming[rank];
-    const std::size_t width = 2 + one_row.size();
+    const std::size_t width = 5 + one_row.size();
     require(one_row.size() > 0 || rows.empty(), "a rank without bodies was sent ghosts");
     for (std::size_t k = 0; k < rows.size(); k += width) {
-      origins.push_back({rank, static_cast<Index>(rows[k])});
-      reach.push_back(rows[k + 1]);
-      unpack_rows(bodies, std::span(rows).subspan(k + 2, width - 2));
+      shifts.emplace_back(rows[k], rows[k + 1], rows[k + 2]);
+      origins.push_back({rank, static_cast<Index>(rows[k + 3])});
+      reach.push_back(rows[k + 4]);
+      unpack_rows(bodies, std::span(rows).subspan(k + 5, width - 5));
+      bodies.position.back() += shifts.back();
     }
   }
   return Ghosts(comm, bodies.owned, origins);

@@ -56,17 +56,16 @@ void send_memory(const Comm& comm, const Bodies& bodies, ContactMemory& memory) 
       auto& row = outgoing[rank];
       row.push_back(std::bit_cast<double>(memory.i[c]));
       row.push_back(std::bit_cast<double>(memory.j[c]));
-      row.insert(row.end(), memory.impulse[c].data(), memory.impulse[c].data() + 3);
+      for (const Vec3* v : {&memory.impulse[c], &memory.rolling[c]})
+        row.insert(row.end(), v->data(), v->data() + 3);
       if (second == first) break;
     }
   }
   memory = {};
   for (const auto& row : comm.exchange(outgoing)) {
-    for (std::size_t k = 0; k < row.size(); k += 5) {
-      memory.i.push_back(std::bit_cast<BodyId>(row[k]));
-      memory.j.push_back(std::bit_cast<BodyId>(row[k + 1]));
-      memory.impulse.emplace_back(row[k + 2], row[k + 3], row[k + 4]);
-    }
+    for (std::size_t k = 0; k < row.size(); k += 8)
+      memory.add(std::bit_cast<BodyId>(row[k]), std::bit_cast<BodyId>(row[k + 1]),
+                 {row[k + 2], row[k + 3], row[k + 4]}, {row[k + 5], row[k + 6], row[k + 7]});
   }
 }
 

@@ -242,6 +242,13 @@ def beside(reference):
             f"<section><table class=beside>{''.join(lines)}</table></section>")
 
 
+def rows_of_text(lines):
+    """A table of texts, the first line its heading."""
+    heading, *rest = ["".join(f"<td>{html.escape(cell)}</td>" for cell in line) for line in lines]
+    return (f"<section><table class=beside><tr>{heading.replace('td>', 'th>')}</tr>"
+            + "".join(f"<tr>{line}</tr>" for line in rest) + "</table></section>")
+
+
 STYLE = """
 body { font: 15px/1.5 system-ui, "DejaVu Sans", sans-serif; color: #1c2430; background: #f6f7f9;
        margin: 0 auto; max-width: 1120px; padding: 24px; }
@@ -329,6 +336,14 @@ def main(folder):
             "series", figures.series(run, parts),
             "Energy (dissipated and freed: since the start of the column), drift of momentum, "
             "residual of the contact problem in each step, contacts."))
+    import report_interior
+    if inside := report_interior.interior(run):
+        drawing, states = inside
+        body.append("<h2>The inside</h2>" + figure(
+            "interior", drawing,
+            "The largest clump, cut through its centre: empty part of a cube two radii around each place; contacts near the "
+            "plane of the flight, as wide as the root of their normal force; porosity of shells; contacts of a body; forces.")
+            + rows_of_text(report_interior.table(states)))
     seconds = {key[:-2]: value for key, value in run.results.get("time", {}).items()
                if key.endswith("_s") and key != "total_s" and value > 0}
     if seconds:

@@ -15,7 +15,7 @@ namespace spall {
 
 namespace {
 
-constexpr int format_version = 1;
+constexpr int format_version = 2;
 
 /// Bijective mixing of 64 bits (splitmix64's, Steele et al. 2014).
 std::uint64_t mix(std::uint64_t x) {
@@ -70,6 +70,7 @@ void for_each_contact_field(Memory& contacts, F&& f) {
   f("i", contacts.i);
   f("j", contacts.j);
   f("impulse", contacts.impulse);
+  f("rolling", contacts.rolling);
 }
 
 /// The clock as two short arrays.

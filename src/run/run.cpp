@@ -14,10 +14,12 @@
 #include "spall/domain/pack.hpp"
 #include "spall/motion/gravity_kick.hpp"
 #include "spall/motion/nonsmooth_step.hpp"
+#include "spall/motion/penalty_step.hpp"
 #include "spall/motion/potential_step.hpp"
 #include "spall/output/results.hpp"
 #include "spall/output/series.hpp"
 #include "spall/output/snapshot.hpp"
+#include "spall/output/stored_bodies.hpp"
 #include "spall/run/debris_log.hpp"
 #include "spall/run/progress.hpp"
 #include "spall/run/record.hpp"
@@ -73,9 +75,10 @@ class Run {
     world_ = make_world(comm, scene);
     if (from) {
       world_.bodies = from->bodies;
-      world_.neighbours.carried = from->contacts;
+      carried() = from->contacts;
       load(from->scalars);
     } else {
+      progress_.say(describe_bodies(scene));
       world_.bodies = make_bodies(scene, comm);
     }
     for (const auto& stage : stages) world_.times[stage] += 0;
@@ -83,7 +86,7 @@ class Run {
 
   bool go() {
     SignalGuard guard;
-    progress_.say(describe(scene_));
+    progress_.say(describe_phases(scene_));
     while (clock_.phase < static_cast<std::int64_t>(scene_.phases.size())) {
       if (clock_.step_in_phase == 0) begin_phase();
       if (!run_phase()) return false;
@@ -131,17 +134,51 @@ class Run {
                               readable_time(phase().step), phase().until_settled ? "at most " : "",
                               readable_time(phase().duration)));
     has_moved_ = false;
+    const double before = was_penalty() ? contact_energy(world_) : 0;
     forget_pairs();
     if (phase().remove_drift || phase().impactor) change_bodies();
-    if (phase().cohesion) {
-      cohesion_before_ = world_.law.cohesion;
-      world_.law.cohesion = *phase().cohesion;
-    }
+    cohesion_before_ = world_.law.cohesion;
+    if (phase().cohesion) world_.law.cohesion = *phase().cohesion;
     if (by_potential()) check_potential_step();
+    if (by_penalty())
+      check_penalty_step(comm_, world_.bodies, world_.penalty, world_.law, phase().step,
+                         largest_relative_speed(world_),
+                         fmt::format("{}: phases.{}", scene_.file, phase().name));
+    if (by_penalty() || was_penalty()) book_springs(before);
   }
 
   bool by_potential_at_end() const { return scene_.phases.back().method == Method::potential; }
   bool by_potential() const { return phase().method == Method::potential; }
+  bool by_penalty() const { return phase().method == Method::penalty; }
+  bool was_penalty() const {
+    return clock_.phase > 0 && scene_.phases[clock_.phase - 1].method == Method::penalty;
+  }
+
+  /// The overlaps of a state become energy where phases of penalty contact begin, and are none any
+  /// more where they end; a change of cohesion gives or takes what the bonds hold.
+  void book_springs(double before) {
+    const auto energy_at = [&](double cohesion) {
+      const double kept = std::exchange(world_.law.cohesion, cohesion);
+      const double energy = contact_energy(world_);
+      world_.law.cohesion = kept;
+      return energy;
+    };
+    const double without = energy_at(0);
+    if (!by_penalty())
+      account_.book_energy(-without);
+    else
+      account_.book_energy(energy_at(world_.law.cohesion) -
+                           (was_penalty() ? before : energy_at(cohesion_before_) - without));
+  }
+
+  /// Where springs or impulses of a restart go.
+  ContactMemory& carried() {
+    return by_penalty() ? world_.touch.carried : world_.neighbours.carried;
+  }
+  ContactMemory contact_memory() const {
+    return by_penalty() ? remember(world_.bodies, world_.touch)
+                        : remember(world_.bodies, world_.neighbours.pairs, false);
+  }
 
   /// What the former phase's method knew of pairs and ghosts.
   void forget_pairs() {
@@ -149,6 +186,7 @@ class Run {
     if (clock_.phase == 0 || phase().method == scene_.phases[clock_.phase - 1].method) return;
     resize(world_.bodies, world_.bodies.owned);
     world_.neighbours = Neighbours{};
+    world_.touch = TouchPairs{};
   }
 
   void check_potential_step() {
@@ -166,7 +204,7 @@ class Run {
     const Diagnostics before = diagnose(world_);
     const double potential_before = world_.kick.potential;
     resize(world_.bodies, world_.bodies.owned);
-    ContactMemory memory = remember(world_.bodies, world_.neighbours.pairs, false);
+    ContactMemory memory = contact_memory();
     if (phase().remove_drift) {
       const Vec3 velocity = before.momentum / before.mass;
       for (Index b = 0; b < world_.bodies.owned; ++b) {
@@ -185,8 +223,9 @@ class Run {
                                 phase().impactor->mass, phase().impactor->speed, aim.struck));
     }
     world_.neighbours = Neighbours{};
-    world_.neighbours.carried = std::move(memory);
     world_.near = NearPairs{};
+    world_.touch = TouchPairs{};
+    carried() = std::move(memory);
     world_.kick.interval = 0;
     world_.kick.evaluated = false;
     evaluate_field(world_);
@@ -203,6 +242,7 @@ class Run {
       if (row) {
         evaluate_field(world_);
         if (by_potential()) elastic = potential_energy(world_);
+        if (by_penalty()) elastic = contact_energy(world_);
         sums = diagnose(world_);
         if (is_settled(sums)) {
           progress_.say(fmt::format("settled after {}: rms speed {:.3g} m/s",
@@ -231,17 +271,27 @@ class Run {
 
   /// One step, or as many of a pair potential as may pass before somebody asks for something.
   StepReport step(int most) {
-    if (!by_potential()) {
+    if (!by_potential() && !by_penalty()) {
       const StepReport report = nonsmooth_step(world_, phase().step, solver(), most);
       tick();
       return report;
     }
     constexpr int most_at_once = 100;  // signals, progress and restarts wait no longer
     const bool each = scene_.output.series_every == 0;
-    const PotentialReport done =
-        potential_steps(world_, phase().step, each ? 1 : std::min(most, most_at_once));
-    for (int k = 0; k < done.steps; ++k) tick();
-    return {.solver = {.converged = true}, .gravity_work = done.gravity_work};
+    const int steps = each ? 1 : std::min(most, most_at_once);
+    StepReport report{.solver = {.converged = true}};
+    const auto take = [&](const auto& done) {
+      for (int k = 0; k < done.steps; ++k) tick();
+      report.gravity_work = done.gravity_work;
+    };
+    if (by_potential()) {
+      take(potential_steps(world_, phase().step, steps));
+    } else {
+      const PenaltyReport done = penalty_steps(world_, phase().step, steps);
+      report.contacts = done.contacts;
+      take(done);
+    }
+    return report;
   }
 
   void tick() {
@@ -298,7 +348,7 @@ class Run {
   void book(const StepReport& report) {
     record_.book(report);
     shown_.residual = report.solver.residual;
-    if (phase().cohesion && clock_.step_in_phase == 1)
+    if (phase().cohesion && !by_penalty() && clock_.step_in_phase == 1)
       account_.book_cohesion(cohesion_before_, world_.law.cohesion, comm_.sum(report.bonds));
   }
 
@@ -336,7 +386,7 @@ class Run {
     ++clock_.phase;
     clock_.step_in_phase = 0;
     clock_.time_in_phase = 0;
-    if (clock_.phase < static_cast<std::int64_t>(scene_.phases.size())) save(file);
+    save(file);
   }
 
   std::string restart_file() const { return folder_ + "/restart.h5"; }
@@ -364,7 +414,7 @@ class Run {
                        .clock = clock_,
                        .scalars = {},
                        .bodies = world_.bodies,
-                       .contacts = remember(world_.bodies, world_.neighbours.pairs, false)};
+                       .contacts = contact_memory()};
     resize(state.bodies, state.bodies.owned);
     save_scalars(*this, state.scalars);
     record_.save(state.scalars);
@@ -374,8 +424,9 @@ class Run {
     write_restart(comm_, file, state);
     world_.bodies = std::move(state.bodies);
     world_.neighbours = Neighbours{};
-    world_.neighbours.carried = std::move(state.contacts);
     world_.near = NearPairs{};
+    world_.touch = TouchPairs{};
+    carried() = std::move(state.contacts);
     last_restart_ = MPI_Wtime();
   }
 
@@ -453,7 +504,7 @@ class Run {
 }  // namespace
 
 bool run_case(const Comm& comm, const Case& scene, const std::string& folder) {
-  return Run(comm, scene, folder, nullptr).go();
+  return Run(comm, with_stored_bodies(scene), folder, nullptr).go();
 }
 
 bool resume_case(const Comm& comm, const std::string& file, const std::string& folder,

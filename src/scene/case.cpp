@@ -11,6 +11,8 @@
 
 #include "debris.hpp"
 #include "materials.hpp"
+#include "penalty_keys.hpp"
+#include "read_group.hpp"
 #include "section.hpp"
 #include "spall/base/require.hpp"
 #include "spall/scene/shape.hpp"
@@ -20,16 +22,6 @@ namespace {
 
 using namespace dimension;  // length, mass, time, speed ...: the units of the keys
 
-constexpr Choice<Shape> shapes[] = {{"sphere", Shape::sphere},
-                                    {"box", Shape::box},
-                                    {"ellipsoid", Shape::ellipsoid},
-                                    {"hollow_sphere", Shape::hollow_sphere},
-                                    {"cylinder", Shape::cylinder}};
-constexpr Choice<PackingKind> packings[] = {{"single", PackingKind::single},
-                                            {"random", PackingKind::random},
-                                            {"simple_cubic", PackingKind::simple_cubic},
-                                            {"fcc", PackingKind::fcc},
-                                            {"hcp", PackingKind::hcp}};
 constexpr Choice<GravityMethod> gravity_methods[] = {{"none", GravityMethod::none},
                                                      {"direct", GravityMethod::direct},
                                                      {"tree", GravityMethod::tree},
@@ -43,10 +35,10 @@ constexpr Choice<FrictionModel> friction_models[] = {{"coulomb", FrictionModel::
 constexpr Choice<bool> cohesion_laws[] = {{"force", false}, {"impulse", true}};
 constexpr Choice<bool> aims[] = {{"head-on", true}, {"line", false}};
 constexpr Choice<Method> methods[] = {{"nonsmooth", Method::nonsmooth},
-                                      {"potential", Method::potential}};
+                                      {"potential", Method::potential},
+                                      {"penalty", Method::penalty}};
 constexpr Choice<PairLaw> pair_laws[] = {
     {"lennard_jones", PairLaw::lennard_jones}, {"mie", PairLaw::mie}, {"morse", PairLaw::morse}};
-constexpr Choice<bool> orientations[] = {{"rotation", false}, {"random", true}};
 constexpr Choice<Match> matches[] = {{"shocks", Match::shocks}, {"bulk", Match::bulk}};
 constexpr Choice<bool> ends[] = {{"time", false}, {"settled", true}};
 
@@ -105,72 +97,6 @@ void read_pair_potential(Section& in, PairPotential& p, std::optional<DerivedLaw
           p.damping, not_negative(number));
 }
 
-void read_volume(Section& in, Volume& volume) {
-  in.take("shape", "", volume.shape, shapes);
-  in.take("center", "of volume", volume.center, any(length));
-  const Shape shape = volume.shape;
-  const bool box = shape == Shape::box || shape == Shape::ellipsoid;
-  if (in.reads(!box)) in.radius("of sphere, hollow_sphere, cylinder", volume.radius);
-  if (in.reads(box))
-    in.need("size", "full widths of box, ellipsoid", volume.extents, positive(length));
-  if (in.reads(shape == Shape::hollow_sphere)) {
-    in.need("inner_radius", "of hollow_sphere", volume.inner_radius, positive(length));
-    in.check("inner_radius", volume.inner_radius < volume.radius, "is not smaller than radius");
-  }
-  if (in.reads(shape == Shape::cylinder)) {
-    double height = 0;
-    in.need("height", "of cylinder, along z", height, positive(length));
-    volume.extents = {2 * volume.radius, 2 * volume.radius, height};
-  }
-}
-
-void read_packing(Section& in, Packing& packing) {
-  in.need("kind", "single: one sphere, the volume itself", packing.kind, packings);
-  const bool single = packing.kind == PackingKind::single;
-  const bool random = packing.kind == PackingKind::random;
-  const bool lattice = !single && !random;
-  if (in.reads(!single)) in.radius("of the spheres", packing.radius);
-  if (in.reads(random)) {
-    std::int64_t count = 0;
-    in.need("count", "of random: spheres wholly inside the volume", count, 1);
-    packing.count = count;
-  }
-  if (in.reads(lattice)) {
-    in.take("spacing", "of lattices, between neighbours; 2 radius", packing.spacing,
-            positive(length));
-    in.take("rotation", "of lattices: rotation vector", packing.rotation, any(number));
-    in.take("orientation", "of lattices: random is drawn by seed, another for each group",
-            packing.random_orientation, orientations);
-    const double diameter = 2 * packing.radius, spacing = packing.spacing.value_or(diameter);
-    in.check("spacing", spacing >= diameter * (1 - 1e-9),
-             fmt::format("= {} m is less than the spheres' diameter, {} m", spacing, diameter));
-  }
-}
-
-void read_group(Section& in, Group& group, const std::vector<Material>& materials) {
-  std::string material;
-  in.need("name", "", group.name);
-  in.need("material", "one of [materials]", material);
-  const bool has_volume =
-      in.table("volume", "what is filled", [&](Section& s) { read_volume(s, group.volume); });
-  in.check("volume", has_volume, "is missing, such as {shape = \"sphere\", radius = \"95 m\"}");
-  in.table("packing", "how it is filled; left out: single",
-           [&](Section& s) { read_packing(s, group.packing); });
-  in.take("velocity", "of the volume's center", group.velocity, any(speed));
-  in.take("spin", "rigid rotation about the volume's center", group.spin, any(spin));
-  in.take("fixed", "never moves", group.fixed);
-  in.take("total_mass", "the density is scaled to give it", group.total_mass, positive(mass));
-  const auto found = std::ranges::find(materials, material, &Material::name);
-  in.check("material", found != materials.end() || !in.has("material"),
-           fmt::format("= \"{}\" is not in [materials]", material));
-  group.material = static_cast<int>(found - materials.begin());
-  const bool single = group.packing.kind == PackingKind::single;
-  in.check("volume", !single || group.volume.shape == Shape::sphere,
-           "is not a sphere: a single packing is one sphere");
-  if (single) group.packing.radius = group.volume.radius;
-  group.place = in.place();
-}
-
 void read_solver(Section& in, SolverSettings& settings) {
   in.take("method", "", settings.method, solver_methods);
   in.take("friction", "", settings.friction, friction_models);
@@ -200,7 +126,8 @@ void read_impactor(Section& in, Impactor& impactor) {
 
 void read_phase(Section& in, Phase& phase, const SolverSettings& solver) {
   in.need("name", "", phase.name);
-  in.take("method", "potential: bodies act by [pair_potential] alone", phase.method, methods);
+  in.take("method", "potential: bodies act by [pair_potential] alone; penalty: by [penalty]",
+          phase.method, methods);
   in.need("step", "", phase.step, positive(time));
   in.need("duration", "with until = \"settled\" the longest", phase.duration, positive(time));
   in.check("step", phase.step <= phase.duration, "is longer than the duration");
@@ -234,12 +161,13 @@ std::optional<Grid> read_gravity_map(Section& in) {
 }
 
 void read_case_keys(Section& in, Case& scene) {
+  const std::string folder = std::filesystem::path(scene.file).parent_path().string();
   std::int64_t seed = 1;
   in.take("title", "what is simulated", scene.title);
   in.take("reference", "file with values of a source, for the report; beside the case",
           scene.reference);
   if (in.has("reference")) {
-    scene.reference = (std::filesystem::path(scene.file).parent_path() / scene.reference).string();
+    scene.reference = (std::filesystem::path(folder) / scene.reference).string();
     scene.reference_place = in.place("reference");
   }
   in.take("seed", "of random packings", seed, 0);
@@ -257,8 +185,14 @@ void read_case_keys(Section& in, Case& scene) {
   if (in.table("pair_potential", "between bodies, in phases with method = \"potential\"",
                [&](Section& s) { read_pair_potential(s, potential, scene.potential_of); }))
     scene.potential = potential;
-  in.tables("groups", "[[groups]]: recipes of bodies",
-            [&](Section& s) { read_group(s, scene.groups.emplace_back(), scene.materials); });
+  PenaltySettings penalty;
+  if (in.table("penalty",
+               "springs and dashpots between bodies, in phases with method = \"penalty\"",
+               [&](Section& s) { read_penalty(s, penalty); }))
+    scene.penalty = penalty;
+  in.tables("groups", "[[groups]]: recipes of bodies", [&](Section& s) {
+    read_group(s, scene.groups.emplace_back(), scene.materials, folder);
+  });
   in.tables("planes", "[[planes]]: half-spaces that never move", [&](Section& s) {
     Plane& plane = scene.planes.emplace_back();
     s.take("point", "on the surface", plane.point, any(length));
@@ -292,7 +226,8 @@ void read_case_keys(Section& in, Case& scene) {
   if (in.table("orbit", "of the target about its primary, whose change is asked for",
                [&](Section& s) {
                  s.need("separation", "R", binary.separation, positive(length));
-                 s.need("speed", "v_old", binary.speed, positive(speed));
+                 s.need("speed", "v_old along the impactor's flight, negative against it",
+                        binary.speed, any(speed));
                  s.need("parameter", "mu", binary.parameter, positive(gravitational_parameter));
                  s.need("period", "T_old", binary.period, positive(time));
                }))
@@ -321,6 +256,7 @@ void check_whole(const Case& scene) {
   require(scene.read_out.empty() || std::ranges::any_of(scene.phases, has_impactor),
           "{}: read_out tells times after the impact, but no phase has an impactor", scene.file);
   for (const Phase& phase : scene.phases) {
+    if (phase.method == Method::penalty) check_penalty(scene, phase);
     if (phase.method != Method::potential) continue;
     require(
         scene.potential.has_value(),
@@ -430,6 +366,7 @@ Case read_case(const std::string& file, const std::vector<std::string>& override
   Case scene = parse_case(text, file, overrides);
   require(scene.reference_place.empty() || std::filesystem::is_regular_file(scene.reference),
           "{}: there is no file '{}'", scene.reference_place, scene.reference);
+  load_meshes(scene);
   return scene;
 }
 

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "spall/scene/packing.hpp"
 #include "spall/scene/scene.hpp"
@@ -26,11 +25,13 @@ std::size_t bytes_of_a_body() {
   return row + contacts * contact + field + changes;
 }
 
-std::string describe_group(const Case& scene, const Group& group, std::int64_t count) {
-  const double n = static_cast<double>(count), r = group.packing.radius;
-  const double mass = n * mass_of_one(scene, group, count);
-  return fmt::format("  {:<16}{:>10}{:>12.6g}{:>14.6g}{:>14.6g}{:>10.4f}{}\n", group.name, count, r,
-                     mass / n, mass, n * ball_volume(r) / volume_of(group.volume),
+std::string describe_group(const Group& group, const GroupContent& content) {
+  const double each = content.mean_mass(group), mass = each * static_cast<double>(content.count);
+  std::string radius = fmt::format("{:.6g}", content.largest);
+  if (content.smallest < content.largest)
+    radius = fmt::format("{:.3g} to {:.3g}", content.smallest, content.largest);
+  return fmt::format("  {:<16}{:>10}{:>14}{:>14.6g}{:>14.6g}{:>10.4f}{}\n", group.name,
+                     content.count, radius, each, mass, content.volume / volume_of(group.volume),
                      group.fixed ? "  fixed" : "");
 }
 
@@ -61,14 +62,15 @@ const char* name_of(PairLaw law) {
 }
 
 /// The pair potential, what it makes of an fcc or hcp lattice, and the longest step.
-std::string describe_potential(const Case& scene, const std::vector<std::int64_t>& counts) {
+std::string describe_potential(const Case& scene) {
   const PairPotential& p = *scene.potential;
   double lightest = infinity;
   const Group* lattice_group = nullptr;
-  for (std::size_t g = 0; g < counts.size(); ++g) {
+  const std::vector<GroupContent> contents = measure_groups(scene);
+  for (std::size_t g = 0; g < contents.size(); ++g) {
     const Group& group = scene.groups[g];
     if (group.fixed) continue;
-    lightest = std::min(lightest, mass_of_one(scene, group, counts[g]));
+    lightest = std::min(lightest, contents[g].mean_mass(group));
     if (!lattice_group && lattice_of(group.packing).neighbours == 12) lattice_group = &group;
   }
   std::string text = fmt::format(
@@ -94,18 +96,23 @@ std::string describe_potential(const Case& scene, const std::vector<std::int64_t
 
 }  // namespace
 
-std::string describe(const Case& scene) {
-  const std::vector<std::int64_t> counts = count_bodies(scene);
+std::string describe_bodies(const Case& scene) {
   std::string text = fmt::format("{}\n\n", scene.title.empty() ? scene.file : scene.title);
-  text += fmt::format("  {:<16}{:>10}{:>12}{:>14}{:>14}{:>10}\n", "group", "bodies", "radius (m)",
-                      "each (kg)", "all (kg)", "filled");
-  for (std::size_t g = 0; g < counts.size(); ++g)
-    text += describe_group(scene, scene.groups[g], counts[g]);
+  text += fmt::format("  {:<16}{:>10}{:>14}{:>14}{:>14}{:>10}\n", "group", "bodies", "radius (m)",
+                      "mean (kg)", "all (kg)", "filled");
+  const std::vector<GroupContent> contents = measure_groups(scene);
+  std::int64_t all = 0;
+  for (std::size_t g = 0; g < contents.size(); ++g) {
+    text += describe_group(scene.groups[g], contents[g]);
+    all += contents[g].count;
+  }
+  return text +
+         fmt::format("\n  {} bodies, about {:.3g} MB over all ranks\n", all,
+                     1e-6 * static_cast<double>(all) * static_cast<double>(bytes_of_a_body()));
+}
 
-  const std::int64_t all = std::accumulate(counts.begin(), counts.end(), std::int64_t{0});
-  text += fmt::format("\n  {} bodies, about {:.3g} MB over all ranks\n", all,
-                      1e-6 * static_cast<double>(all) * static_cast<double>(bytes_of_a_body()));
-
+std::string describe_phases(const Case& scene) {
+  std::string text;
   const auto has_cohesion = [](const Phase& phase) { return phase.cohesion.value_or(0) > 0; };
   if (scene.contact.friction == 0)
     text += "  no friction: one unknown a contact, no spins change\n";
@@ -118,7 +125,7 @@ std::string describe(const Case& scene) {
         "  contacts from {}: cohesion {:.4g} N up to a gap of {:.3g} m, friction {:.3g}\n",
         scene.contact_of->material, scene.contact.cohesion, scene.contact.cohesion_range,
         scene.contact.friction);
-  if (scene.potential) text += describe_potential(scene, counts);
+  if (scene.potential) text += describe_potential(scene);
 
   text += fmt::format("\n  {:<16}{:>12}{:>12}{:>10}{:>12}\n", "phase", "step (s)", "lasts (s)",
                       "steps", "starts (s)");

@@ -1,4 +1,4 @@
-// Lattices clipped to a volume, and random sequential addition.
+// Lattices clipped to a volume, and random sequential addition of equal spheres.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "spall/scene/packing.hpp"
 
@@ -68,7 +68,7 @@ Vec3 random_rotation(std::uint64_t seed) {
 }
 
 SphereGrid::SphereGrid(const Vec3& center, const Vec3& half, double radius, std::int64_t expected)
-    : low_(center - half), radius_(radius) {
+    : low_(center - half) {
   // Not smaller than a sphere, nor so small that most cells of a thin cloud are empty.
   const double volume = 8 * half.prod();
   cell_ = std::max(2 * radius, std::cbrt(volume / (2.0 * static_cast<double>(expected))));
@@ -94,22 +94,37 @@ void SphereGrid::add(const Vec3& center) {
 }
 
 std::int64_t SphereGrid::find_nearer(const Vec3& point, double distance) const {
-  const auto find_in = [&](const Eigen::Array3i& cell) {
-    std::int32_t sphere = first_[index_of(cell)];
-    while (sphere >= 0 && (centers_[sphere] - point).squaredNorm() >= distance * distance)
-      sphere = next_[sphere];
-    return sphere;
-  };
-  // In dense packings most places are taken, most often by a sphere of the point's own cell.
-  if (const std::int32_t sphere = find_in(cell_of(point)); sphere >= 0) return sphere;
-  // Clamped cells keep what lies beyond the box in its outermost layer, so nothing is missed.
-  const Eigen::Array3i low = cell_of(point - Vec3::Constant(distance));
-  const Eigen::Array3i high = cell_of(point + Vec3::Constant(distance));
-  for (int z = low.z(); z <= high.z(); ++z)
-    for (int y = low.y(); y <= high.y(); ++y)
-      for (int x = low.x(); x <= high.x(); ++x)
-        if (const std::int32_t sphere = find_in({x, y, z}); sphere >= 0) return sphere;
-  return -1;
+  return find(point, distance, [&](std::int64_t sphere) {
+    return (centers_[sphere] - point).squaredNorm() < distance * distance;
+  });
+}
+
+void SphereSet::add(const Vec3& center, double radius) {
+  const int power = static_cast<int>(std::ceil(std::log2(radius)));
+  const double largest = std::ldexp(1.0, power);
+  const auto level =
+      levels_.try_emplace(power, Level{{center_, half_, largest, expected_}, largest, {}, {}})
+          .first;
+  level->second.grid.add(center);
+  level->second.radius.push_back(radius);
+  level->second.sphere.push_back(count_++);
+}
+
+std::optional<SphereSet::Overlap> SphereSet::find_overlap(const Vec3& center, double radius,
+                                                          double allowed) const {
+  for (const auto& [power, level] : levels_) {
+    const auto reach = [&](std::int64_t k) {
+      return radius + level.radius[k] - allowed * std::min(radius, level.radius[k]);
+    };
+    const std::int64_t hit = level.grid.find(center, radius + level.largest, [&](std::int64_t k) {
+      return (level.grid.center(k) - center).squaredNorm() < reach(k) * reach(k);
+    });
+    if (hit < 0) continue;
+    const Vec3& at = level.grid.center(hit);
+    return Overlap{level.sphere[hit], at, level.radius[hit],
+                   radius + level.radius[hit] - (at - center).norm()};
+  }
+  return std::nullopt;
 }
 
 void place_lattice(const Volume& volume, const Packing& packing,

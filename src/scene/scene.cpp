@@ -14,39 +14,71 @@
 namespace spall {
 namespace {
 
-using Place = std::function<void(const Vec3&)>;
+using IsFree = std::function<bool(const Vec3& center, double radius)>;
+using Place = std::function<void(const Vec3& center, double radius, double mass)>;
 
-void place_group_at_random(const Group& group, std::uint64_t seed,
-                           const std::function<bool(const Vec3&)>& is_free, const Place& place) {
+void place_group_at_random(const Group& group, std::uint64_t seed, const IsFree& is_free,
+                           const std::function<void(const Vec3&)>& place) {
+  const double radius = group.packing.radius;
   const std::int64_t count = group.packing.count.value();
-  const std::int64_t placed = place_at_random(group.volume, group.packing, seed, is_free, place);
-  const double share = ball_volume(group.packing.radius) / volume_of(group.volume);
+  const std::int64_t placed = place_at_random(
+      group.volume, group.packing, seed, [&](const Vec3& x) { return is_free(x, radius); }, place);
+  const double share = ball_volume(radius) / volume_of(group.volume);
   require(
       placed == count,
       "{}: {} spheres of radius {} m would be {:.3f} of the volume; {} ({:.3f}) found a place at "
       "random: enlarge the volume (random packings end near 0.38) or take a lattice",
-      group.place, count, group.packing.radius, static_cast<double>(count) * share, placed,
+      group.place, count, radius, static_cast<double>(count) * share, placed,
       static_cast<double>(placed) * share);
 }
 
-/// Calls `place` with the centre of every body of group `g`; random ones are where `is_free`.
-void place_group(const Case& scene, std::size_t g, const std::function<bool(const Vec3&)>& is_free,
-                 const Place& place) {
+/// Calls `place` with those bodies of an earlier run that have their centres in the volume.
+void place_stored(const Group& group, const Place& place) {
+  const Vec3& turn = group.packing.rotation;
+  const Eigen::Matrix3d rotation(Eigen::AngleAxisd(turn.norm(), turn.stableNormalized()));
+  for (const StoredBody& body : group.packing.stored) {
+    const Vec3 center = group.volume.center + rotation * body.position;
+    if (depth(group.volume, center) >= 0) place(center, body.radius, body.mass);
+  }
+}
+
+/// kg, of a sphere: one of a solid's lattice stands for its cell.
+double mass_of_sphere(const Case& scene, const Group& group, double radius) {
+  const Material& material = scene.materials[group.material];
+  const Lattice lattice = lattice_of(group.packing);
+  return material.solid && lattice.neighbours > 0 ? sphere_mass(*material.solid, lattice)
+                                                  : material.density * ball_volume(radius);
+}
+
+/// Calls `place` with every body of group `g`; those of a random packing are where `is_free`.
+/// Masses are those before they are scaled to the group's total.
+void place_group(const Case& scene, std::size_t g, const IsFree& is_free, const Place& place) {
   const Group& group = scene.groups[g];
+  const auto place_sized = [&](const Vec3& center, double radius) {
+    place(center, radius, mass_of_sphere(scene, group, radius));
+  };
+  const auto place_equal = [&](const Vec3& center) { place_sized(center, group.packing.radius); };
+  // A stream of its own for each group: changing one leaves the others as they are.
+  const std::uint64_t seed = scene.seed * 0x9E3779B97F4A7C15u + g;
   switch (group.packing.kind) {
     case PackingKind::single:
-      return place(group.volume.center);
+      return place_equal(group.volume.center);
     case PackingKind::random:
-      // A stream of its own for each group: changing one leaves the others as they are.
-      return place_group_at_random(group, scene.seed * 0x9E3779B97F4A7C15u + g, is_free, place);
+      return place_group_at_random(group, seed, is_free, place_equal);
+    case PackingKind::graded:
+      return place_graded(group.volume, group.packing, seed, place_sized);
+    case PackingKind::file:
+      return place_stored(group, place);
     default:
-      return place_lattice(group.volume, group.packing, place);
+      return place_lattice(group.volume, group.packing, place_equal);
   }
 }
 
 /// Half widths of the box that holds all spheres of a group: those of lattices may stand out.
 Vec3 reach(const Group& group) {
-  return half_widths(group.volume) + Vec3::Constant(group.packing.radius);
+  double largest = group.packing.radius;
+  for (const StoredBody& body : group.packing.stored) largest = std::max(largest, body.radius);
+  return half_widths(group.volume) + Vec3::Constant(largest);
 }
 
 bool may_touch(const Group& a, const Group& b) {
@@ -58,7 +90,7 @@ bool may_touch(const Group& a, const Group& b) {
 struct Placed {
   std::size_t group;
   BodyId first;
-  SphereGrid grid;
+  SphereSet spheres;
 };
 
 std::string words(const Vec3& v) {
@@ -67,8 +99,7 @@ std::string words(const Vec3& v) {
 
 /// Throws unless the sphere at `center`, body `id` of `group`, is clear of planes and of `placed`.
 void check_clear(const Case& scene, const Group& group, const std::vector<Placed>& placed,
-                 BodyId id, const Vec3& center) {
-  const double radius = group.packing.radius;
+                 BodyId id, const Vec3& center, double radius) {
   for (std::size_t p = 0; p < scene.planes.size(); ++p) {
     const double gap = scene.planes[p].normal.dot(center - scene.planes[p].point) - radius;
     require(gap >= -scene.allowed_overlap * radius,
@@ -77,44 +108,57 @@ void check_clear(const Case& scene, const Group& group, const std::vector<Placed
             group.place, id, words(center), -gap, p, scene.allowed_overlap, radius);
   }
   for (const Placed& earlier : placed) {
-    const double other = earlier.grid.radius(), smaller = std::min(radius, other);
-    const std::int64_t hit =
-        earlier.grid.find_nearer(center, radius + other - scene.allowed_overlap * smaller);
-    if (hit < 0) continue;
-    const Vec3& at = earlier.grid.center(hit);
+    const auto hit = earlier.spheres.find_overlap(center, radius, scene.allowed_overlap);
+    if (!hit) continue;
     throw Error(fmt::format(
         "{}: body {} at {} overlaps body {} of groups.{} at {} by {:.3g} m; allowed_overlap = {} "
         "of the smaller radius, {} m",
-        group.place, id, words(center), earlier.first + hit, scene.groups[earlier.group].name,
-        words(at), radius + other - (at - center).norm(), scene.allowed_overlap, smaller));
+        group.place, id, words(center), earlier.first + hit->sphere,
+        scene.groups[earlier.group].name, words(hit->center), hit->depth, scene.allowed_overlap,
+        std::min(radius, hit->radius)));
   }
+}
+
+/// What the mass of each body of a group is multiplied with.
+double mass_factor(const Group& group, const GroupContent& content) {
+  if (group.fixed) return infinity;
+  return group.total_mass ? *group.total_mass / content.mass : 1;
 }
 
 }  // namespace
 
-double mass_of_one(const Case& scene, const Group& group, std::int64_t count) {
-  if (group.total_mass) return *group.total_mass / static_cast<double>(count);
-  const Material& material = scene.materials[group.material];
-  return material.solid ? sphere_mass(*material.solid, lattice_of(group.packing))
-                        : material.density * ball_volume(group.packing.radius);
-}
-
-std::vector<std::int64_t> count_bodies(const Case& scene) {
-  std::vector<std::int64_t> counts;
+std::vector<GroupContent> measure_groups(const Case& scene) {
+  std::vector<GroupContent> contents;
   for (std::size_t g = 0; g < scene.groups.size(); ++g) {
     const Group& group = scene.groups[g];
-    std::int64_t count = group.packing.count.value_or(0);
-    if (!group.packing.count) place_group(scene, g, {}, [&](const Vec3&) { ++count; });
-    require(count > 0, "{}: its volume holds no sphere of radius {} m", group.place,
-            group.packing.radius);
-    counts.push_back(count);
+    GroupContent content;
+    const auto count = [&](std::int64_t bodies, double radius, double mass) {
+      content.count += bodies;
+      content.volume += static_cast<double>(bodies) * ball_volume(radius);
+      content.mass += static_cast<double>(bodies) * mass;
+      content.smallest = std::min(content.smallest, radius);
+      content.largest = std::max(content.largest, radius);
+    };
+    if (const auto known = group.packing.count) {
+      const double radius = group.packing.radius;
+      count(*known, radius, mass_of_sphere(scene, group, radius));
+    } else {
+      place_group(scene, g, {},
+                  [&](const Vec3&, double radius, double mass) { count(1, radius, mass); });
+    }
+    require(content.count > 0, "{}: its volume holds no sphere{}", group.place,
+            group.packing.kind == PackingKind::file
+                ? fmt::format(" of '{}'", group.packing.file)
+                : fmt::format(" of radius {} m", group.packing.radius));
+    contents.push_back(content);
   }
-  return counts;
+  return contents;
 }
 
 Bodies make_bodies(const Case& scene, const Comm& comm) {
-  const std::vector<std::int64_t> counts = count_bodies(scene);
-  const std::int64_t all = std::accumulate(counts.begin(), counts.end(), std::int64_t{0});
+  const std::vector<GroupContent> contents = measure_groups(scene);
+  std::int64_t all = 0;
+  for (const GroupContent& content : contents) all += content.count;
   require(all > 0, "{}: no bodies", scene.file);
   require(all >= comm.size, "{}: {} bodies on {} ranks: run it on at most {}", scene.file, all,
           comm.size, all);
@@ -129,32 +173,31 @@ Bodies make_bodies(const Case& scene, const Comm& comm) {
   BodyId id = 0;
   for (std::size_t g = 0; g < scene.groups.size(); ++g) {
     const Group& group = scene.groups[g];
-    const double mass = group.fixed ? infinity : mass_of_one(scene, group, counts[g]);
+    const double factor = mass_factor(group, contents[g]);
     const bool random = group.packing.kind == PackingKind::random;
-    std::optional<SphereGrid> grid;
+    std::optional<SphereSet> spheres;
     if (std::any_of(scene.groups.begin() + g + 1, scene.groups.end(),
                     [&](const Group& later) { return may_touch(group, later); }))
-      grid.emplace(group.volume.center, reach(group), group.packing.radius, counts[g]);
+      spheres.emplace(group.volume.center, reach(group), contents[g].count);
     const BodyId first = id;
 
-    const auto is_free = [&](const Vec3& center) {
-      const double radius = group.packing.radius;
+    const auto is_free = [&](const Vec3& center, double radius) {
       for (const Plane& plane : scene.planes)
         if (plane.normal.dot(center - plane.point) < radius) return false;
       for (const Placed& earlier : placed)
-        if (earlier.grid.find_nearer(center, radius + earlier.grid.radius()) >= 0) return false;
+        if (earlier.spheres.find_overlap(center, radius, 0)) return false;
       return true;
     };
-    const auto place = [&](const Vec3& center) {
-      if (!random) check_clear(scene, group, placed, id, center);
-      if (grid) grid->add(center);
+    const auto place = [&](const Vec3& center, double radius, double mass) {
+      if (!random) check_clear(scene, group, placed, id, center, radius);
+      if (spheres) spheres->add(center, radius);
       if (id >= first_owned && id < end_owned) {
         const Index row = append_row(bodies);
         bodies.id[row] = id;
         bodies.group[row] = static_cast<std::int32_t>(g);
         bodies.material[row] = group.material;
-        bodies.radius[row] = group.packing.radius;
-        bodies.mass[row] = mass;
+        bodies.radius[row] = radius;
+        bodies.mass[row] = factor * mass;
         bodies.position[row] = center;
         bodies.velocity[row] = group.velocity + group.spin.cross(center - group.volume.center);
         bodies.angular_velocity[row] = group.spin;
@@ -162,7 +205,7 @@ Bodies make_bodies(const Case& scene, const Comm& comm) {
       ++id;
     };
     place_group(scene, g, is_free, place);
-    if (grid) placed.push_back({g, first, std::move(*grid)});
+    if (spheres) placed.push_back({g, first, std::move(*spheres)});
   }
   return bodies;
 }

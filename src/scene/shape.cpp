@@ -1,4 +1,4 @@
-// Signed distances to spheres, boxes, ellipsoids, shells and cylinders.
+// Signed distances to spheres, boxes, ellipsoids, shells, cylinders and meshes.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "spall/scene/shape.hpp"
 
@@ -52,6 +52,8 @@ double depth(const Volume& volume, const Vec3& point) {
       return ellipsoid_depth(half, p);
     case Shape::cylinder:
       return std::min(half.x() - p.head<2>().norm(), half.z() - std::abs(p.z()));
+    case Shape::mesh:
+      return volume.mesh->depth(p);
   }
   return -infinity;
 }
@@ -72,6 +74,8 @@ double volume_of(const Volume& volume) {
       return pi / 6 * volume.extents.prod();
     case Shape::cylinder:
       return pi / 4 * volume.extents.prod();
+    case Shape::mesh:
+      return volume.mesh->volume();
   }
   return 0;
 }
@@ -79,6 +83,7 @@ double volume_of(const Volume& volume) {
 Vec3 half_widths(const Volume& volume) {
   if (volume.shape == Shape::sphere || volume.shape == Shape::hollow_sphere)
     return Vec3::Constant(volume.radius);
+  if (volume.shape == Shape::mesh) return volume.mesh->half_widths();
   return volume.extents / 2;
 }
 

@@ -67,6 +67,7 @@ constexpr struct {
     {dimension::spin, "a rate", "rad/s", "\"0.1 rad/s\" or \"2 rev/h\""},
     {dimension::density, "a density", "kg/m^3", "\"1600 kg/m^3\""},
     {dimension::force, "a force", "N", "\"500 N\""},
+    {{0, 1, -2}, "a stiffness or surface energy", "N/m", "\"1 MN/m\" or \"0.1 J/m^2\""},
     {dimension::pressure, "a pressure", "Pa", "\"1.2 GPa\""},
     {dimension::specific_energy, "an energy of a mass", "J/kg", "\"1.05 MJ/kg\""},
     {dimension::energy, "an energy", "J", "\"1 kJ\""},

@@ -29,11 +29,20 @@ struct Contacts {
   Index size() const { return static_cast<Index>(i.size()); }
 };
 
-/// What contacts leave to the next step and to restarts: impulses by name, since rows die.
+/// What contacts leave to the next step and to restarts, by name, since rows die: impulses, or the
+/// springs of penalty contact.
 struct ContactMemory {
   std::vector<BodyId> i;      ///< the lower id
   std::vector<BodyId> j;      ///< the other id, or -1 - plane
-  std::vector<Vec3> impulse;  ///< N s, acts on j
+  std::vector<Vec3> impulse;  ///< N s, acts on j; penalty contact: m, sliding of j against i
+  std::vector<Vec3> rolling;  ///< m, the same from either side; zero where nothing resists rolling
+
+  void add(BodyId lower, BodyId other, const Vec3& first, const Vec3& second = Vec3::Zero()) {
+    i.push_back(lower);
+    j.push_back(other);
+    impulse.push_back(first);
+    rolling.push_back(second);
+  }
 };
 
 }  // namespace spall

@@ -51,7 +51,7 @@ struct Octree {
   /// `went_row[k]`. `eights` are given up. Collective.
   std::vector<double> take_felt(const Comm& comm);
 
-  bool rates = false;  ///< bodies have velocities
+  bool rates = false;           ///< bodies have velocities
   std::vector<Index> place;     ///< of each body that came: 8 * eight + lane
   std::vector<int> came, went;  ///< bodies from and to each rank
   std::vector<Index> went_row;  ///< rows in the order in which they went

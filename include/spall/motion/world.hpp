@@ -11,6 +11,8 @@
 #include "spall/force/near_pairs.hpp"
 #include "spall/force/pair_potential.hpp"
 #include "spall/force/pair_sweep.hpp"
+#include "spall/force/penalty.hpp"
+#include "spall/force/touch_pairs.hpp"
 #include "spall/scene/bodies.hpp"
 #include "spall/scene/case.hpp"
 
@@ -43,6 +45,7 @@ struct Ledger {
 struct World {
   Comm comm;
   std::vector<Plane> planes;
+  Period period;
   ContactLaw law;
   GravitySettings gravity;
   Vec3 uniform_gravity = Vec3::Zero();
@@ -51,7 +54,10 @@ struct World {
   PairPotential potential;
   NearPairs near;
   std::vector<PairRow> rows;  ///< of the bodies, while steps of the pair potential go on
-  std::vector<Vec3> ahead;    ///< m/s, velocities expected in the middle of the next kick
+  PenaltySettings penalty;
+  TouchPairs touch;
+  std::vector<ForceRow> loads;  ///< of the bodies, while steps of penalty contact go on
+  std::vector<Vec3> ahead;      ///< m/s, velocities expected in the middle of the next kick
   GravityKick kick;
   Ledger ledger;
   StageTimes times;
@@ -66,8 +72,10 @@ inline World make_world(const Comm& comm, const Case& scene) {
   World world;
   world.comm = comm;
   world.planes = scene.planes;
+  world.period = scene.period;
   world.law = scene.contact;
   world.potential = scene.potential.value_or(PairPotential{});
+  world.penalty = scene.penalty.value_or(PenaltySettings{});
   world.gravity = scene.gravity;
   world.uniform_gravity = scene.uniform_gravity;
   return world;

@@ -26,6 +26,8 @@ class Account {
                   double potential_after);
   /// Cohesion goes from `before` to `after` (N) on bonds with that sum of (range - gap).
   void book_cohesion(double before, double after, double bonds);
+  /// An event gave this much (J).
+  void book_energy(double given) { given_ += given; }
 
   Balance balance(const Diagnostics& sums, double gravitational, double bonds);
 

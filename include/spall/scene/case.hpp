@@ -3,15 +3,19 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "spall/analysis/gravity_map.hpp"
 #include "spall/base/types.hpp"
+#include "spall/domain/halo.hpp"
 #include "spall/force/constitutive.hpp"
 #include "spall/force/gravity.hpp"
 #include "spall/force/pair_potential.hpp"
+#include "spall/force/penalty.hpp"
+#include "spall/scene/surface_mesh.hpp"
 #include "spall/solver/problem.hpp"
 
 namespace spall {
@@ -33,7 +37,7 @@ struct ContactLaw {
   bool cohesion_is_impulse = false;  ///< cohesion read as N s a step, as the reference engine does
 };
 
-enum class Shape { sphere, box, ellipsoid, hollow_sphere, cylinder };
+enum class Shape { sphere, box, ellipsoid, hollow_sphere, cylinder, mesh };
 
 struct Volume {
   Shape shape = Shape::sphere;
@@ -42,18 +46,41 @@ struct Volume {
                                 ///< height (along z)
   double radius = 0;            ///< outer radius of sphere, hollow_sphere
   double inner_radius = 0;      ///< of hollow_sphere
+  std::string file = {};        ///< of mesh: a Wavefront OBJ file
+  double unit = 1;              ///< m, of mesh: the length of 1 in its file
+  std::shared_ptr<const SurfaceMesh> mesh = nullptr;  ///< read_case reads it from the file
 };
 
-enum class PackingKind { single, random, simple_cubic, fcc, hcp };
+enum class PackingKind { single, random, simple_cubic, fcc, hcp, graded, file };
+
+/// Boulders that are fine around a site and coarse far from it. At x the largest have the radius
+///   R(x) = growth |x - site|, not below `smallest` and not above the packing's radius,
+/// and there are N(>r) ~ r^-exponent of them from R down to R/4, which together fill `fill`.
+struct Grading {
+  Vec3 site = Vec3::Zero();  ///< m
+  double smallest = 0;       ///< m
+  double growth = 0;
+  double exponent = 3;
+  double fill = 0.5;
+};
+
+/// A body of an earlier run.
+struct StoredBody {
+  Vec3 position;  ///< m, from the centre of mass
+  double radius, mass;
+};
 
 struct Packing {
   PackingKind kind = PackingKind::single;
-  double radius = 0;  ///< of the spheres
+  double radius = 0;  ///< of the spheres; of graded ones the largest
   std::optional<double> spacing =
       std::nullopt;  ///< of lattices, nearest neighbours; 2 radius where left out
   std::optional<std::int64_t> count = std::nullopt;  ///< of random packings
-  Vec3 rotation = Vec3::Zero();                      ///< of lattices: rotation vector, rad
-  bool random_orientation = false;                   ///< `rotation` is drawn by the case's seed
+  Vec3 rotation = Vec3::Zero();         ///< of lattices and stored bodies: rotation vector, rad
+  bool random_orientation = false;      ///< `rotation` is drawn by the case's seed
+  Grading grading = {};                 ///< of graded
+  std::string file = {};                ///< of file: a restart file of an earlier run
+  std::vector<StoredBody> stored = {};  ///< of file: read_stored_bodies puts them here
 };
 
 /// One recipe: a volume filled with spheres of one material.
@@ -91,7 +118,7 @@ struct Impactor {
 };
 
 /// How bodies act on each other where they meet.
-enum class Method { nonsmooth, potential };
+enum class Method { nonsmooth, potential, penalty };
 
 struct Phase {
   std::string name;
@@ -124,7 +151,7 @@ struct DebrisSettings {
 /// The orbit whose change is asked for (thesis eqs. 3.3, 3.4).
 struct Binary {
   double separation = 0;  ///< m, R
-  double speed = 0;       ///< m/s, v_old
+  double speed = 0;       ///< m/s, v_old; negative where the impactor comes from ahead
   double parameter = 0;   ///< m^3/s^2, mu
   double period = 0;      ///< s, T_old
 };
@@ -147,10 +174,12 @@ struct Case {
   std::vector<Material> materials;
   ContactLaw contact;
   std::optional<PairPotential> potential;
+  std::optional<PenaltySettings> penalty;
   std::optional<DerivedLaw> potential_of, contact_of;
   double allowed_overlap = 1e-3;  ///< of two bodies at the start, in units of the smaller radius
   std::vector<Group> groups;
   std::vector<Plane> planes;
+  Period period;
   GravitySettings gravity;
   Vec3 uniform_gravity = Vec3::Zero();  ///< m/s^2
   std::optional<Grid> gravity_map;      ///< where snapshots have gravity's field

@@ -3,29 +3,35 @@
 #pragma once
 
 #include <functional>
+#include <map>
+#include <optional>
 #include <vector>
 
 #include "spall/scene/case.hpp"
 
 namespace spall {
 
-/// Centres of equal spheres, in cells that find the neighbours of a point.
+/// Centres of spheres, in cells that find the neighbours of a point.
 class SphereGrid {
  public:
-  /// For about `expected` spheres of `radius` in the box `center` +- `half`.
+  /// For about `expected` spheres of up to `radius` in the box `center` +- `half`.
   SphereGrid(const Vec3& center, const Vec3& half, double radius, std::int64_t expected);
   void add(const Vec3& center);
+  /// A sphere with `is_wanted(sphere)` of those in the cells within `distance` of `point`; -1
+  /// without one.
+  template <class Test>
+  std::int64_t find(const Vec3& point, double distance, Test&& is_wanted) const;
   /// A sphere nearer than `distance` to `point`; -1 without one.
   std::int64_t find_nearer(const Vec3& point, double distance) const;
-  double radius() const { return radius_; }
   const Vec3& center(std::int64_t sphere) const { return centers_[sphere]; }
+  std::int64_t size() const { return std::ssize(centers_); }
 
  private:
   Eigen::Array3i cell_of(const Vec3& point) const;
   std::size_t index_of(const Eigen::Array3i& cell) const;
 
   Vec3 low_;
-  double radius_, cell_;
+  double cell_;
   Eigen::Array3i cells_;
   std::vector<std::int32_t> first_, next_;  ///< chains of the spheres of a cell
   std::vector<Vec3> centers_;
@@ -45,11 +51,63 @@ Vec3 random_rotation(std::uint64_t seed);
 void place_lattice(const Volume& volume, const Packing& packing,
                    const std::function<void(const Vec3&)>& place);
 
+template <class Test>
+std::int64_t SphereGrid::find(const Vec3& point, double distance, Test&& is_wanted) const {
+  const auto find_in = [&](const Eigen::Array3i& cell) {
+    std::int32_t sphere = first_[index_of(cell)];
+    while (sphere >= 0 && !is_wanted(sphere)) sphere = next_[sphere];
+    return sphere;
+  };
+  // In dense packings most places are taken, most often by a sphere of the point's own cell.
+  if (const std::int32_t sphere = find_in(cell_of(point)); sphere >= 0) return sphere;
+  // Clamped cells keep what lies beyond the box in its outermost layer, so nothing is missed.
+  const Eigen::Array3i low = cell_of(point - Vec3::Constant(distance));
+  const Eigen::Array3i high = cell_of(point + Vec3::Constant(distance));
+  for (int z = low.z(); z <= high.z(); ++z)
+    for (int y = low.y(); y <= high.y(); ++y)
+      for (int x = low.x(); x <= high.x(); ++x)
+        if (const std::int32_t sphere = find_in({x, y, z}); sphere >= 0) return sphere;
+  return -1;
+}
+
+/// Spheres of many sizes: a grid for those of each power of two in radius.
+class SphereSet {
+ public:
+  /// For about `expected` spheres in the box `center` +- `half`.
+  SphereSet(const Vec3& center, const Vec3& half, std::int64_t expected)
+      : center_(center), half_(half), expected_(expected) {}
+  void add(const Vec3& center, double radius);
+  struct Overlap {
+    std::int64_t sphere;  ///< in the order in which they were added
+    Vec3 center;
+    double radius, depth;  ///< m
+  };
+  /// A sphere that reaches more than `allowed` of the smaller radius into this one.
+  std::optional<Overlap> find_overlap(const Vec3& center, double radius, double allowed) const;
+
+ private:
+  struct Level {
+    SphereGrid grid;
+    double largest;  ///< m, no sphere of the level has a larger radius
+    std::vector<double> radius;
+    std::vector<std::int64_t> sphere;
+  };
+  Vec3 center_, half_;
+  std::int64_t expected_, count_ = 0;
+  std::map<int, Level> levels_;
+};
+
 /// `packing.count` spheres at random, wholly inside the volume, clear of each other and where
 /// `is_free`: random sequential addition, which ends near 0.38 of the volume. The same on every
 /// machine. Returns how many found a place before two million tries in a row failed.
 std::int64_t place_at_random(const Volume& volume, const Packing& packing, std::uint64_t seed,
                              const std::function<bool(const Vec3&)>& is_free,
                              const std::function<void(const Vec3&)>& place);
+
+/// Boulders as `packing.grading` wants them, wholly inside the volume and clear of each other:
+/// added at random from the largest size down, so that small ones find the gaps. The same on every
+/// machine.
+void place_graded(const Volume& volume, const Packing& packing, std::uint64_t seed,
+                  const std::function<void(const Vec3&, double)>& place);
 
 }  // namespace spall

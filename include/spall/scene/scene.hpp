@@ -11,11 +11,18 @@
 
 namespace spall {
 
-/// How many bodies each group makes.
-std::vector<std::int64_t> count_bodies(const Case& scene);
+/// What a group makes.
+struct GroupContent {
+  std::int64_t count = 0;                   ///< bodies
+  double volume = 0;                        ///< m^3, of the spheres
+  double mass = 0;                          ///< kg, before it is scaled to the group's total
+  double smallest = infinity, largest = 0;  ///< m, radii
 
-/// kg, of each of the `count` spheres of a group, were it not fixed.
-double mass_of_one(const Case& scene, const Group& group, std::int64_t count);
+  double mean_mass(const Group& group) const {
+    return group.total_mass.value_or(mass) / static_cast<double>(count);
+  }
+};
+std::vector<GroupContent> measure_groups(const Case& scene);
 
 /// The bodies of all groups: ids 0 … N-1 in the order of the case, whatever the number of ranks;
 /// this rank gets a contiguous share of the ids. Random packings keep clear of earlier groups and
@@ -24,7 +31,9 @@ double mass_of_one(const Case& scene, const Group& group, std::int64_t count);
 /// Every rank runs through the whole recipe, so nothing is sent.
 Bodies make_bodies(const Case& scene, const Comm& comm);
 
-/// What a case will make and run: bodies, masses, packings, memory, phases and their step limits.
-std::string describe(const Case& scene);
+/// What a case will make: bodies, masses, packings, memory.
+std::string describe_bodies(const Case& scene);
+/// What a case will run: what is switched off, phases and their step limits.
+std::string describe_phases(const Case& scene);
 
 }  // namespace spall

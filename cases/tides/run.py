@@ -1,0 +1,71 @@
+# A pile on parabolas past a planet: what is left, and the class of the encounter.
+# SPDX-License-Identifier: BSD-3-Clause
+"""run.py [--only-table]: runs what is missing in out/, writes results.md and piles.png beside this script."""
+import pathlib
+import subprocess
+import sys
+
+import matplotlib
+import numpy as np
+
+HERE = pathlib.Path(__file__).parent
+sys.path[:0] = [str(HERE.parent), str(HERE.parents[1] / "src/output")]
+from remnants import G, axes, largest_remnant, last_frame  # noqa: E402
+from report_figures import SKY, rock, scale_bar, show  # noqa: E402
+from report_spheres import Camera, render  # noqa: E402
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt  # noqa: E402
+
+APPROACHES = (1.2, 1.5, 1.8, 2.0, 2.5)  # planet radii
+PLANET, START = 6371e3, 6 * 6371e3  # m
+MU = G * 5.972e24
+
+
+def state(approach):
+    """Place and velocity at START on the way in along a parabola whose closest approach lies on +x."""
+    q = approach * PLANET
+    nu = -2 * np.arctan(np.sqrt(START / q - 1))
+    out, along = np.array([np.cos(nu), np.sin(nu), 0]), np.array([-np.sin(nu), np.cos(nu), 0])
+    return START * out, np.sqrt(MU / (2 * q)) * (np.sin(nu) * out + (1 + np.cos(nu)) * along)
+
+
+def kind(part):
+    """Richardson, Bottke & Love 1998 (Icarus 134:47)."""
+    return "S" if part < 0.5 else "B" if part < 0.9 else "M"
+
+
+def main():
+    rows = []
+    for approach in APPROACHES:
+        folder = pathlib.Path(f"out/tides-{approach}")
+        if "--only-table" not in sys.argv and not (folder / "results.toml").exists():
+            x, v = state(approach)
+            subprocess.run(["mpirun", "-n", "2", "build/release/spall", "run", "cases/tides/case.toml", "--out", str(folder),
+                            "--set", f"groups.pile.volume.center={x.tolist()}", "--set", f"groups.pile.velocity={v.tolist()}"], check=True)
+        if not (folder / "results.toml").exists():
+            continue
+        position, velocity, radius, mass = last_frame(folder, skip_group=0)
+        inside = largest_remnant(position, velocity, radius, mass)
+        rows.append((approach, mass[inside].sum() / mass.sum(), axes(position, mass), axes(position[inside], mass[inside]), position, radius))
+    lines = ["# A pile passes a planet: the runs", "Written by `cases/tides/run.py`; 8 h after the start at 6 planet radii.", "",
+             "| closest approach, planet radii | largest remnant | class | its axes, m | length of all, m |", "|--:|--:|---|--:|--:|"]
+    for approach, part, whole, own, *_ in rows:
+        lines.append(f"| {approach} | {part:.3f} | {kind(part)} | " + ", ".join(f"{a:.0f}" for a in own) + f" | {whole[0]:.0f} |")
+    (HERE / "results.md").write_text("\n".join(lines) + "\n")
+    figure, panels = plt.subplots(1, len(rows), figsize=(3.2 * len(rows), 3.5), facecolor=tuple(SKY), squeeze=False)
+    for panel, (approach, part, _, _, position, radius) in zip(panels[0], rows):
+        middle = np.median(position, axis=0)
+        long_axis = np.linalg.svd(position - middle, full_matrices=False)[2][0]
+        width = 1.1 * np.ptp((position - middle) @ long_axis)
+        up = np.cross([0, 0, 1.0], long_axis)
+        camera = Camera(np.array([0, 0, 1.0]), up, middle, width, width, 420)
+        show(panel, camera, render(camera, position, radius, rock(len(radius)), SKY))
+        scale_bar(panel, camera)
+        panel.set_title(f"{approach} planet radii: {kind(part)}", color="white", loc="center", fontsize=10)
+    figure.subplots_adjust(0.005, 0.01, 0.995, 0.9, wspace=0.02)
+    figure.savefig(HERE / "piles.png", dpi=110, facecolor=tuple(SKY))
+
+
+if __name__ == "__main__":
+    main()

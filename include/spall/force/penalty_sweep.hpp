@@ -1,0 +1,298 @@
+// One sweep over all pairs that may touch: forces, springs, and each body's motion as soon as its
+// force is whole.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <bit>
+
+#include "spall/force/penalty_laws.hpp"
+#include "spall/force/touch_pairs.hpp"
+
+namespace spall {
+
+/// Vectors of the bodies whose rows begin at these places.
+inline LaneVectors gather_body_vectors(const std::vector<Vec3>& vectors, const Index* places) {
+  const double* const all = vectors.data()->data();
+#ifdef __AVX512F__
+  const auto one = [&](int l) { return _mm256_maskz_loadu_pd(7, all + 3 * (places[l] >> 3)); };
+  const auto two = [&](int low, int high) -> Lanes {
+    return __builtin_shufflevector(RowHalf(one(low)), RowHalf(one(high)), 0, 1, 2, 3, 4, 5, 6, 7);
+  };
+  const Lanes a = two(0, 4), b = two(1, 5), c = two(2, 6), d = two(3, 7);
+  const Lanes ab = __builtin_shufflevector(a, b, 0, 8, 2, 10, 4, 12, 6, 14);
+  const Lanes cd = __builtin_shufflevector(c, d, 0, 8, 2, 10, 4, 12, 6, 14);
+  const Lanes ab_y = __builtin_shufflevector(a, b, 1, 9, 3, 11, 5, 13, 7, 15);
+  const Lanes cd_y = __builtin_shufflevector(c, d, 1, 9, 3, 11, 5, 13, 7, 15);
+  return {__builtin_shufflevector(ab, cd, 0, 1, 8, 9, 4, 5, 12, 13),
+          __builtin_shufflevector(ab_y, cd_y, 0, 1, 8, 9, 4, 5, 12, 13),
+          __builtin_shufflevector(ab, cd, 2, 3, 10, 11, 6, 7, 14, 15)};
+#else
+  LaneVectors v;
+  for (std::size_t l = 0; l < lane_count; ++l) {
+    const double* const vector = all + 3 * (places[l] / doubles_a_row);
+    v.x[l] = vector[0];
+    v.y[l] = vector[1];
+    v.z[l] = vector[2];
+  }
+  return v;
+#endif
+}
+
+inline Lanes gather_body_numbers(const std::vector<double>& numbers, const Index* places) {
+#ifdef __AVX512F__
+  const __m256i row =
+      _mm256_srli_epi32(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(places)), 3);
+  return _mm512_mask_i32gather_pd(_mm512_setzero_pd(), 0xff, row, numbers.data(), 8);
+#else
+  Lanes v;
+  for (std::size_t l = 0; l < lane_count; ++l) v[l] = numbers[places[l] / doubles_a_row];
+  return v;
+#endif
+}
+
+/// Eight bodies as contacts see them.
+struct BodyLanes {
+  LaneVectors position, velocity, spin;
+  Lanes radius, inverse_mass;
+};
+
+inline LaneMask mask_of(unsigned bits) {
+  LaneMask mask;
+#ifdef __AVX512F__
+  mask = (LaneMask)_mm512_movm_epi64(static_cast<__mmask8>(bits));
+#else
+  for (std::size_t l = 0; l < lane_count; ++l) mask[l] = bits >> l & 1 ? -1 : 0;
+#endif
+  return mask;
+}
+inline unsigned bits_of(const LaneMask& mask) {
+#ifdef __AVX512F__
+  return _mm512_movepi64_mask((__m512i)mask);
+#else
+  unsigned bits = 0;
+  for (std::size_t l = 0; l < lane_count; ++l) bits |= mask[l] ? 1u << l : 0;
+  return bits;
+#endif
+}
+
+/// Adds lane l to the half rows that begin at `half` + places[l], one after another: two lanes may
+/// name the same row.
+inline void add_lanes(const LaneVectors& v, const Lanes& last, const Index* places, double* half) {
+  const Lanes xy = __builtin_shufflevector(v.x, v.y, 0, 8, 2, 10, 4, 12, 6, 14);
+  const Lanes xy_odd = __builtin_shufflevector(v.x, v.y, 1, 9, 3, 11, 5, 13, 7, 15);
+  const Lanes zw = __builtin_shufflevector(v.z, last, 0, 8, 2, 10, 4, 12, 6, 14);
+  const Lanes zw_odd = __builtin_shufflevector(v.z, last, 1, 9, 3, 11, 5, 13, 7, 15);
+  const auto add = [&](int low, int high, const Lanes& pair) {
+    *reinterpret_cast<RowHalf*>(half + places[low]) +=
+        __builtin_shufflevector(pair, pair, 0, 1, 2, 3);
+    *reinterpret_cast<RowHalf*>(half + places[high]) +=
+        __builtin_shufflevector(pair, pair, 4, 5, 6, 7);
+  };
+  add(0, 2, __builtin_shufflevector(xy, zw, 0, 1, 8, 9, 2, 3, 10, 11));
+  add(1, 3, __builtin_shufflevector(xy_odd, zw_odd, 0, 1, 8, 9, 2, 3, 10, 11));
+  add(4, 6, __builtin_shufflevector(xy, zw, 4, 5, 12, 13, 6, 7, 14, 15));
+  add(5, 7, __builtin_shufflevector(xy_odd, zw_odd, 4, 5, 12, 13, 6, 7, 14, 15));
+}
+
+inline LaneVectors load_springs(const std::vector<double>& springs, std::size_t slot) {
+  Lanes v[3];
+  __builtin_memcpy(v, &springs[3 * lane_count * slot], sizeof v);
+  return {v[0], v[1], v[2]};
+}
+inline void store_springs(const LaneVectors& v, std::size_t slot, std::vector<double>& springs) {
+  const Lanes all[3] = {v.x, v.y, v.z};
+  __builtin_memcpy(&springs[3 * lane_count * slot], all, sizeof all);
+}
+
+/// A law with all that a sweep asks of it at once.
+template <bool has_friction, bool has_rolling, class Normal>
+struct ContactModel {
+  static constexpr bool frictional = has_friction, rolling = has_rolling;
+  const PenaltyLaw& law;
+  Normal normal;
+  double h;  ///< s
+
+  /// Bodies touch where they overlap; where the law sticks, once they have until the neck ends.
+  LaneMask touches(const Lanes& overlap, const Lanes& radius, unsigned before) const {
+    LaneMask mask = overlap > 0.0;
+    if constexpr (Normal::sticks)
+      if (before != 0) mask |= mask_of(before) & (overlap > normal.end_overlap(radius));
+    return mask;
+  }
+
+  /// The force where bodies touch, attraction alone where they are within its range. `before` are
+  /// the lanes that touched a step ago.
+  ContactForce operator()(ContactLanes& c, const LaneMask& touching, unsigned before,
+                          SpringLanes& spring) const {
+    const LaneMask attracts = c.overlap > -law.cohesion_range;
+    c.overlap = touching ? c.overlap : Lanes{};
+    ContactForce f = contact_force<frictional, rolling>(normal, law, c, h, spring);
+    f.force = only(touching, f.force);
+    f.power = touching ? f.power : Lanes{};
+    if (law.cohesion > 0) {
+      const Lanes pull = attracts & ~touching ? spread(-law.cohesion) : Lanes{};
+      f.force = f.force + pull * c.normal;
+    }
+    if constexpr (frictional) {
+      f.lever = only(touching, f.lever);
+      spring.sliding = only(touching, spring.sliding);
+    }
+    if constexpr (rolling) {
+      f.rolling = only(touching, f.rolling);
+      spring.rolling = only(touching, spring.rolling);
+    }
+    if constexpr (Normal::sticks) {
+      // A neck forms and parts at once: what the energy jumps by is lost.
+      const unsigned now = bits_of(touching);
+      if (now != before) {
+        const Lanes formed = mask_of(now & ~before) ? -normal.energy_at_start(c.radius) : Lanes{};
+        const Lanes parted = mask_of(before & ~now) ? normal.energy_at_end(c.radius) : Lanes{};
+        f.power += (formed + parted) / h;
+      }
+    }
+    return f;
+  }
+
+  /// J, elastic; attraction within its range included.
+  Lanes energy(const Lanes& overlap, const Lanes& radius, unsigned before) const {
+    const LaneMask touching = touches(overlap, radius, before);
+    const Lanes within = overlap + law.cohesion_range;
+    Lanes elastic = touching ? normal.energy(touching ? overlap : Lanes{}, radius) : Lanes{};
+    if constexpr (Normal::sticks) {
+      // What the next force will book as lost is still there.
+      const LaneMask touched = mask_of(before);
+      elastic -= touching & ~touched ? normal.energy_at_start(radius) : Lanes{};
+      elastic += touched & ~touching ? normal.energy_at_end(radius) : Lanes{};
+    }
+    return elastic - (within > 0.0 ? law.cohesion * within : Lanes{});
+  }
+};
+
+/// Calls `f` with the model of a law.
+template <class F>
+auto with_contact_model(const PenaltyLaw& law, double h, F&& f) {
+  return with_normal_law(law, [&]<class Normal>(const Normal& normal) {
+    if (law.friction == 0) return f(ContactModel<false, false, Normal>{law, normal, h});
+    if (law.rolling_friction == 0) return f(ContactModel<true, false, Normal>{law, normal, h});
+    return f(ContactModel<true, true, Normal>{law, normal, h});
+  });
+}
+
+/// Adds the forces of all pairs to the rows and steps their springs; `gap` (m) is the widest at
+/// which bodies act on each other. Calls `finish(body)` for each body of a window once nothing will
+/// be added to its row and none of its fields will be asked for again. The forces of ghosts mean
+/// nothing.
+template <class Model, class Finish>
+void sweep_contacts(const Bodies& bodies, const Model& model, double gap,
+                    const std::vector<NearWindow>& windows, std::vector<WindowSprings>& springs,
+                    ForceRow* rows, Finish&& finish) {
+  double* const forces = reinterpret_cast<double*>(rows);
+  const auto number = [&](const std::vector<double>& of, const Index* at) {
+    return gather_body_numbers(of, at);
+  };
+  for (std::size_t w = 0; w < windows.size(); ++w) {
+    const NearWindow& window = windows[w];
+    WindowSprings& kept = springs[w];
+    const Index* partners = window.partners.data();
+    std::size_t slot = 0;
+    for (std::size_t g = 0; g < window.slots.size(); ++g) {
+      const Index* own = window.rows.data() + g * lane_count;
+      const LaneVectors xi = gather_body_vectors(bodies.position, own);
+      const LaneVectors vi = gather_body_vectors(bodies.velocity, own);
+      const Lanes ri = number(bodies.radius, own), wi = 1.0 / number(bodies.mass, own);
+      LaneVectors spin_i{}, surface_i{};
+      if constexpr (Model::frictional) {
+        spin_i = gather_body_vectors(bodies.angular_velocity, own);
+        surface_i = ri * spin_i;
+      }
+      LaneVectors force{}, lever{}, roll{};
+      Lanes power{};
+      for (Index s = 0; s < window.slots[g]; ++s, ++slot, partners += lane_count) {
+        const LaneVectors apart = gather_body_vectors(bodies.position, partners) - xi;
+        const Lanes rj = number(bodies.radius, partners);
+        const Lanes r2 = dot(apart, apart), radii = ri + rj, reach = radii + gap;
+        const unsigned before = kept.touching[slot];
+        // A row that is its own partner, in a slot that it does not need, is at distance 0.
+        const LaneMask near = (r2 < reach * reach) & (r2 > 0.0);
+        if (!any_lane(near) && before == 0) continue;
+        ContactLanes c;
+        const Lanes inverse = inverse_sqrt(r2), distance = r2 * inverse;
+        const Lanes inverse_radii = 1.0 / radii;
+        c.normal = inverse * apart;
+        c.overlap = near ? radii - distance : spread(-infinity);
+        c.radius = ri * rj * inverse_radii;
+        c.inverse_mass = wi + 1.0 / number(bodies.mass, partners);
+        c.kappa = distance * inverse_radii;
+        c.velocity = gather_body_vectors(bodies.velocity, partners) - vi;
+        SpringLanes spring;
+        if constexpr (Model::frictional) {
+          const LaneVectors spin_j = gather_body_vectors(bodies.angular_velocity, partners);
+          c.surface = surface_i + rj * spin_j;
+          c.twist = 0.5 * dot(spin_i + spin_j, c.normal);
+          spring.sliding = load_springs(kept.sliding, slot);
+          if constexpr (Model::rolling) {
+            c.rolling = spin_j - spin_i;
+            spring.rolling = load_springs(kept.rolling, slot);
+          }
+        }
+        // Two bodies that never move do nothing to each other.
+        const LaneMask touching =
+            model.touches(c.overlap, c.radius, before) & (c.inverse_mass > 0.0);
+        const ContactForce f = model(c, touching, before, spring);
+        kept.touching[slot] = static_cast<std::uint8_t>(bits_of(touching));
+        force = force + f.force;
+        power += f.power;
+        add_lanes(f.force, 0.5 * f.power, partners, forces);
+        if constexpr (Model::frictional) {
+          store_springs(spring.sliding, slot, kept.sliding);
+          LaneVectors torque = rj * f.lever;
+          lever = lever + f.lever;
+          if constexpr (Model::rolling) {
+            store_springs(spring.rolling, slot, kept.rolling);
+            torque = torque + f.rolling;
+            roll = roll + f.rolling;
+          }
+          add_lanes(torque, Lanes{}, partners, forces + 4);
+        }
+      }
+      add_lanes(spread(-1) * force, 0.5 * power, own, forces);
+      if constexpr (Model::frictional) add_lanes(ri * lever - roll, Lanes{}, own, forces + 4);
+    }
+    for (Index r = 0; r < window.count; ++r) finish(window.rows[r] / doubles_a_row);
+  }
+}
+
+/// J, elastic, of all pairs; those with a ghost count half, as both ranks have them.
+template <class Model>
+double sweep_contact_energy(const Bodies& bodies, const Model& model, double gap,
+                            const std::vector<NearWindow>& windows,
+                            const std::vector<WindowSprings>& springs) {
+  double energy = 0;
+  for (std::size_t w = 0; w < windows.size(); ++w) {
+    const NearWindow& window = windows[w];
+    const Index* partners = window.partners.data();
+    std::size_t slot = 0;
+    for (std::size_t g = 0; g < window.slots.size(); ++g) {
+      const Index* own = window.rows.data() + g * lane_count;
+      const LaneVectors xi = gather_body_vectors(bodies.position, own);
+      const Lanes ri = gather_body_numbers(bodies.radius, own);
+      for (Index s = 0; s < window.slots[g]; ++s, ++slot, partners += lane_count) {
+        const LaneVectors apart = gather_body_vectors(bodies.position, partners) - xi;
+        const Lanes rj = gather_body_numbers(bodies.radius, partners);
+        const Lanes r2 = dot(apart, apart), radii = ri + rj, reach = radii + gap;
+        const LaneMask near = (r2 < reach * reach) & (r2 > 0.0);
+        if (!any_lane(near)) continue;
+        Lanes share;
+        for (std::size_t l = 0; l < lane_count; ++l)
+          share[l] = partners[l] / doubles_a_row < bodies.owned ? 1 : 0.5;
+        const Lanes u = model.energy(near ? radii - root_of(r2) : spread(-gap), ri * rj / radii,
+                                     springs[w].touching[slot]);
+        energy += sum_of_lanes(near ? share * u : Lanes{});
+      }
+    }
+  }
+  return energy;
+}
+
+}  // namespace spall

@@ -1,0 +1,78 @@
+// Bodies that may touch each other or a wall within some steps, with the springs of those that do.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "spall/base/comm.hpp"
+#include "spall/contact/contacts.hpp"
+#include "spall/domain/halo.hpp"
+#include "spall/force/near_pairs.hpp"
+#include "spall/force/pair_sweep.hpp"
+#include "spall/scene/bodies.hpp"
+#include "spall/scene/case.hpp"
+
+namespace spall {
+
+/// What the pairs of a window keep from step to step: slot by slot x, y, z of eight lanes (m;
+/// sliding of the partner against the body, rolling the same from either side), zero where they do
+/// not touch.
+struct WindowSprings {
+  std::vector<double> sliding, rolling;  ///< `rolling` is empty without rolling friction
+  std::vector<std::uint8_t> touching;    ///< of each slot, a bit a lane
+};
+
+/// What a sweep adds up for a body; zero before it.
+struct alignas(64) ForceRow {
+  RowHalf force;   ///< N, and the power (W) that the body loses
+  RowHalf torque;  ///< N m
+};
+static_assert(sizeof(ForceRow) == doubles_a_row * sizeof(double));
+
+/// A body near a wall; springs are of the wall against the body.
+struct WallTouch {
+  Index row;
+  std::int32_t wall;
+  bool touching = false;
+  Vec3 sliding = Vec3::Zero(), rolling = Vec3::Zero();
+};
+
+struct TouchPairs {
+  Ghosts ghosts;
+  std::vector<Vec3> shifts;  ///< m, of ghosts that are images
+  std::vector<NearWindow> windows;
+  std::vector<WindowSprings> springs;  ///< of each window
+  std::vector<WallTouch> walls;
+  ContactMemory carried;  ///< springs to start from, of a restart; taken by the next search
+  double gap = 0;         ///< m, at which bodies may act on each other
+  double skin = 0;        ///< m, that bodies may come nearer before the next search; 0: search now
+  double moved = 0;       ///< m: no two bodies have come nearer by more since the search
+  std::vector<Vec3> found_at;  ///< m, owned rows
+  double balance = 0;          ///< largest over mean work after the last cut; 0: never cut
+  Index ghosts_after_cut = 0;
+  int searches_since_cut = 0;
+  std::int64_t searches = 0;
+  int steps = 0;     ///< that the pairs have served
+  double pairs = 0;  ///< over all ranks, of the last search
+};
+
+/// How near bodies must come to be listed.
+struct TouchRange {
+  double gap = 0;        ///< m, at which bodies may act on each other
+  double skin = 0;       ///< m
+  bool rolling = false;  ///< rolling springs are kept
+};
+
+/// Finds ghosts and pairs anew; cuts the domain before where the ranks' work differs by more than a
+/// tenth. Springs stay with their pairs. Throws Error where space repeats itself so soon that a
+/// body would meet two images of another. Collective.
+void search_touch_pairs(const Comm& comm, Bodies& bodies, const std::vector<Plane>& planes,
+                        const Period& period, const TouchRange& range, TouchPairs& touch);
+
+/// The springs of all touching pairs by id, each on one rank.
+ContactMemory remember(const Bodies& bodies, const TouchPairs& touch);
+
+/// Contacts that this rank counts: all of its own bodies, one with a ghost on the lower id's rank.
+std::int64_t count_touching(const Bodies& bodies, const TouchPairs& touch);
+
+}  // namespace spall

@@ -1,0 +1,271 @@
+// Springs go by the ids of their bodies from one search to the next, whatever the rows are then.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "spall/force/touch_pairs.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+#include "spall/base/require.hpp"
+#include "spall/domain/migration.hpp"
+#include "spall/domain/partition.hpp"
+#include "spall/force/lanes.hpp"
+
+namespace spall {
+namespace {
+
+constexpr double imbalance_limit = 1.1;   // against the state just after the last cut
+constexpr double ghost_limit = 1.5;       // beyond it the bodies of two ranks have mixed
+constexpr int longest_without_cut = 100;  // searches: bodies' order in memory ages as they move
+constexpr double slot_work = 0.3;         // of a pair, beside that of a body
+
+Index row_of(Index place) {
+  return place / doubles_a_row;
+}
+
+Vec3 lane_of(const std::vector<double>& springs, std::size_t slot, std::size_t lane) {
+  if (springs.empty()) return Vec3::Zero();
+  const double* const at = &springs[3 * lane_count * slot + lane];
+  return {at[0], at[lane_count], at[2 * lane_count]};
+}
+
+void set_lane(std::vector<double>& springs, std::size_t slot, std::size_t lane, const Vec3& v) {
+  for (std::size_t k = 0; k < 3; ++k) springs[(3 * slot + k) * lane_count + lane] = v[k];
+}
+
+/// Calls `f(window, slot, lane, row, partner)` for every pair.
+template <class F>
+void for_each_pair(const std::vector<NearWindow>& windows, F&& f) {
+  for (std::size_t w = 0; w < windows.size(); ++w) {
+    const NearWindow& window = windows[w];
+    std::size_t slot = 0;
+    for (std::size_t g = 0; g < window.slots.size(); ++g)
+      for (const std::size_t end = slot + window.slots[g]; slot < end; ++slot)
+        for (std::size_t l = 0; l < lane_count; ++l) {
+          const Index own = window.rows[g * lane_count + l];
+          const Index partner = window.partners[slot * lane_count + l];
+          if (partner != own) f(w, slot, l, row_of(own), row_of(partner));
+        }
+  }
+}
+
+/// Calls `f(row, partner, sliding, rolling)` for every touching pair.
+template <class F>
+void for_each_touching(const TouchPairs& touch, F&& f) {
+  for_each_pair(touch.windows,
+                [&](std::size_t w, std::size_t slot, std::size_t l, Index i, Index j) {
+                  const WindowSprings& springs = touch.springs[w];
+                  if (springs.touching[slot] >> l & 1)
+                    f(i, j, lane_of(springs.sliding, slot, l), lane_of(springs.rolling, slot, l));
+                });
+}
+
+/// The springs of each row's contacts by the other body's id, or by -1 - wall.
+class Kept {
+ public:
+  struct Entry {
+    BodyId other;
+    Vec3 sliding, rolling;
+  };
+  struct Found {
+    const Entry* entry;
+    double sign;  ///< of the sliding spring as seen from the row that was asked for
+  };
+
+  /// From the pairs themselves: rows are as they were.
+  Kept(const Bodies& bodies, const TouchPairs& touch) {
+    start_.assign(bodies.owned + 1, 0);
+    for_each_touching(touch, [&](Index i, Index, const Vec3&, const Vec3&) { ++start_[i + 1]; });
+    for (const WallTouch& t : touch.walls)
+      if (t.touching) ++start_[t.row + 1];
+    allocate();
+    for_each_touching(touch, [&](Index i, Index j, const Vec3& sliding, const Vec3& rolling) {
+      add(i, {bodies.id[j], sliding, rolling});
+    });
+    for (const WallTouch& t : touch.walls)
+      if (t.touching) add(t.row, {-1 - t.wall, t.sliding, t.rolling});
+  }
+
+  /// From memory: every entry has a body here.
+  Kept(const Bodies& bodies, const ContactMemory& memory) {
+    std::vector<std::pair<BodyId, Index>> rows(bodies.owned);
+    for (Index b = 0; b < bodies.owned; ++b) rows[b] = {bodies.id[b], b};
+    std::sort(rows.begin(), rows.end());
+    const auto find = [&](BodyId id) -> Index {
+      const auto at = std::lower_bound(rows.begin(), rows.end(), std::pair{id, Index{0}});
+      return at != rows.end() && at->first == id ? at->second : -1;
+    };
+    std::vector<Index> row(memory.i.size());
+    start_.assign(bodies.owned + 1, 0);
+    for (std::size_t m = 0; m < row.size(); ++m) {
+      row[m] = find(memory.i[m]);
+      const Index at = row[m] >= 0 ? row[m] : find(memory.j[m]);
+      ++start_[at + 1];
+    }
+    allocate();
+    for (std::size_t m = 0; m < row.size(); ++m) {
+      if (row[m] >= 0)
+        add(row[m], {memory.j[m], memory.impulse[m], memory.rolling[m]});
+      else
+        add(find(memory.j[m]), {memory.i[m], -memory.impulse[m], memory.rolling[m]});
+    }
+  }
+
+  const Entry* find(Index row, BodyId other) const {
+    for (Index k = row > 0 ? start_[row - 1] : 0; k < start_[row]; ++k)
+      if (entries_[k].other == other) return &entries_[k];
+    return nullptr;
+  }
+  /// A pair may have been kept with either body.
+  Found find(const Bodies& bodies, Index i, Index j) const {
+    if (const Entry* entry = find(i, bodies.id[j])) return {entry, 1};
+    return {j < bodies.owned ? find(j, bodies.id[i]) : nullptr, -1};
+  }
+
+ private:
+  // While entries are added start_[row] is where the next one goes, afterwards the row's end.
+  void allocate() {
+    std::partial_sum(start_.begin(), start_.end(), start_.begin());
+    entries_.resize(start_.back());
+  }
+  void add(Index row, const Entry& entry) { entries_[start_[row]++] = entry; }
+
+  std::vector<Index> start_;
+  std::vector<Entry> entries_;
+};
+
+std::vector<double> work_of(const Bodies& bodies, const TouchPairs& touch) {
+  std::vector<double> work(bodies.owned, 1.0);
+  if (touch.skin == 0) return work;
+  for (const NearWindow& window : touch.windows)
+    for (Index r = 0; r < window.count; ++r)
+      work[row_of(window.rows[r])] += slot_work * window.slots[r / lane_count];
+  return work;
+}
+
+double total(const std::vector<double>& work) {
+  return std::accumulate(work.begin(), work.end(), 0.0);
+}
+
+bool needs_cut(const Comm& comm, double work, const TouchPairs& touch) {
+  const bool mixed =
+      touch.ghosts.ghosts() > ghost_limit * touch.ghosts_after_cut + 0.1 * touch.ghosts.owned();
+  const double now = imbalance(comm, work);
+  return touch.balance == 0 || now > imbalance_limit * touch.balance || comm.any(mixed) ||
+         touch.searches_since_cut >= longest_without_cut;
+}
+
+void recall_springs(const Bodies& bodies, const Kept& kept, bool rolling, TouchPairs& touch) {
+  touch.springs.resize(touch.windows.size());
+  for (std::size_t w = 0; w < touch.windows.size(); ++w) {
+    const std::size_t slots = touch.windows[w].partners.size() / lane_count;
+    WindowSprings& springs = touch.springs[w];
+    springs.touching.assign(slots, 0);
+    springs.sliding.assign(3 * lane_count * slots, 0);
+    springs.rolling.assign(rolling ? 3 * lane_count * slots : 0, 0);
+  }
+  for_each_pair(touch.windows,
+                [&](std::size_t w, std::size_t slot, std::size_t l, Index i, Index j) {
+                  const Kept::Found found = kept.find(bodies, i, j);
+                  if (!found.entry) return;
+                  WindowSprings& springs = touch.springs[w];
+                  springs.touching[slot] |= 1 << l;
+                  set_lane(springs.sliding, slot, l, found.sign * found.entry->sliding);
+                  if (rolling) set_lane(springs.rolling, slot, l, found.entry->rolling);
+                });
+}
+
+void find_walls(const Bodies& bodies, const std::vector<Plane>& planes, double reach,
+                const Kept& kept, std::vector<WallTouch>& walls) {
+  walls.clear();
+  for (Index b = 0; b < bodies.owned; ++b)
+    for (std::size_t p = 0; p < planes.size(); ++p) {
+      if (planes[p].normal.dot(bodies.position[b] - planes[p].point) > bodies.radius[b] + reach)
+        continue;
+      WallTouch& t = walls.emplace_back(WallTouch{b, static_cast<std::int32_t>(p)});
+      if (const Kept::Entry* entry = kept.find(b, -1 - t.wall)) {
+        t.touching = true;
+        t.sliding = entry->sliding;
+        t.rolling = entry->rolling;
+      }
+    }
+}
+
+}  // namespace
+
+ContactMemory remember(const Bodies& bodies, const TouchPairs& touch) {
+  ContactMemory memory;
+  for_each_touching(touch, [&](Index a, Index b, const Vec3& sliding, const Vec3& rolling) {
+    const BodyId i = bodies.id[a], j = bodies.id[b];
+    if (i < j)
+      memory.add(i, j, sliding, rolling);
+    else if (b < bodies.owned)
+      memory.add(j, i, -sliding, rolling);
+  });
+  for (const WallTouch& t : touch.walls)
+    if (t.touching) memory.add(bodies.id[t.row], -1 - t.wall, t.sliding, t.rolling);
+  const ContactMemory& carried = touch.carried;
+  for (std::size_t m = 0; m < carried.i.size(); ++m)
+    memory.add(carried.i[m], carried.j[m], carried.impulse[m], carried.rolling[m]);
+  return memory;
+}
+
+std::int64_t count_touching(const Bodies& bodies, const TouchPairs& touch) {
+  std::int64_t count = 0;
+  for_each_touching(touch, [&](Index i, Index j, const Vec3&, const Vec3&) {
+    count += j < bodies.owned || bodies.id[i] < bodies.id[j];
+  });
+  return count + std::count_if(touch.walls.begin(), touch.walls.end(),
+                               [](const WallTouch& t) { return t.touching; });
+}
+
+void search_touch_pairs(const Comm& comm, Bodies& bodies, const std::vector<Plane>& planes,
+                        const Period& period, const TouchRange& range, TouchPairs& touch) {
+  const auto work = work_of(bodies, touch);
+  const bool cut = needs_cut(comm, total(work), touch);
+  const Kept kept = [&] {
+    if (!cut) return Kept(bodies, touch);
+    ContactMemory memory = remember(bodies, touch);
+    touch.carried = {};
+    touch.springs.clear();
+    migrate(comm, bodies, memory, partition(comm, bodies, work));
+    return Kept(bodies, memory);
+  }();
+
+  double largest = 0;
+  for (Index b = 0; b < bodies.owned; ++b) largest = std::max(largest, bodies.radius[b]);
+  const double reach = 2 * comm.max(largest) + range.gap + range.skin;
+  for (int k = 0; k < 3; ++k)
+    require(
+        period.size[k] == 0 || period.size[k] >= 2 * reach,
+        "periodic.size: {:g} m in direction {} is less than twice {:.4g} m, the reach of a body: "
+        "it would meet two images of another",
+        period.size[k], "xyz"[k], reach);
+  if (period.any())
+    for (Index b = 0; b < bodies.owned; ++b)
+      bodies.position[b] = period.wrapped(bodies.position[b]);
+  std::vector<double> reaches(bodies.owned);
+  for (Index b = 0; b < bodies.owned; ++b) reaches[b] = reach / 2 - bodies.radius[b];
+  touch.found_at.assign(bodies.position.begin(), bodies.position.begin() + bodies.owned);
+  touch.ghosts = make_halo(comm, bodies, reaches, period, touch.shifts);
+  find_near_pairs(bodies, reach, touch.windows);
+  recall_springs(bodies, kept, range.rolling, touch);
+  find_walls(bodies, planes, range.gap + range.skin, kept, touch.walls);
+  touch.gap = range.gap;
+  touch.skin = range.skin;
+  touch.moved = 0;
+  touch.steps = 0;
+  double pairs = 0;
+  for (const NearWindow& window : touch.windows)
+    pairs += static_cast<double>(window.partners.size());
+  touch.pairs = comm.sum(pairs);
+  ++touch.searches;
+  ++touch.searches_since_cut;
+  if (cut) {
+    // The first cut knows bodies only; its pairs may call for a second one.
+    touch.balance = touch.balance == 0 ? 1 : imbalance(comm, total(work_of(bodies, touch)));
+    touch.ghosts_after_cut = touch.ghosts.ghosts();
+    touch.searches_since_cut = 0;
+  }
+}
+
+}  // namespace spall

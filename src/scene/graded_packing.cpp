@@ -1,0 +1,90 @@
+// Random sequential addition, from the largest boulders to the smallest.
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "spall/scene/packing.hpp"
+#include "spall/scene/shape.hpp"
+
+namespace spall {
+namespace {
+
+constexpr double span = 4;     // of the sizes at one place: a boulder, and what fills its gaps
+constexpr int sizes_of_2 = 3;  // sizes from one radius to half of it
+
+/// What the grading wants of one size at a distance from the site.
+class Wanted {
+ public:
+  Wanted(const Packing& packing) : grading_(packing.grading), coarsest_(packing.radius) {
+    for (double s = 1; s > 1 / span * (1 + 1e-9); s *= std::exp2(-1.0 / sizes_of_2))
+      all_ += share(s);
+  }
+  /// Part of the volume around a point that spheres of `radius` are to fill.
+  double fill(double distance, double radius) const {
+    const double largest =
+        std::clamp(grading_.growth * distance, grading_.smallest, coarsest_) * (1 + 1e-9);
+    const double s = radius / largest;
+    return s <= 1 && s > 1 / span ? grading_.fill * share(s) / all_ : 0;
+  }
+  /// From the site: beyond it there are none of `radius`.
+  double reach(double radius) const {
+    return span * radius >= coarsest_ ? infinity : span * radius / grading_.growth;
+  }
+
+ private:
+  /// N(>s) ~ s^-exponent puts the volume s^(3 - exponent) into each ratio of sizes.
+  double share(double s) const { return std::pow(s, 3 - grading_.exponent); }
+
+  Grading grading_;
+  double coarsest_, all_ = 0;
+};
+
+}  // namespace
+
+void place_graded(const Volume& volume, const Packing& packing, std::uint64_t seed,
+                  const std::function<void(const Vec3&, double)>& place) {
+  const Wanted wanted(packing);
+  const Vec3 half = half_widths(volume), site = packing.grading.site;
+  // The standard distributions differ from library to library; the engine does not.
+  std::mt19937_64 engine(seed);
+  const auto uniform = [&] { return static_cast<double>(engine() >> 11) * 0x1p-53; };
+
+  const std::int64_t expected = 1 << 20;
+  SphereSet spheres(volume.center, half, expected);
+  for (double r = packing.radius; r > packing.grading.smallest / span;
+       r *= std::exp2(-1.0 / sizes_of_2)) {
+    const double reach = wanted.reach(r);
+    const Vec3 low = (volume.center - half).cwiseMax(site - Vec3::Constant(reach));
+    const Vec3 room = (volume.center + half).cwiseMin(site + Vec3::Constant(reach)) - low;
+    if ((room.array() <= 0).any()) continue;
+    const auto draw = [&]() -> Vec3 {
+      const double x = uniform(), y = uniform(), z = uniform();
+      return low + room.cwiseProduct(Vec3(x, y, z));
+    };
+    const auto fill_at = [&](const Vec3& x) {
+      return depth(volume, x) > 0 ? wanted.fill((x - site).norm(), r) : 0.0;
+    };
+    // How many there are to be: the mean of the wanted number density over the box.
+    constexpr int samples = 20'000;
+    double mean = 0, highest = 0;
+    for (int k = 0; k < samples; ++k) {
+      const double fill = fill_at(draw());
+      mean += fill / samples;
+      highest = std::max(highest, fill);
+    }
+    auto missing = static_cast<std::int64_t>(std::llround(mean * room.prod() / ball_volume(r)));
+    constexpr std::int64_t most_tries_in_vain = 100'000;
+    for (std::int64_t in_vain = 0; missing > 0 && in_vain < most_tries_in_vain; ++in_vain) {
+      const Vec3 center = draw();
+      if (uniform() * highest > fill_at(center) || depth(volume, center) < r) continue;
+      if (spheres.find_overlap(center, r, 0)) continue;
+      spheres.add(center, r);
+      place(center, r);
+      --missing;
+      in_vain = 0;
+    }
+  }
+}
+
+}  // namespace spall

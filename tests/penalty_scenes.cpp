@@ -1,0 +1,240 @@
+// Penalty contact in scenes with known answers: measured oblique impacts, bonds that are pulled,
+// columns, rolling, and what a run refuses.
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fstream>
+#include <sstream>
+
+#include "penalty_worlds.hpp"
+#include "spall/base/require.hpp"
+
+namespace spall {
+namespace {
+
+constexpr double g = 9.81;
+
+TEST(PenaltyScene, oblique_impacts_are_those_that_were_measured) {
+  // Al2O3 (360 GPa, 0.23) on glass (70 GPa, 0.25): one modulus for both with the same E* and,
+  // within a hundredth, the same ratio of tangential to normal stiffness.
+  const double e1 = 360e9, n1 = 0.23, e2 = 70e9, n2 = 0.25;
+  const double contact = 1 / ((1 - n1 * n1) / e1 + (1 - n2 * n2) / e2);
+  const double shear = 1 / (2 * (2 - n1) * (1 + n1) / e1 + 2 * (2 - n2) * (1 + n2) / e2);
+  const double ratio = shear / contact;  // (1 - nu)/(2 (2 - nu)) for one material
+  const double nu = (1 - 4 * ratio) / (1 - 2 * ratio);
+  const PenaltySettings settings{.young_modulus = 2 * (1 - nu * nu) * contact, .poisson_ratio = nu};
+  std::ifstream data(MEASURED);
+  int rows = 0;
+  for (std::string line; std::getline(data, line);) {
+    std::istringstream words(line);
+    std::string quantity;
+    double angle, measured;
+    char comma;
+    if (!std::getline(words, quantity, ',') || !(words >> angle >> comma >> measured)) continue;
+    const double theta = angle * pi / 180, speed = 3.9, r = 2.5e-3;
+    const Vec3 v{speed * std::sin(theta), 0, -speed * std::cos(theta)};
+    World world = penalty_world(alone(),
+                                {{.radius = r,
+                                  .mass = 4000 * 4 / 3.0 * pi * r * r * r,
+                                  .position = {0, 0, r * 1.0001},
+                                  .velocity = v}},
+                                settings, {.friction = 0.092, .restitution = 0.98});
+    world.planes = {{}};
+    penalty_steps(world, 5e-9, 5000);
+    const Sphere after = spheres_of(world)[0];
+    ASSERT_GT(after.velocity.z(), 0);
+    // Near the normal the contact sticks but for an annulus that slips, which this law leaves out
+    // (Mindlin & Deresiewicz 1953): too stiff, it gives back too much.
+    const bool sticks = angle < 15;
+    if (quantity == "e_t") {
+      EXPECT_NEAR(after.velocity.x() / v.x(), measured, sticks ? 0.12 : 0.05) << angle;
+    } else if (quantity == "omega") {
+      EXPECT_NEAR(after.spin.y(), measured, (sticks ? 0.51 : 0.08) * measured) << angle;
+    }
+    rows += quantity != "rebound_angle";
+  }
+  EXPECT_EQ(rows, 15);
+}
+
+/// A sphere that never moves and one below it, pulled down by this part of the bond's strength.
+struct Pulled {
+  double early, late;  ///< m, furthest fall in the first and last tenth
+  bool parted;
+};
+Pulled pull(const PenaltySettings& settings, const ContactLaw& contact, double strength,
+            double part, int steps) {
+  World world = penalty_world(alone(),
+                              {{.radius = 0.5, .mass = infinity},
+                               {.radius = 0.5, .mass = 1000, .position = {0, 0, -0.9999}}},
+                              settings, contact);
+  world.uniform_gravity = {0, 0, -part * strength / 1000};
+  Pulled p{0, 0, false};
+  for (int k = 0; k < steps; ++k) {
+    penalty_steps(world, 1e-4, 1);
+    double fall = 0;
+    for (Index b = 0; b < world.bodies.owned; ++b)
+      fall = std::max(fall, -0.9999 - world.bodies.position[b].z());
+    if (k < steps / 10) p.early = std::max(p.early, fall);
+    if (k >= steps - steps / 10) p.late = std::max(p.late, fall);
+    if (fall > 1) return {p.early, fall, true};
+  }
+  return p;
+}
+
+TEST(PenaltyScene, bond_holds_a_pull_below_its_strength_and_parts_above) {
+  const double w = 500, r = 0.25;
+  PenaltySettings s{.young_modulus = 1e8, .poisson_ratio = 0.25};
+  const ContactLaw plain{.restitution = 0.5};
+  ContactLaw cohesive = plain;
+  cohesive.cohesion = 1000;
+  cohesive.cohesion_range = 0.01;
+  struct Bond {
+    PenaltySettings settings;
+    ContactLaw contact;
+    double strength;
+  };
+  std::vector<Bond> bonds{{s, cohesive, 1000}};
+  bonds.push_back({{.model = PenaltyModel::hooke, .stiffness = 1e7}, cohesive, 1000});
+  s.work_of_adhesion = w;
+  s.adhesion = Adhesion::dmt;
+  bonds.push_back({s, plain, 2 * pi * w * r});
+  s.adhesion = Adhesion::jkr;
+  bonds.push_back({s, plain, 1.5 * pi * w * r});
+  for (const Bond& bond : bonds) {
+    const Pulled held = pull(bond.settings, bond.contact, bond.strength, 0.8, 100000);
+    EXPECT_FALSE(held.parted) << bond.strength;
+    EXPECT_LE(held.late, held.early);
+    EXPECT_TRUE(pull(bond.settings, bond.contact, bond.strength, 1.05, 20000).parted)
+        << bond.strength;
+  }
+}
+
+TEST(PenaltyScene, jkr_contact_parts_at_its_pull_off_force_and_not_where_it_formed) {
+  // Loaded slowly by a growing weight: it parts at 3/2 pi w R.
+  const double w = 500, r = 0.25, strength = 1.5 * pi * w * r;
+  const PenaltySettings s{.young_modulus = 1e8,
+                          .poisson_ratio = 0.25,
+                          .adhesion = Adhesion::jkr,
+                          .work_of_adhesion = w};
+  World world = penalty_world(
+      alone(),
+      {{.radius = 0.5, .mass = infinity}, {.radius = 0.5, .mass = 10, .position = {0, 0, -0.9999}}},
+      s, {.restitution = 0.2});
+  double pulled = 0, gap = 0;
+  for (int k = 0; k < 40000; ++k) {
+    pulled = 1.2 * strength * k / 40000;
+    world.uniform_gravity = {0, 0, -pulled / 10};
+    penalty_steps(world, 1e-4, 1);
+    double now = 0;
+    for (Index b = 0; b < world.bodies.owned; ++b)
+      now = std::max(now, -world.bodies.position[b].z() - 1);
+    if (now > 2e-3) break;
+    gap = std::max(gap, now);
+  }
+  EXPECT_NEAR(pulled, strength, 0.05 * strength);  // it takes time to part
+  EXPECT_GT(pulled, 0.999 * strength);
+  EXPECT_GT(gap, 0);  // the neck
+}
+
+TEST(PenaltyScene, overlaps_of_a_column_carry_the_weight_above) {
+  const double k = 1e6, m = 10, r = 0.1;
+  const int count = 6;
+  std::vector<Sphere> spheres;
+  for (int i = 0; i < count; ++i)
+    spheres.push_back({.radius = r, .mass = m, .position = {0, 0, (2 * i + 1) * r}});
+  World world =
+      penalty_world(testing_world(), spheres, {.model = PenaltyModel::hooke, .stiffness = k},
+                    {.friction = 0.5, .restitution = 0.1});
+  world.planes = {{}};
+  world.uniform_gravity = {0, 0, -g};
+  penalty_steps(world, 2e-4, 1);
+  for (int step = 0; step < 20000; ++step) penalty_steps(world, 2e-4, 1);
+  const auto s = spheres_of(world);
+  // Gravity's kick comes half a step before that of the ground, whose dashpot feels g h/2
+  // meanwhile.
+  const double lag =
+      1.05 * penalty_law(world.penalty, world.law).damping * std::sqrt(k * m) * g * 1e-4 / k;
+  for (int i = 0; i < count; ++i) {
+    const double below = i == 0 ? -r : s[i - 1].position.z();
+    const double overlap = 2 * r - (s[i].position.z() - below);
+    EXPECT_NEAR(overlap, (count - i) * m * g / k, i == 0 ? lag : 1e-6 * m * g / k) << i;
+  }
+}
+
+/// A sphere on the ground, or on a slope, for `time`; its speed along x and its spin about y.
+Sphere on_ground(double friction, double rolling, double speed, const Vec3& gravity, double time) {
+  const double r = 0.1, m = 10, k = 1e6;
+  World world =
+      penalty_world(alone(),
+                    {{.radius = r,
+                      .mass = m,
+                      .position = {0, 0, r + gravity.z() * m / k},
+                      .velocity = {speed, 0, 0}}},
+                    {.model = PenaltyModel::hooke, .stiffness = k, .rolling_friction = rolling},
+                    {.friction = friction, .restitution = 0.3});
+  world.planes = {{}};
+  world.uniform_gravity = gravity;
+  const double h = 1e-4;
+  for (int step = 0; step < std::lround(time / h); ++step) penalty_steps(world, h, 1);
+  return spheres_of(world)[0];
+}
+
+TEST(PenaltyScene, sliding_sphere_starts_to_roll) {
+  const double mu = 0.3, v0 = 1, t = 2 * v0 / (7 * mu * g), r = 0.1;
+  const Sphere sliding = on_ground(mu, 0, v0, {0, 0, -g}, 0.9 * t);
+  EXPECT_NEAR(sliding.velocity.x(), v0 - mu * g * 0.9 * t, 2e-3 * v0);
+  EXPECT_GT(sliding.velocity.x() - r * sliding.spin.y(), 0.05 * v0);
+  const Sphere rolls = on_ground(mu, 0, v0, {0, 0, -g}, 1.5 * t);
+  EXPECT_NEAR(rolls.velocity.x(), 5 / 7.0 * v0, 5e-3 * v0);
+  EXPECT_NEAR(rolls.velocity.x(), r * rolls.spin.y(), 5e-3 * v0);
+}
+
+TEST(PenaltyScene, sphere_on_a_slope_rolls_slides_or_is_held_by_rolling_friction) {
+  const double theta = 0.4, time = 0.5;  // tan = 0.42: rolls for mu > 0.12
+  const Vec3 gravity = g * Vec3(std::sin(theta), 0, -std::cos(theta));
+  const double along = g * std::sin(theta);
+  EXPECT_NEAR(on_ground(0.5, 0, 0, gravity, time).velocity.x(), 5 / 7.0 * along * time,
+              0.01 * along * time);
+  EXPECT_NEAR(on_ground(0.05, 0, 0, gravity, time).velocity.x(),
+              (along - 0.05 * g * std::cos(theta)) * time, 0.01 * along * time);
+  // On a wall R is r: the torque of the weight m g sin r is held up to mu_r m g cos r.
+  EXPECT_LT(std::abs(on_ground(0.8, 0.5, 0, gravity, time).velocity.x()), 0.02 * along * time);
+  EXPECT_GT(on_ground(0.8, 0.3, 0, gravity, time).velocity.x(), 0.1 * along * time);
+}
+
+TEST(PenaltyScene, what_cannot_be_resolved_is_refused_with_what_would_do) {
+  const auto message = [&](double h, double speed, const PenaltySettings& s) -> std::string {
+    std::vector<Sphere> spheres{
+        {.radius = 1, .mass = 4000, .position = {-3, 0, 0}, .velocity = {speed, 0, 0}},
+        {.radius = 1, .mass = 4000},
+        {.radius = 0.5, .mass = 500, .position = {3, 0, 0}},
+        {.radius = 0.4, .mass = 250, .position = {6, 0, 0}}};
+    const World world = penalty_world(testing_world(), spheres, s, {.restitution = 0.5});
+    try {
+      check_penalty_step(world.comm, world.bodies, s, world.law, h, speed, "case.toml:7");
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  const PenaltySettings soft{.model = PenaltyModel::hooke, .stiffness = 1e8};
+  const double m = 1 / (1 / 500.0 + 1 / 250.0), limit = 0.15 * std::sqrt(m / 1e8);
+  EXPECT_EQ(message(0.99 * limit, 1, soft), "");
+  const std::string too_long = message(1.01 * limit, 1, soft);
+  for (const std::string& part : {std::string("case.toml:7"), std::string("body 3"),
+                                  std::string("body 2"), fmt::format("{:.3g} s", limit)})
+    EXPECT_NE(too_long.find(part), std::string::npos) << too_long;
+  // 6.7 km/s: m v^2 = k (r/2)^2 for the two that are heaviest for their size.
+  const std::string through = message(1e-9, 6700, soft);
+  EXPECT_NE(through.find("body 0"), std::string::npos) << through;
+  EXPECT_NE(through.find(fmt::format("{:.3g} N/m", 2000 * 6700.0 * 6700.0 / 0.25)),
+            std::string::npos)
+      << through;
+  const PenaltySettings rock{.young_modulus = 5e10, .poisson_ratio = 0.25};
+  const std::string hertz = message(1e-9, 6700, rock);
+  EXPECT_NE(hertz.find("young_modulus must be at least"), std::string::npos) << hertz;
+  PenaltySettings harder = rock;
+  harder.young_modulus = std::stod(hertz.substr(hertz.find("at least") + 8)) * 1.01;
+  EXPECT_EQ(message(1e-9, 6700, harder), "");
+}
+
+}  // namespace
+}  // namespace spall

@@ -1,0 +1,246 @@
+// Small versions of the asteroid scenes: what must come out of them, on any number of ranks.
+// SPDX-License-Identifier: BSD-3-Clause
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "spall/analysis/clumps.hpp"
+#include "spall/base/require.hpp"
+#include "spall/output/restart.hpp"
+#include "spall/output/stored_bodies.hpp"
+#include "spall/run/run.hpp"
+#include "spall/scene/scene.hpp"
+#include "testing.hpp"
+#include "worlds.hpp"
+
+namespace spall {
+namespace {
+
+constexpr double G = 6.67430e-11;
+
+constexpr const char* rock = R"(
+[materials.rock]
+density = "2000 kg/m^3"
+[contact]
+friction = 0.5
+restitution = 0.3
+cohesion_range = "1 cm"
+[gravity]
+method = "direct"
+)";
+
+std::string folder_of(const std::string& name) {
+  return std::filesystem::absolute(fmt::format("scenes_{}_{}", name, testing_world().size))
+      .string();
+}
+
+/// Runs a case and gives its results back, on every rank.
+toml::table results_of(const std::string& name, const std::string& text) {
+  const std::string folder = folder_of(name);
+  run_case(testing_world(), parse_case(text, name + ".toml"), folder);
+  testing_world().any(false);  // rank 0 has written them
+  return toml::parse_file(folder + "/results.toml");
+}
+
+double value(const toml::table& results, const char* section, const char* key) {
+  return results[section][key].value<double>().value();
+}
+
+/// A settled pile of 200 boulders of 1 m, made once: the restart file that holds it.
+std::string settled_pile() {
+  static const std::string file = [] {
+    const auto results = results_of("pile", std::string(rock) + R"(
+[[groups]]
+name = "cloud"
+material = "rock"
+volume = {shape = "sphere", radius = "9 m"}
+packing = {kind = "random", radius = "1 m", count = 200}
+[[phases]]
+name = "settling"
+step = "10 s"
+duration = "4 h"
+until = "settled"
+settled_speed = "0.2 mm/s"
+)");
+    EXPECT_GT(value(results, "pile", "packing_fraction"), 0.55);
+    EXPECT_LT(value(results, "pile", "packing_fraction"), 0.64);
+    return folder_of("pile") + "/after_settling.h5";
+  }();
+  return file;
+}
+
+double density_of_pile() {  // bulk
+  static const double packing =
+      toml::parse_file((std::filesystem::path(settled_pile()).parent_path() / "results.toml")
+                           .string())["pile"]["packing_fraction"]
+          .value<double>()
+          .value();
+  return 2000 * packing;
+}
+
+/// All bodies at the end of a run's last phase, by id.
+Bodies bodies_after(const std::string& name, const std::string& phase) {
+  const Comm self(MPI_COMM_SELF);
+  Bodies rows = read_restart(self, folder_of(name) + "/after_" + phase + ".h5").bodies;
+  Bodies bodies = rows;
+  for_each_field(bodies, [&](const std::string& field, auto& values) {
+    for_each_field(rows, [&](const std::string& other, const auto& from) {
+      if constexpr (std::is_same_v<decltype(from), const std::decay_t<decltype(values)>&>)
+        if (field == other)
+          for (Index b = 0; b < rows.owned; ++b) values[rows.id[b]] = from[b];
+    });
+  });
+  return bodies;
+}
+
+/// Mass of the largest set of bodies in touch, without `primary`.
+Clump largest_clump(const Bodies& bodies, std::vector<BodyId>& name, BodyId primary) {
+  const Comm self(MPI_COMM_SELF);
+  Links links;
+  for (Index i = 0; i < bodies.owned; ++i)
+    for (Index j = i + 1; j < bodies.owned; ++j)
+      if ((bodies.position[i] - bodies.position[j]).norm() <
+          bodies.radius[i] + bodies.radius[j] + 0.01) {
+        links.i.push_back(i);
+        links.j.push_back(j);
+      }
+  name = find_clumps(self, Ghosts(), bodies, links);
+  if (primary >= 0) name[primary] = -1;
+  return weigh_clumps(self, bodies, name, 1).largest.at(0);
+}
+
+double mass_in_touch(const Bodies& bodies) {
+  std::vector<BodyId> name;
+  return largest_clump(bodies, name, -1).mass;
+}
+
+/// The same with what its gravity holds.
+double largest_remnant(const Bodies& bodies, BodyId primary = -1) {
+  std::vector<BodyId> name;
+  const Clump largest = largest_clump(bodies, name, primary);
+  return add_bound_bodies(Comm(MPI_COMM_SELF), bodies, G, largest, name).mass;
+}
+
+std::string group(const std::string& name, const std::string& volume, const std::string& more) {
+  return fmt::format(R"(
+[[groups]]
+name = "{}"
+material = "rock"
+volume = {{{}}}
+packing = {{kind = "file", file = "{}"}}
+{}
+)",
+                     name, volume, settled_pile(), more);
+}
+
+constexpr double mass_of_pile = 200 * 2000 * 4 * pi / 3;
+
+TEST(Pull, two_bodies_fall_as_kepler_lets_them) {
+  results_of("pull", std::string(rock) + R"(
+[[groups]]
+name = "pair"
+material = "rock"
+volume = {shape = "box", size = ["200 m", "100 m", "100 m"]}
+packing = {kind = "simple_cubic", radius = "40 m", spacing = "100 m"}
+[[phases]]
+name = "fall"
+step = "10 s"
+duration = "2000 s"
+)");
+  const Bodies pair = bodies_after("pull", "fall");
+  const double x = (pair.position[1] - pair.position[0]).norm() / 100;
+  const double unit = std::sqrt(1e6 / (2 * G * (pair.mass[0] + pair.mass[1])));
+  const double time = unit * (std::sqrt(x * (1 - x)) + std::acos(std::sqrt(x)));
+  EXPECT_NEAR(time, 2000, 0.2);  // a leapfrog of 10 s in a fall of 2283 s to contact
+}
+
+TEST(Merge, below_the_escape_speed_at_least_95_percent_are_one) {
+  // The escape speed at contact is 6 mm/s.
+  const auto results = results_of(
+      "merge",
+      rock + group("target", "radius = 100", "") +
+          group("projectile", "radius = 4, center = [-14, 0, 0]", "velocity = [5e-3, 0, 0]") +
+          "[[phases]]\nname = \"encounter\"\nstep = \"10 s\"\nduration = \"4000 s\"\n");
+  EXPECT_LT(value(results, "conservation", "linear"), 1e-10);
+  EXPECT_LT(value(results, "conservation", "angular"), 1e-10);
+  const Bodies bodies = bodies_after("merge", "encounter");
+  double all = 0;
+  for (double m : bodies.mass) all += m;
+  EXPECT_GT(all, 1.03 * mass_of_pile);
+  EXPECT_GE(largest_remnant(bodies), 0.95 * all);
+}
+
+TEST(Spin, beyond_the_limit_bodies_lift_off_and_below_none) {
+  const double limit = std::sqrt(4 * pi * G * density_of_pile() / 3);  // P = sqrt(3 pi / (G rho))
+  const auto lifted = [&](const std::string& name, double part) {
+    results_of(
+        name, rock + group("pile", "radius = 100", fmt::format("spin = [0, 0, {}]", part * limit)) +
+                  "[[phases]]\nname = \"spinning\"\nstep = \"10 s\"\nduration = \"3000 s\"\n");
+    return 1 - mass_in_touch(bodies_after(name, "spinning")) / mass_of_pile;
+  };
+  EXPECT_LT(lifted("slow", 0.7), 0.03);  // a pile of 200 has bodies that only lie near others
+  EXPECT_GT(lifted("fast", 1.3), 0.2);
+}
+
+TEST(Tides, tear_a_pile_apart_near_a_planet_and_leave_it_whole_far_away) {
+  constexpr double planet = 6371e3, mu = G * 5.972e24;
+  /// On a parabola from 4 planet radii before to 4 behind the closest approach, in planet radii.
+  const auto whole = [&](const std::string& name, double approach) {
+    const double q = approach * planet, r = 4 * planet, D = -std::sqrt(r / q - 1);
+    const double nu = 2 * std::atan(D), v = std::sqrt(mu / (2 * q));
+    const Vec3 out(std::cos(nu), std::sin(nu), 0), along(-out.y(), out.x(), 0);
+    const Vec3 x = r * out, u = v * (std::sin(nu) * out + (1 + std::cos(nu)) * along);
+    const double duration = -2 * std::sqrt(2 * q * q * q / mu) * (D + D * D * D / 3);
+    results_of(name,
+               std::string(rock) + R"(
+[[groups]]
+name = "planet"
+material = "rock"
+volume = {radius = "6371 km"}
+total_mass = "5.972e24 kg"
+)" +
+                   group("pile", fmt::format("radius = 100, center = [{}, {}, 0]", x.x(), x.y()),
+                         fmt::format("velocity = [{}, {}, 0]", u.x(), u.y())) +
+                   fmt::format("[[phases]]\nname = \"passage\"\nstep = 20\nduration = {}\n",
+                               20 * std::round(duration / 20)));
+    return largest_remnant(bodies_after(name, "passage"), 0) / mass_of_pile;
+  };
+  EXPECT_LT(whole("near", 1.2), 0.5);
+  EXPECT_GT(whole("far", 3.0), 0.99);
+}
+
+TEST(Dart, on_graded_boulders_closes_its_momentum) {
+  const auto results =
+      results_of("dart", "read_out = [\"1 s\", \"4 s\"]\n" + std::string(rock) + R"(
+[[groups]]
+name = "dimorphos"
+material = "rock"
+volume = {shape = "ellipsoid", size = ["24 m", "23 m", "16 m"]}
+packing = {kind = "graded", radius = "3 m", smallest = "1.5 m", growth = 0.3, site = ["-12 m", 0, 0]}
+total_mass = "4.3e6 kg"
+[[phases]]
+name = "settling"
+step = "10 s"
+duration = "600 s"
+[[phases]]
+name = "impact"
+step = "0.2 ms"
+duration = "20 ms"
+remove_drift = true
+cohesion = "0.1 N"
+impactor = {mass = "0.6 kg", diameter = "20 cm", speed = "6.1 km/s", distance = "1 m", aim = "line"}
+[[phases]]
+name = "evolution"
+step = "0.05 s"
+duration = "4 s"
+)");
+  EXPECT_LT(value(results, "deflection", "momentum_closure"), 1e-10);
+  EXPECT_LT(value(results, "conservation", "linear"), 1e-10);
+  EXPECT_NEAR(value(results, "pile", "mass"), 4.3e6, 1e-6 * 4.3);
+  EXPECT_GT(value(results, "deflection", "beta"), 1);
+}
+
+}  // namespace
+}  // namespace spall

@@ -1,0 +1,213 @@
+// Meshes against the solids that they are of, and against sums over all their triangles.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "spall/scene/surface_mesh.hpp"
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <random>
+
+#include "spall/base/require.hpp"
+#include "spall/scene/shape.hpp"
+#include "testing.hpp"
+
+namespace spall {
+namespace {
+
+using Triangle = SurfaceMesh::Triangle;
+
+struct Surface {
+  std::vector<Vec3> vertices;
+  std::vector<Triangle> triangles;
+  SurfaceMesh mesh() const { return {vertices, triangles, "mesh"}; }
+};
+
+Surface cube(double width) {
+  Surface s;
+  for (int k = 0; k < 8; ++k)
+    s.vertices.push_back(width * (Vec3(k & 1, k >> 1 & 1, k >> 2) - Vec3::Constant(0.5)));
+  for (const std::array<int, 4>& q : {std::array{0, 2, 3, 1},
+                                      {4, 5, 7, 6},
+                                      {0, 1, 5, 4},
+                                      {2, 6, 7, 3},
+                                      {0, 4, 6, 2},
+                                      {1, 3, 7, 5}}) {
+    s.triangles.push_back({q[0], q[1], q[2]});
+    s.triangles.push_back({q[0], q[2], q[3]});
+  }
+  return s;
+}
+
+/// A grid of m x n points that is closed in both directions.
+Surface torus(double ring, double tube, int m, int n) {
+  Surface s;
+  for (int i = 0; i < m; ++i)
+    for (int j = 0; j < n; ++j) {
+      const double u = 2 * pi * i / m, v = 2 * pi * j / n, rho = ring + tube * std::cos(v);
+      s.vertices.push_back({rho * std::cos(u), rho * std::sin(u), tube * std::sin(v)});
+      const auto at = [&](int a, int b) { return a % m * n + b % n; };
+      s.triangles.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
+      s.triangles.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
+    }
+  return s;
+}
+
+/// An octahedron whose triangles are cut into four, `rounds` times, with vertices on the ellipsoid.
+Surface ellipsoid(const Vec3& half, int rounds) {
+  std::vector<std::array<Vec3, 3>> faces;
+  for (int k = 0; k < 8; ++k) {
+    const Vec3 x = (k & 1 ? 1 : -1) * Vec3::UnitX(), y = (k & 2 ? 1 : -1) * Vec3::UnitY(),
+               z = (k & 4 ? 1 : -1) * Vec3::UnitZ();
+    if (x.cross(y).dot(z) > 0)
+      faces.push_back({x, y, z});
+    else
+      faces.push_back({x, z, y});
+  }
+  for (int round = 0; round < rounds; ++round) {
+    std::vector<std::array<Vec3, 3>> finer;
+    for (const auto& [a, b, c] : faces) {
+      const Vec3 ab = (a + b).normalized(), bc = (b + c).normalized(), ca = (c + a).normalized();
+      finer.insert(finer.end(), {{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}});
+    }
+    faces = finer;
+  }
+  Surface s;
+  const auto vertex = [&](const Vec3& unit) {
+    const Vec3 x = half.cwiseProduct(unit);
+    for (std::size_t k = 0; k < s.vertices.size(); ++k)
+      if ((s.vertices[k] - x).norm() < 1e-9 * half.norm()) return static_cast<std::int32_t>(k);
+    s.vertices.push_back(x);
+    return static_cast<std::int32_t>(s.vertices.size() - 1);
+  };
+  for (const auto& [a, b, c] : faces) s.triangles.push_back({vertex(a), vertex(b), vertex(c)});
+  return s;
+}
+
+/// How often the surface winds around a point: 1 inside, 0 outside; the sum of the triangles' solid
+/// angles (van Oosterom & Strackee 1983) over 4 pi.
+double winding(const SurfaceMesh& mesh, const Vec3& point) {
+  double sum = 0;
+  for (const Triangle& t : mesh.triangles()) {
+    const Vec3 a = mesh.vertices()[t[0]] - point, b = mesh.vertices()[t[1]] - point,
+               c = mesh.vertices()[t[2]] - point;
+    const double la = a.norm(), lb = b.norm(), lc = c.norm();
+    sum += 2 * std::atan2(a.dot(b.cross(c)),
+                          la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
+  }
+  return sum / (4 * pi);
+}
+
+std::vector<Vec3> points_around(const SurfaceMesh& mesh, int count) {
+  std::mt19937_64 engine(1);
+  std::uniform_real_distribution<double> uniform(-1.3, 1.3);
+  std::vector<Vec3> points;
+  for (int k = 0; k < count; ++k)
+    points.push_back(
+        mesh.half_widths().cwiseProduct(Vec3(uniform(engine), uniform(engine), uniform(engine))));
+  return points;
+}
+
+std::string complaint(const Surface& surface) {
+  try {
+    surface.mesh();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(SurfaceMesh, volumes_are_those_of_the_solids) {
+  EXPECT_NEAR(cube(2).mesh().volume(), 8, 1e-14);
+  // Chords fall short of a round surface by the square of their length: twice as fine, a quarter.
+  const auto torus_error = [](int n) {
+    return 1 - torus(3, 1, 3 * n, n).mesh().volume() / (2 * pi * pi * 3);
+  };
+  EXPECT_NEAR(torus_error(20) / torus_error(40), 4, 0.05);
+  EXPECT_LT(torus_error(80), 2e-3);
+  const auto ball_error = [](int rounds) {
+    return 1 - ellipsoid({3, 2, 1}, rounds).mesh().volume() / (8 * pi);
+  };
+  EXPECT_NEAR(ball_error(2) / ball_error(3), 4, 0.2);
+  EXPECT_NEAR(ball_error(3) / ball_error(4), 4, 0.05);
+}
+
+TEST(SurfaceMesh, inside_is_where_the_surface_winds_around) {
+  for (const Surface& surface : {cube(2), torus(3, 1, 24, 12), ellipsoid({3, 2, 1}, 2)}) {
+    const SurfaceMesh mesh = surface.mesh();
+    int inside = 0;
+    const auto points = points_around(mesh, 4000);
+    for (const Vec3& p : points) {
+      const bool is_inside = mesh.depth(p) > 0;
+      EXPECT_NEAR(winding(mesh, p), is_inside ? 1 : 0, 1e-6) << p.transpose();
+      inside += is_inside;
+    }
+    EXPECT_GT(inside, 400);
+  }
+}
+
+TEST(SurfaceMesh, depth_in_a_cube_and_outside_is_the_distance_to_faces_edges_and_corners) {
+  const SurfaceMesh mesh = cube(2).mesh();
+  for (const Vec3& p : points_around(mesh, 4000)) {
+    const Vec3 q = p.cwiseAbs() - Vec3::Ones();
+    const double exact = q.maxCoeff() < 0 ? -q.maxCoeff() : -q.cwiseMax(0).norm();
+    EXPECT_NEAR(mesh.depth(p), exact, 1e-14);
+  }
+  // On the planes that continue faces, and over edges: where rays graze.
+  EXPECT_NEAR(mesh.depth({1, 0, 2}), -1, 1e-15);
+  EXPECT_NEAR(mesh.depth({0, 0, 0}), 1, 1e-15);
+  EXPECT_NEAR(mesh.depth({2, 2, 2}), -std::sqrt(3), 1e-15);
+}
+
+TEST(SurfaceMesh, depth_of_a_torus_nears_the_tubes) {
+  const SurfaceMesh mesh = torus(3, 1, 120, 60).mesh();
+  for (const Vec3& p : points_around(mesh, 2000)) {
+    const double exact = 1 - std::hypot(std::hypot(p.x(), p.y()) - 3, p.z());
+    EXPECT_NEAR(mesh.depth(p), exact, 4e-3);  // sagitta of the chords
+  }
+}
+
+TEST(SurfaceMesh, one_inside_out_is_turned) {
+  Surface surface = torus(3, 1, 24, 12);
+  for (Triangle& t : surface.triangles) std::swap(t[0], t[1]);
+  EXPECT_GT(surface.mesh().volume(), 0);
+  EXPECT_GT(surface.mesh().depth({3, 0, 0}), 0.9);
+}
+
+TEST(SurfaceMesh, what_has_no_inside_is_refused) {
+  Surface open = cube(2);
+  open.triangles.pop_back();
+  EXPECT_NE(complaint(open).find("mesh: the surface is open"), std::string::npos);
+  Surface turned = cube(2);
+  std::swap(turned.triangles[0][0], turned.triangles[0][1]);
+  EXPECT_NE(complaint(turned).find("some of its faces are turned"), std::string::npos);
+  Surface flat = cube(2);
+  flat.triangles[3][0] = flat.triangles[3][1];
+  EXPECT_NE(complaint(flat).find("no area"), std::string::npos);
+}
+
+TEST(SurfaceMesh, of_a_file_has_its_volume_around_the_origin) {
+  const std::string path = (std::filesystem::temp_directory_path() / "spall_box.obj").string();
+  std::ofstream(path) << "# a box, quads, kilometres\nv 1 1 1\nv 3 1 1\nv 3 2 1\nv 1 2 1\n"
+                         "v 1 1 4\nv 3 1 4\nv 3 2 4\nv 1 2 4\nvn 0 0 1\n"
+                         "f 4 3 2 1\nf 5//1 6//1 7//1 8//1\nf 1/1/1 2/2/1 6/3/1 5/4/1\n"
+                         "f -6 -5 -1 -2\nf 1 5 8 4\nf 2 3 7 6\n";
+  const SurfaceMesh mesh = SurfaceMesh::read_obj(path, 1000);
+  EXPECT_NEAR(mesh.volume(), 6e9, 1e-5);
+  EXPECT_NEAR((mesh.half_widths() - Vec3(1000, 500, 1500)).norm(), 0, 1e-9);
+  EXPECT_NEAR(mesh.depth({900, 0, 0}), 100, 1e-9);
+  EXPECT_NEAR(mesh.depth({0, 0, 1700}), -200, 1e-9);
+
+  std::ofstream(path) << "v 0 0 0\nv 1 0 0\nf 1 2 7\n";
+  try {
+    SurfaceMesh::read_obj(path, 1);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.what(),
+              path + ":3: the face's corner \"7\" is none of the 2 vertices above it");
+  }
+  std::filesystem::remove(path);
+}
+
+}  // namespace
+}  // namespace spall
