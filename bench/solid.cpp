@@ -1,4 +1,4 @@
-// Aluminium by its material's law against what is known of it: shocks, spall, tension.
+// Aluminium by its material's law against what is known of it: shocks and tension.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
@@ -180,50 +180,6 @@ void shock(const Comm& comm, const Sample& m, const std::string& orientation, do
                1 / (1 - up / (m.solid.sound_speed + m.solid.hugoniot_slope * up)));
 }
 
-/// A disc on one twice as thick. The strength is told by the pull-back of the free surface's speed,
-/// sigma = rho c du/2 with the crystal's own sound speed.
-void spall_test(const Comm& comm, const Sample& m, const std::string& orientation, double speed,
-                double thickness) {
-  const double radius = 4.5 * thickness;
-  World world =
-      make_discs(comm, m, {{-thickness, -0.5, radius, speed}, {0.5, 2 * thickness, radius, 0}},
-                 turn(orientation));
-  const double c = m.d * std::sqrt(stiffness(m.law) / m.mass) *
-                   (orientation == "110"   ? std::sqrt(5. / 4)
-                    : orientation == "111" ? std::sqrt(4. / 3)
-                    : orientation == "100" ? 1.0
-                                           : std::sqrt(1.2));
-  const double h = m.step();
-  double highest = 0, drop = 0, torn_at = 0;
-  double time = 0;
-  for (; time < 8 * thickness * m.d / c; time += 10 * h) {
-    potential_steps(world, h, 10);
-    const double back = 2 * thickness * m.d + speed * time;
-    const Profile p = profile(world, back - 2.5 * m.d, back + 2 * m.d, 4 * m.d, 4.4 * m.d);
-    const double v = p.velocity.empty() ? 0 : p.velocity[0];
-    highest = std::max(highest, v);
-    drop = std::max(drop, highest - v);
-  }
-  // The gap: the thinnest bin that has matter on both sides; told from the target's front face,
-  // which has moved on with half of the flyer's speed.
-  const double width = 2.1 * m.d, low = -thickness * m.d;
-  const Profile p = profile(world, low, 4 * thickness * m.d, 4 * m.d, width);
-  std::size_t end = p.mass.size();
-  while (end > 0 && p.mass[end - 1] == 0) --end;
-  std::size_t begin = 0;
-  while (begin < end && p.mass[begin] == 0) ++begin;
-  double least = infinity;
-  for (std::size_t b = begin + 2; b + 2 < end; ++b)
-    if (p.mass[b] < least) {
-      least = p.mass[b];
-      torn_at = low + width * (static_cast<double>(b) + 0.5) - speed / 2 * time;
-    }
-  if (comm.rank == 0)
-    fmt::print("spall,{},{:g},{:.3g},{:.3g},{:.2f},{:.3f}\n", orientation, speed,
-               m.solid.density * c * drop / 2, m.solid.spall_strength, torn_at / (thickness * m.d),
-               least / (pi * 16 * m.d * m.d * width * m.solid.density));
-}
-
 /// A bar whose parts fly apart, its ends at 5 % of the sound speed: the largest stress in its
 /// middle.
 void tension(const Comm& comm, const Sample& m, const std::string& orientation) {
@@ -267,7 +223,7 @@ int main(int argc, char** argv) {
   const Comm comm = session.world();
   try {
     require(argc >= 5,
-            "usage: bench_solid CASE shock|spall|tension ORIENTATION DAMPING [SPEED LENGTH]: the "
+            "usage: bench_solid CASE shock|tension ORIENTATION DAMPING [SPEED LENGTH]: the "
             "law is that of the case's material; orientations are 100, 110, 111 or a seed");
     const Case scene = read_case(argv[1], {"pair_potential.damping=" + std::string(argv[4])});
     Sample m{*scene.materials[0].solid, *scene.potential, 0, scene.potential->distance};
@@ -276,7 +232,6 @@ int main(int argc, char** argv) {
     const double speed = argc > 5 ? std::atof(argv[5]) : 0,
                  length = argc > 6 ? std::atof(argv[6]) : 0;
     if (what == "shock") shock(comm, m, argv[3], speed, length);
-    if (what == "spall") spall_test(comm, m, argv[3], speed, length);
     if (what == "tension") tension(comm, m, argv[3]);
   } catch (const std::exception& error) {
     fmt::print(stderr, "{}\n", error.what());
