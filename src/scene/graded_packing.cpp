@@ -63,7 +63,7 @@ void place_graded(const Volume& volume, const Packing& packing, std::uint64_t se
       return low + room.cwiseProduct(Vec3(x, y, z));
     };
     const auto fill_at = [&](const Vec3& x) {
-      return depth(volume, x) > 0 ? wanted.fill((x - site).norm(), r) : 0.0;
+      return contains(volume, x) ? wanted.fill((x - site).norm(), r) : 0.0;
     };
     // How many there are to be: the mean of the wanted number density over the box.
     constexpr int samples = 20'000;
@@ -77,8 +77,8 @@ void place_graded(const Volume& volume, const Packing& packing, std::uint64_t se
     constexpr std::int64_t most_tries_in_vain = 100'000;
     for (std::int64_t in_vain = 0; missing > 0 && in_vain < most_tries_in_vain; ++in_vain) {
       const Vec3 center = draw();
-      if (uniform() * highest > fill_at(center) || depth(volume, center) < r) continue;
-      if (spheres.find_overlap(center, r, 0)) continue;
+      if (uniform() * highest > fill_at(center)) continue;
+      if (spheres.find_overlap(center, r, 0) || depth(volume, center) < r) continue;
       spheres.add(center, r);
       place(center, r);
       --missing;
