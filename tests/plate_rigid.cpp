@@ -40,8 +40,8 @@ duration = 1
 projectile = "ball"
 plate = "plate"
 )",
-                                density, cohesion, 0.01 * d, 20 * d, 20 * d, 3 * d, -1.5 * d, d,
-                                7 * d, 3.75 * d, d, -6700 / metre * second),
+                                density, cohesion, 0.01 * d, 14 * d, 14 * d, 3 * d, -1.5 * d, d,
+                                5 * d, 2.75 * d, d, -6700 / metre * second),
                     "x.toml");
 }
 
@@ -60,7 +60,7 @@ double fastest(const World& world) {
   return world.comm.max(most);
 }
 
-const SolverSettings settings{.tolerance = 1e-3};
+const SolverSettings settings{.tolerance = 1e-3, .max_iterations = 3000};
 
 TEST(PlateRigid, energy_only_falls_momentum_stays_and_nothing_flies_off_faster_than_it_came) {
   World world = world_of(testing_world(), plate());
@@ -68,7 +68,7 @@ TEST(PlateRigid, energy_only_falls_momentum_stays_and_nothing_flies_off_faster_t
   Diagnostics before = diagnose(world);
   const Diagnostics first = before;
   double most = 0;
-  for (int step = 0; step < 45; ++step) {
+  for (int step = 0; step < 30; ++step) {
     nonsmooth_step(world, h, settings, 1);
     const Diagnostics now = diagnose(world);
     // Bonds that close give what they take to break: c times the range, three of each body.
@@ -99,13 +99,15 @@ TEST(PlateRigid, other_units_give_the_same_motion) {
   EXPECT_NEAR(fastest(other) * metre / second, fastest(si), 1e-3 * impact_speed);
 }
 
+/// Less well solved, at a tolerance of 0.03, the front differs by a sixth of the speed; in steps of
+/// a quarter and less hits come one after another and the front is a fifth faster.
 TEST(PlateRigid, front_does_not_depend_on_the_step) {
   const Case scene = plate();
   const Target target = find_target(scene);
   const auto front = [&](double part) {
     World world = world_of(testing_world(), scene);
     const double h = part * spacing / 2 / impact_speed;
-    for (int step = 0; step < std::lround(40 / part); ++step) nonsmooth_step(world, h, settings, 1);
+    for (int step = 0; step < std::lround(30 / part); ++step) nonsmooth_step(world, h, settings, 1);
     return measure_cloud(world.comm, world.bodies, target, 0).front;
   };
   const double whole = front(1);

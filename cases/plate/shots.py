@@ -55,7 +55,7 @@ def run(options, name, seed):
                f"groups.ball.packing.diameter={d}", f"groups.ball.velocity=[0, 0, {-speed}]",
                f"phases.impact.step={step}", f"phases.impact.duration={duration}",
                f"debris.every={duration / 12}", "output.series_every=1e-6",
-               f"output.snapshot_every={duration / 6 if options.pictures else duration}"]
+               f"output.snapshot_every={duration / 7 if options.pictures else duration}"]
     folder = ROOT / f"out/plate/{name}-{options.across:g}-{seed}"
     command = ["mpirun", "-n", str(options.ranks), str(options.program), "run",
                str(HERE / "case.toml"), "--out", str(folder)]
@@ -132,6 +132,20 @@ def table(rows):
     return "\n".join(lines)
 
 
+def tried():
+    """The laws of tried.csv, a row each: two shots, one orientation, 12 across, read at 16 and 28 us."""
+    laws = {}
+    for row in csv.DictReader((HERE / "tried.csv").open()):
+        laws.setdefault(row["law"], {})[row["shot"]] = row
+    keys = ["front_over_speed", "radial_over_speed", "hole_over_diameter"]
+    lines = ["| law | 4-1287: front / V | radial / V | hole / D | 4-1353: front / V | radial / V | hole / D |",
+             "|---|--:|--:|--:|--:|--:|--:|"]
+    for law, shots in laws.items():
+        cells = [shots.get(name, {}).get(key, "") for name in ("4-1287", "4-1353") for key in keys]
+        lines.append(f"| {law} | {' | '.join(cells)} |")
+    return "\n".join(lines)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--across", type=float, default=12)
@@ -160,6 +174,7 @@ def main():
                     writer.writeheader()
                     writer.writerows(rows)
     replace_section(HERE / "README.md", "shots", table(rows))
+    replace_section(HERE / "README.md", "tried", tried())
 
 
 if __name__ == "__main__":

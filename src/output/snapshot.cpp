@@ -23,7 +23,7 @@ const std::set<std::string> fixed_fields = {"id", "group", "material", "radius",
 
 const char* unit_of(const std::string& field) {
   if (field == "position" || field == "radius") return "m";
-  if (field == "velocity") return "m s-1";
+  if (field == "velocity" || field == "kick") return "m s-1";
   if (field == "angular_velocity") return "rad s-1";
   if (field == "mass") return "kg";
   if (field == "heat") return "J";
