@@ -62,14 +62,14 @@ void place_graded(const Volume& volume, const Packing& packing, std::uint64_t se
       const double x = uniform(), y = uniform(), z = uniform();
       return low + room.cwiseProduct(Vec3(x, y, z));
     };
-    const auto fill_at = [&](const Vec3& x) { return wanted.fill((x - site).norm(), r); };
+    const auto fill_at = [&](const Vec3& x) {
+      return contains(volume, x) ? wanted.fill((x - site).norm(), r) : 0.0;
+    };
     // How many there are to be: the mean of the wanted number density over the box.
     constexpr int samples = 20'000;
     double mean = 0, highest = 0;
     for (int k = 0; k < samples; ++k) {
-      const Vec3 x = draw();
-      const double fill = fill_at(x);
-      if (fill == 0 || depth(volume, x) <= 0) continue;
+      const double fill = fill_at(draw());
       mean += fill / samples;
       highest = std::max(highest, fill);
     }
@@ -77,10 +77,8 @@ void place_graded(const Volume& volume, const Packing& packing, std::uint64_t se
     constexpr std::int64_t most_tries_in_vain = 100'000;
     for (std::int64_t in_vain = 0; missing > 0 && in_vain < most_tries_in_vain; ++in_vain) {
       const Vec3 center = draw();
-      // The cheapest question first, the distance to the surface last.
-      if (uniform() * highest >= fill_at(center) || spheres.find_overlap(center, r, 0) ||
-          depth(volume, center) < r)
-        continue;
+      if (uniform() * highest > fill_at(center)) continue;
+      if (spheres.find_overlap(center, r, 0) || depth(volume, center) < r) continue;
       spheres.add(center, r);
       place(center, r);
       --missing;

@@ -58,6 +58,11 @@ double depth(const Volume& volume, const Vec3& point) {
   return -infinity;
 }
 
+bool contains(const Volume& volume, const Vec3& point) {
+  if (volume.shape != Shape::ellipsoid) return depth(volume, point) > 0;
+  return (2 * (point - volume.center).array() / volume.extents.array()).matrix().squaredNorm() < 1;
+}
+
 double ball_volume(double radius) {
   return 4 * pi / 3 * radius * radius * radius;
 }

@@ -10,6 +10,9 @@ namespace spall {
 /// only the sign is meant). A sphere is wholly inside where its centre is a radius deep.
 double depth(const Volume& volume, const Vec3& point);
 
+/// Whether it lies inside: its depth's sign, for less.
+bool contains(const Volume& volume, const Vec3& point);
+
 double ball_volume(double radius);       ///< m^3, volume of a ball
 double volume_of(const Volume& volume);  ///< m^3
 
