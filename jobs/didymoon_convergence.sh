@@ -20,7 +20,6 @@ run step-2 --set $step=0.2ms
 run step-0.5 --set $step=0.05ms
 run step-0.25 --set $step=0.025ms
 run tolerance-1e-3 --set $tolerance=1e-3
-run tolerance-1e-4 --set $tolerance=1e-4
 run range-0.5 --set "contact.cohesion_range=0.5 cm"
 run range-2 --set "contact.cohesion_range=2 cm"
 run impulse --set contact.cohesion_law=impulse

@@ -137,6 +137,61 @@ packing = {{kind = "file", file = "{}"}}
 
 constexpr double mass_of_pile = 200 * 2000 * 4 * pi / 3;
 
+TEST(StoredPile, is_placed_spun_carved_and_weighed_as_asked) {
+  const Comm self(MPI_COMM_SELF);
+  const std::string phase = "[[phases]]\nname = \"x\"\nstep = 1\nduration = 1\n";
+  const Case whole = with_stored_bodies(
+      parse_case(rock +
+                     group("a", "radius = 100, center = [1000, 0, 0]",
+                           "velocity = [0, 3, 0]\nspin = [0, 0, 0.01]\ntotal_mass = 5e6") +
+                     phase,
+                 "x.toml"));
+  const Bodies bodies = make_bodies(whole, self);
+  ASSERT_EQ(bodies.owned, 200);
+  double mass = 0;
+  Vec3 center = Vec3::Zero();
+  for (Index b = 0; b < bodies.owned; ++b) {
+    mass += bodies.mass[b];
+    center += bodies.mass[b] * bodies.position[b] / 5e6;
+    const Vec3 arm = bodies.position[b] - Vec3(1000, 0, 0);
+    EXPECT_EQ(bodies.velocity[b], Vec3(-0.01 * arm.y(), 3 + 0.01 * arm.x(), 0));
+    EXPECT_EQ(bodies.angular_velocity[b], Vec3(0, 0, 0.01));
+  }
+  EXPECT_NEAR(mass, 5e6, 1e-6);
+  EXPECT_NEAR((center - Vec3(1000, 0, 0)).norm(), 0, 1e-9);
+
+  const Case part = with_stored_bodies(parse_case(
+      rock + group("a", "shape = \"ellipsoid\", size = [10, 8, 6]", "") + phase, "x.toml"));
+  const Bodies carved = make_bodies(part, self);
+  Index inside = 0;
+  for (const Vec3& x : bodies.position)
+    inside += ((x - Vec3(1000, 0, 0)).array() / Eigen::Array3d(5, 4, 3)).matrix().norm() <= 1;
+  EXPECT_EQ(carved.owned, inside);
+  EXPECT_GT(inside, 20);
+  EXPECT_DOUBLE_EQ(carved.mass[0], 2000 * 4 * pi / 3);
+}
+
+TEST(StoredPile, that_is_not_there_or_none_is_told_with_its_group) {
+  const auto complaint = [](const std::string& file) -> std::string {
+    try {
+      with_stored_bodies(
+          parse_case(std::string(rock) +
+                         "[[groups]]\nname = \"a\"\nmaterial = \"rock\"\nvolume = {radius = 1}"
+                         "\npacking = {kind = \"file\", file = \"" +
+                         file + "\"}\n[[phases]]\nname = \"x\"\nstep = 1\nduration = 1\n",
+                     "x.toml"));
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(complaint("nowhere.h5"), "x.toml:10:1: groups.a: there is no file 'nowhere.h5'");
+  settled_pile();
+  const std::string other = folder_of("pile") + "/results.toml";
+  EXPECT_EQ(complaint(other).find("x.toml:10:1: groups.a: '" + other + "' is not a restart file"),
+            0u);
+}
+
 TEST(Pull, two_bodies_fall_as_kepler_lets_them) {
   results_of("pull", std::string(rock) + R"(
 [[groups]]

@@ -20,11 +20,11 @@ from report_reference import look_up  # noqa: E402
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 
-RESOLUTIONS = ("2", "1", "0.5")  # m: the largest radius at the site
+RESOLUTIONS = ("2", "1")  # m: the largest radius at the site
 ROWS = [("bodies", None, ""), ("smallest radius", None, "m"), ("dv", "deflection.dv", "m/s"), ("beta, vector formula", "deflection.beta", ""),
         ("beta along the flight", "deflection.beta_along", ""), ("change of the period", "deflection.dT_min", "min"),
         ("ejecta", "ejecta.count", ""), ("their mass", "ejecta.mass", "kg"), ("the fastest", "ejecta.fastest", "m/s"),
-        ("half-aperture with half of their m |v|", "ejecta.cone_half_deg", "deg"), ("with 90 % of it", "ejecta.cone_most_deg", "deg"),
+        ("half-aperture with half of their momentum (sum of sizes)", "ejecta.cone_half_deg", "deg"), ("with 90 % of it", "ejecta.cone_most_deg", "deg"),
         ("mass of the pile", "pile.mass", "kg"), ("its axes", "pile.axes", "m"), ("momentum not closed, of m v", "deflection.momentum_closure", ""),
         ("drift of momentum, of m v", "conservation.linear", ""), ("energy unexplained, of the dissipated", "conservation.energy_unexplained", "")]
 

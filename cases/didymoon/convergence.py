@@ -5,7 +5,7 @@ import sys
 import tomllib
 
 NAMES = {"base": "as in case.toml: h = 0.1 ms, tolerance 1e-2, range 1 cm", "step-2": "h = 0.2 ms", "step-0.5": "h = 0.05 ms",
-         "step-0.25": "h = 0.025 ms", "tolerance-1e-3": "tolerance 1e-3 during the impact", "tolerance-1e-4": "tolerance 1e-4",
+         "step-0.25": "h = 0.025 ms", "tolerance-1e-3": "tolerance 1e-3 during the impact",
          "range-0.5": "range 0.5 cm", "range-2": "range 2 cm", "impulse": 'cohesion_law = "impulse": 50 N s a step'}
 
 

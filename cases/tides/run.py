@@ -53,17 +53,19 @@ def main():
     for approach, part, whole, own, *_ in rows:
         lines.append(f"| {approach} | {part:.3f} | {kind(part)} | " + ", ".join(f"{a:.0f}" for a in own) + f" | {whole[0]:.0f} |")
     (HERE / "results.md").write_text("\n".join(lines) + "\n")
-    figure, panels = plt.subplots(1, len(rows), figsize=(3.2 * len(rows), 3.5), facecolor=tuple(SKY), squeeze=False)
-    for panel, (approach, part, _, _, position, radius) in zip(panels[0], rows):
+    figure, panels = plt.subplots(len(rows), 1, figsize=(12, 2.6 * len(rows)), facecolor=tuple(SKY), squeeze=False)
+    for panel, (approach, part, _, _, position, radius) in zip(panels[:, 0], rows):
         middle = np.median(position, axis=0)
         long_axis = np.linalg.svd(position - middle, full_matrices=False)[2][0]
-        width = 1.1 * np.ptp((position - middle) @ long_axis)
+        along = (position - middle) @ long_axis
+        middle = middle + long_axis * (along.min() + along.max()) / 2
+        width = max(1.06 * np.ptp(along), 5.5 * np.ptp(position[:, 2]))
         up = np.cross([0, 0, 1.0], long_axis)
-        camera = Camera(np.array([0, 0, 1.0]), up, middle, width, width, 420)
+        camera = Camera(np.array([0, 0, 1.0]), up, middle, width, width / 5, 1100)
         show(panel, camera, render(camera, position, radius, rock(len(radius)), SKY))
         scale_bar(panel, camera)
         panel.set_title(f"{approach} planet radii: {kind(part)}", color="white", loc="center", fontsize=10)
-    figure.subplots_adjust(0.005, 0.01, 0.995, 0.9, wspace=0.02)
+    figure.subplots_adjust(0.005, 0.01, 0.995, 0.94, hspace=0.14)
     figure.savefig(HERE / "piles.png", dpi=110, facecolor=tuple(SKY))
 
 

@@ -20,6 +20,7 @@ class Inside:
             self.position, self.acceleration, self.radius, self.mass = (
                 file[f"bodies/{key}"][:][order] for key in ("position", "acceleration", "radius", "mass"))
             i, j, impulse = (file[f"contacts/{key}"][:] for key in ("i", "j", "impulse"))
+        self.mass = np.where(np.isfinite(self.mass), self.mass, 0)  # what is fixed belongs to no pile
         pair = (j >= 0) & (i < len(order)) & (j < len(order))
         i, j, impulse = i[pair], j[pair], impulse[pair]
         between = self.position[j] - self.position[i]
@@ -123,7 +124,7 @@ def interior(run):
     """Figure and table rows of the inside, before and after; None without restart files."""
     reach = 1e-3 * np.median(run.before.radius)
     states = [(name, Inside(path, reach)) for name, path in restart_files(run)]
-    states = [(name, state) for name, state in states if len(state.i)]
+    states = [(name, state) for name, state in states if np.any(state.force > 0)]  # a pile by its own gravity
     if not states:
         return None
     figure, axes = plt.subplots(len(states) + 1, 3, figsize=(12, 4.1 * (len(states) + 1)), layout="constrained", squeeze=False)
