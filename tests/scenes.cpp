@@ -193,6 +193,7 @@ TEST(StoredPile, that_is_not_there_or_none_is_told_with_its_group) {
 }
 
 TEST(Pull, two_bodies_fall_as_kepler_lets_them) {
+  if (testing_world().size > 2) GTEST_SKIP() << "two bodies lie on at most two ranks";
   results_of("pull", std::string(rock) + R"(
 [[groups]]
 name = "pair"
