@@ -216,10 +216,10 @@ class BodiesAhead {
 /// be added to its row and none of its fields will be asked for again. The forces of ghosts mean
 /// nothing. `equal`: all bodies have the size and mass of the first, which is then read once.
 template <bool equal, class Model, class Finish>
-[[gnu::flatten]]
-void sweep_contacts(const Bodies& bodies, const Model& model, double gap,
-                    const std::vector<NearWindow>& windows, std::vector<WindowSprings>& springs,
-                    ForceRow* rows, Finish&& finish) {
+[[gnu::flatten]] void sweep_contacts(const Bodies& bodies, const Model& model, double gap,
+                                     const std::vector<NearWindow>& windows,
+                                     std::vector<WindowSprings>& springs, ForceRow* rows,
+                                     Finish&& finish) {
   double* const forces = reinterpret_cast<double*>(rows);
   const auto number = [](const std::vector<double>& of, const Index* at) {
     return equal ? spread(of[0]) : gather_body_numbers(of, at);
