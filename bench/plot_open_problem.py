@@ -28,9 +28,9 @@ def main(path):
     lines = [about, "", "| friction | pile | way | products to E = 1e-2 | 1e-3 | 1e-4 | 1e-5 | 1e-6 | lowest E |",
              "|---|---|---|--:|--:|--:|--:|--:|--:|"]
     for (friction, age, way), points in curves.items():
-        panel = axes[friction == "coulomb"]
-        line, = panel.loglog(*zip(*points), "-" if age == "just settled" else "--",
-                             label=f"{way}, {age}", lw=1.4)
+        panel = axes[int(friction == "coulomb")]
+        panel.loglog(*zip(*points), "-" if age == "just settled" else "--",
+                     label=f"{way}, {age}", lw=1.4)
         panel.set(title=f"{friction} friction", xlabel="products", ylim=(1e-9, 1))
         reached = [next((str(n) for n, E in points if E <= goal), "-")
                    for goal in (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)]
