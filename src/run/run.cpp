@@ -123,7 +123,10 @@ class Run {
   }
 
  private:
-  const Phase& phase() const { return scene_.phases[clock_.phase]; }
+  /// After the end still the last one.
+  const Phase& phase() const {
+    return scene_.phases[std::min<std::size_t>(clock_.phase, scene_.phases.size() - 1)];
+  }
   const SolverSettings& solver() const { return phase().solver ? *phase().solver : scene_.solver; }
   std::int64_t steps_of_phase() const {
     return std::max<std::int64_t>(1, std::llround(phase().duration / phase().step));
@@ -147,7 +150,6 @@ class Run {
     if (by_penalty() || was_penalty()) book_springs(before);
   }
 
-  bool by_potential_at_end() const { return scene_.phases.back().method == Method::potential; }
   bool by_potential() const { return phase().method == Method::potential; }
   bool by_penalty() const { return phase().method == Method::penalty; }
   bool was_penalty() const {
@@ -446,7 +448,7 @@ class Run {
     ResultTable table;
     add_case(table);
     verdict_.add_to(table, scene_.binary);
-    debris_.conclude(world_, by_potential_at_end(), clock_.time, table);
+    debris_.conclude(world_, by_potential(), clock_.time, table);
     add_conservation(table, sums);
     record_.add_to(table, clock_.step);
     table.add("gravity", "evaluations", world_.kick.evaluations);
