@@ -101,10 +101,12 @@ std::int64_t SphereGrid::find_nearer(const Vec3& point, double distance) const {
 
 void SphereSet::add(const Vec3& center, double radius) {
   const int power = static_cast<int>(std::ceil(std::log2(radius)));
-  const double largest = std::ldexp(1.0, power);
-  const auto level =
-      levels_.try_emplace(power, Level{{center_, half_, largest, expected_}, largest, {}, {}})
-          .first;
+  auto level = levels_.find(power);
+  if (level == levels_.end()) {
+    const double largest = std::ldexp(1.0, power);
+    level =
+        levels_.emplace(power, Level{{center_, half_, largest, expected_}, largest, {}, {}}).first;
+  }
   level->second.grid.add(center);
   level->second.radius.push_back(radius);
   level->second.sphere.push_back(count_++);
