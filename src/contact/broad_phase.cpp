@@ -3,8 +3,8 @@
 #include "spall/contact/broad_phase.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
-#include <unordered_map>
 
 namespace spall {
 namespace {
@@ -159,16 +159,20 @@ ContactMemory remember(const Bodies& bodies, const Pairs& pairs, bool once) {
 }
 
 void recall(const Bodies& bodies, const ContactMemory& memory, Pairs& pairs) {
-  std::unordered_multimap<std::uint64_t, std::size_t> at;
-  at.reserve(memory.i.size());
-  for (std::size_t m = 0; m < memory.i.size(); ++m)
-    at.emplace(pair_key(memory.i[m], memory.j[m]), m);
+  // A table at most half full; who finds a place taken takes the next.
+  constexpr Index none = -1;
+  std::vector<Index> table(std::bit_ceil(2 * memory.i.size() + 1), none);
+  const std::size_t last = table.size() - 1;
+  for (std::size_t m = 0; m < memory.i.size(); ++m) {
+    std::size_t at = pair_key(memory.i[m], memory.j[m]) & last;
+    while (table[at] != none) at = (at + 1) & last;
+    table[at] = static_cast<Index>(m);
+  }
   for (Index p = 0; p < pairs.size(); ++p) {
     const BodyId i = bodies.id[pairs.i[p]], j = partner_id(bodies, pairs, p);
-    const auto [first, last] = at.equal_range(pair_key(i, j));
-    for (auto it = first; it != last; ++it)
-      if (memory.i[it->second] == i && memory.j[it->second] == j)
-        pairs.impulse[p] = memory.impulse[it->second];
+    for (std::size_t at = pair_key(i, j) & last; table[at] != none; at = (at + 1) & last)
+      if (memory.i[table[at]] == i && memory.j[table[at]] == j)
+        pairs.impulse[p] = memory.impulse[table[at]];
   }
 }
 
