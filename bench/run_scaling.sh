@@ -16,7 +16,7 @@ echo "scene,ranks,bodies,contacts,seconds,unit,error,peak_MB" >> "$csv"
 for round in ${ROUNDS:-1 2 3}; do
   for scene in lattice nucleus plate gravity; do
     for ranks in "$@"; do
-      mpirun --oversubscribe -n "$ranks" "$build/bench/bench_scaling" $scene 2> /dev/null >> "$csv"
+      mpirun --oversubscribe -n "$ranks" "$build/bench/bench_scaling" $scene >> "$csv"
     done
   done
 done
