@@ -13,6 +13,19 @@ namespace {
 /// steadily enough, and bodies that start from rest do not outrun the bound on the field.
 constexpr double longest_fall = 1e-3;
 
+/// J on this rank, of gravity's kick that was just given.
+double work_of_gravity(const World& world) {
+  if (!world.has_gravity()) return 0;
+  const Bodies& bodies = world.bodies;
+  double work = 0;
+  for (Index b = 0; b < bodies.owned; ++b) {
+    if (!std::isfinite(bodies.mass[b])) continue;
+    const Vec3 kick = world.kick.load * bodies.acceleration[b];
+    work += bodies.mass[b] * kick.dot(bodies.velocity[b] - kick / 2);
+  }
+  return work;
+}
+
 }  // namespace
 
 void evaluate_field(World& world) {
@@ -60,6 +73,23 @@ void give_kick(World& world, double h, int most_steps) {
   kick.interval = kick.steps_left * h;
   kick.load = (kick.closed + kick.interval) / 2;
   for (Index b = 0; b < bodies.owned; ++b) bodies.velocity[b] += kick.load * bodies.acceleration[b];
+}
+
+SmoothReport begin_smooth_steps(World& world, double h, int most_steps) {
+  SmoothReport report{.steps = most_steps};
+  if (world.kick.steps_left == 0) {
+    evaluate_field(world);
+    give_kick(world, h, most_steps);
+    report.gravity_work = work_of_gravity(world);
+  }
+  if (world.has_gravity()) report.steps = std::min(most_steps, world.kick.steps_left);
+  return report;
+}
+
+void end_smooth_steps(World& world, int steps) {
+  world.kick.evaluated = false;
+  world.kick.load = 0;
+  world.kick.steps_left = world.has_gravity() ? world.kick.steps_left - steps : 0;
 }
 
 }  // namespace spall

@@ -179,31 +179,11 @@ Box kick_and_drift(World& world, const PairDamping& damping, double h, int drift
   return box;
 }
 
-/// J on this rank, of gravity's kick that was just given.
-double work_of_gravity(const World& world) {
-  if (!world.has_gravity()) return 0;
-  const Bodies& bodies = world.bodies;
-  double work = 0;
-  for (Index b = 0; b < bodies.owned; ++b) {
-    if (!std::isfinite(bodies.mass[b])) continue;
-    const Vec3 kick = world.kick.load * bodies.acceleration[b];
-    work += bodies.mass[b] * kick.dot(bodies.velocity[b] - kick / 2);
-  }
-  return work;
-}
-
 }  // namespace
 
-PotentialReport potential_steps(World& world, double h, int most_steps) {
+SmoothReport potential_steps(World& world, double h, int most_steps) {
   Bodies& bodies = world.bodies;
-  PotentialReport report;
-  report.steps = most_steps;
-  if (world.kick.steps_left == 0) {
-    evaluate_field(world);
-    give_kick(world, h, most_steps);
-    report.gravity_work = work_of_gravity(world);
-  }
-  if (world.has_gravity()) report.steps = std::min(most_steps, world.kick.steps_left);
+  const SmoothReport report = begin_smooth_steps(world, h, most_steps);
 
   const PairDamping damping = damping_of(world);
   book_motion(world.comm, velocities_of(bodies), h / 2, world.near);
@@ -217,9 +197,7 @@ PotentialReport potential_steps(World& world, double h, int most_steps) {
     book_motion(world.comm, velocities, drifts * h / 2, world.near);
   }
   take_rows(world);
-  world.kick.evaluated = false;
-  world.kick.load = 0;
-  world.kick.steps_left = world.has_gravity() ? world.kick.steps_left - report.steps : 0;
+  end_smooth_steps(world, report.steps);
   return report;
 }
 

@@ -16,4 +16,17 @@ void evaluate_field(World& world);
 /// uniform field, where resting bodies must be loaded steadily. Collective.
 void give_kick(World& world, double h, int most_steps);
 
+/// What steps of smooth forces (penalty contact, pair potentials) were; sums are over this rank's
+/// part until reduced by whoever prints them.
+struct SmoothReport {
+  int steps = 0;            ///< made
+  double gravity_work = 0;  ///< J, of the kick at the start
+};
+
+/// Gives the kick that is due and says how many steps of `h` may follow: up to `most_steps`, the
+/// last of which ends at the next kick at the latest. Collective.
+SmoothReport begin_smooth_steps(World& world, double h, int most_steps);
+/// They were made: bodies have moved.
+void end_smooth_steps(World& world, int steps);
+
 }  // namespace spall

@@ -4,19 +4,13 @@
 
 #include <functional>
 
-#include "spall/motion/world.hpp"
+#include "spall/motion/gravity_kick.hpp"
 
 namespace spall {
 
-/// What the steps were; sums are over this rank's part until reduced by whoever prints them.
-struct PotentialReport {
-  int steps = 0;            ///< made
-  double gravity_work = 0;  ///< J, of the kick at the start
-};
-
 /// Advances the world by up to `most_steps` steps of `h` (s), the last of which ends at the next
 /// kick of gravity at the latest; positions and velocities belong to its end. Collective.
-PotentialReport potential_steps(World& world, double h, int most_steps);
+SmoothReport potential_steps(World& world, double h, int most_steps);
 
 /// J over all ranks, of the pairs as they are. Collective.
 double potential_energy(World& world);
