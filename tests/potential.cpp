@@ -234,7 +234,7 @@ TEST(PairPotential, energy_does_not_drift) {
   const double before = total_energy(world), kinetic = sums_of(spheres_of(world)).kinetic;
   std::vector<double> error;
   for (int part = 0; part < 100; ++part) {
-    potential_steps(world, 0.015, 200);
+    potential_steps(world, 0.015, 1000);
     error.push_back((total_energy(world) - before) / kinetic);
   }
   double first = 0, last = 0;
@@ -345,7 +345,7 @@ TEST(PairPotential, bond_holds_a_weight_below_its_strength_and_parts_above) {
         breaking);
     world.uniform_gravity = {0, 0, -part * strength};  // of 1 kg
     double early = 0, late = 0;                        // furthest fall in the first and last tenth
-    const int steps = 100000;
+    const int steps = 1000000;
     for (int k = 0; k < steps && late < 10 * d; ++k) {
       potential_steps(world, 0.01, 1);
       double fall = 0;
