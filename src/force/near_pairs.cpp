@@ -291,39 +291,30 @@ constexpr double ghost_limit = 1.5;       // beyond it the bodies of two ranks h
 constexpr int longest_without_cut = 100;  // searches: bodies' order in memory ages as they move
 constexpr double slot_work = 0.1;         // of a pair, beside that of a body
 
-std::vector<double> work_of(const Bodies& bodies, const NearPairs& near) {
-  std::vector<double> work(bodies.owned, 1.0);
-  if (near.range == 0) return work;
-  for (const NearWindow& window : near.windows)
-    for (Index r = 0; r < window.count; ++r)
-      work[window.rows[r] / doubles_a_row] += slot_work * window.slots[r / lane_rows];
-  return work;
-}
-
-bool needs_cut(const Comm& comm, double work, const NearPairs& near) {
-  const bool mixed =
-      near.ghosts.ghosts() > ghost_limit * near.ghosts_after_cut + 0.1 * near.ghosts.owned();
-  const double now = imbalance(comm, work);
-  return near.balance == 0 || now > imbalance_limit * near.balance || comm.any(mixed) ||
-         near.searches_since_cut >= longest_without_cut;
+double imbalance_of(const Comm& comm, const std::vector<double>& work) {
+  return imbalance(comm, std::accumulate(work.begin(), work.end(), 0.0));
 }
 
 }  // namespace
 
-void search_near_pairs(const Comm& comm, Bodies& bodies, double range, NearPairs& near) {
-  const auto work = work_of(bodies, near);
-  const double total = std::accumulate(work.begin(), work.end(), 0.0);
-  const bool cut = needs_cut(comm, total, near);
-  if (cut) {
-    ContactMemory none;
-    migrate(comm, bodies, none, partition(comm, bodies, work));
-  }
-  near.range = range;
-  std::vector<double> reach(bodies.owned);
-  for (Index b = 0; b < bodies.owned; ++b) reach[b] = near.range / 2 - bodies.radius[b];
-  near.found_at.assign(bodies.position.begin(), bodies.position.begin() + bodies.owned);
-  near.ghosts = make_halo(comm, bodies, reach);
-  find_near_pairs(bodies, near.range, near.windows);
+std::vector<double> work_of(const Bodies& bodies, const NearPairs& near, double slot) {
+  std::vector<double> work(bodies.owned, 1.0);
+  if (near.skin == 0) return work;
+  for (const NearWindow& window : near.windows)
+    for (Index r = 0; r < window.count; ++r)
+      work[window.rows[r] / doubles_a_row] += slot * window.slots[r / lane_rows];
+  return work;
+}
+
+bool needs_cut(const Comm& comm, const std::vector<double>& work, const NearPairs& near) {
+  const bool mixed =
+      near.ghosts.ghosts() > ghost_limit * near.ghosts_after_cut + 0.1 * near.ghosts.owned();
+  const double now = imbalance_of(comm, work);
+  return near.balance == 0 || now > imbalance_limit * near.balance || comm.any(mixed) ||
+         near.searches_since_cut >= longest_without_cut;
+}
+
+void book_search(const Comm& comm, const Bodies& bodies, bool cut, double slot, NearPairs& near) {
   near.moved = 0;
   near.steps = 0;
   double pairs = 0;
@@ -332,14 +323,29 @@ void search_near_pairs(const Comm& comm, Bodies& bodies, double range, NearPairs
   near.pairs = comm.sum(pairs);
   ++near.searches;
   ++near.searches_since_cut;
+  if (!cut) return;
+  // The first cut knows bodies only; its pairs may call for a second one.
+  near.balance = near.balance == 0 ? 1 : imbalance_of(comm, work_of(bodies, near, slot));
+  near.ghosts_after_cut = near.ghosts.ghosts();
+  near.searches_since_cut = 0;
+}
+
+void search_near_pairs(const Comm& comm, Bodies& bodies, double reach, double skin,
+                       NearPairs& near) {
+  const auto work = work_of(bodies, near, slot_work);
+  const bool cut = needs_cut(comm, work, near);
   if (cut) {
-    // The first cut knows bodies only; its pairs may call for a second one.
-    const auto after = work_of(bodies, near);
-    near.balance =
-        near.balance == 0 ? 1 : imbalance(comm, std::accumulate(after.begin(), after.end(), 0.0));
-    near.ghosts_after_cut = near.ghosts.ghosts();
-    near.searches_since_cut = 0;
+    ContactMemory none;
+    migrate(comm, bodies, none, partition(comm, bodies, work));
   }
+  near.reach = reach;
+  near.skin = skin;
+  std::vector<double> halo(bodies.owned);
+  for (Index b = 0; b < bodies.owned; ++b) halo[b] = (reach + skin) / 2 - bodies.radius[b];
+  near.found_at.assign(bodies.position.begin(), bodies.position.begin() + bodies.owned);
+  near.ghosts = make_halo(comm, bodies, halo);
+  find_near_pairs(bodies, reach + skin, near.windows);
+  book_search(comm, bodies, cut, slot_work, near);
 }
 
 }  // namespace spall
