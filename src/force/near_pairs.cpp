@@ -254,7 +254,7 @@ void find_near_pairs(const Bodies& bodies, double range, std::vector<NearWindow>
     cells.back().end = k + 1;
     if (order.row[k] < bodies.owned) cells.back().ghosts = k + 1;
   }
-  order.key = {};
+  order.key = std::vector<std::uint64_t>();  // gives the memory back
   const CellTable table(cells);
 
   Candidates candidates;

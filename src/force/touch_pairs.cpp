@@ -212,6 +212,7 @@ void search_touch_pairs(const Comm& comm, Bodies& bodies, const Walls& walls, co
     migrate(comm, bodies, memory, partition(comm, bodies, work));
     return Kept(bodies, memory, range.rolling);
   }();
+  touch.springs.clear();  // pairs that are found need the memory
 
   double largest = 0;
   for (Index b = 0; b < bodies.owned; ++b) largest = std::max(largest, bodies.radius[b]);

@@ -44,7 +44,7 @@ void update_pairs(World& world, const PenaltyLaw& law) {
   largest = world.comm.max(largest);
   const SkinRange skins{
       .length = 2 * largest, .first = 0.1, .least = 0.02, .step = 0.02, .most = 1, .search = 60};
-  world.loads = {};  // a search needs the memory
+  world.loads = std::vector<ForceRow>();  // a search needs the memory
   search_touch_pairs(world.comm, bodies, world.walls(), world.period,
                      {.gap = widest_gap(law, largest),
                       .skin = best_skin(world.comm, bodies, touch, skins),
