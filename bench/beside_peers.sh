@@ -11,14 +11,16 @@ export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMP_NUM_THREADS
 run_spall() {
   mpirun --oversubscribe -n "$1" "${@:2}" >out
   awk '/^bodies/ {for (k = 1; k < NF; k++) f[$k] = $(k + 1)
-    print f["Msteps/s"], f["cpu"] > 0 ? f["Msteps/s"] / f["cpu"] : 1, f["bytes"]}' out
+    print f["Msteps/s"], (f["cpu"] > 0 ? f["Msteps/s"] / f["cpu"] : 1), f["bytes"]}' out
 }
 # bodies, steps, ranks, command of LAMMPS or LIGGGHTS … -> the same
 run_peer() {
-  mpirun --oversubscribe -n "$3" /usr/bin/env bash -c '/usr/bin/time -f "%M kB %U user %e s" "$@"' bash "${@:4}" >out 2>err
+  rm -f time.*
+  mpirun --oversubscribe -n "$3" /usr/bin/env bash -c \
+    '/usr/bin/time -o "time.$OMPI_COMM_WORLD_RANK" -f "%M kB %U user %e s" "$@"' bash "${@:4}" >out
   # LIGGGHTS does not print its share of a processor: that of the whole run.
   awk -v n="$1" -v steps="$2" '/ kB / {whole = $3 / $5; sum += $1} /^Loop time/ {t = $4} /CPU use/ {share = $1 / 100}
-    END {printf "%.4g %.3g %.4g\n", 1e-6 * n * steps / t, share ? share : whole, 1024 * sum / n}' err out
+    END {printf "%.4g %.3g %.4g\n", 1e-6 * n * steps / t, (share ? share : whole), 1024 * sum / n}' time.* out
 }
 # scene, ranks, repetition, program, result of one of these
 record() {
