@@ -109,8 +109,8 @@ void compare_forces(const Comm& comm, const std::string& dump, double h, World& 
   }
   require(in.good(), "{}: ends too soon", dump);
   const PenaltyLaw law = law_of_lammps(world);
-  search_touch_pairs(comm, bodies, {}, world.period, {.gap = widest_gap(law, 0.5), .skin = 0.1},
-                     world.touch);
+  search_touch_pairs(comm, bodies, {}, world.period,
+                     {.gap = widest_gap(law, 0.5), .skin = 0.1, .ordinary = 0.5}, world.touch);
   std::vector<ForceRow> rows(bodies.size());
   double worst = 0, worst_torque = 0, largest = 0, largest_torque = 0;
   with_contact_model(law, h, [&](const auto& model) {

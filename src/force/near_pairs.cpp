@@ -236,20 +236,32 @@ class WindowMaker {
 
 }  // namespace
 
-void find_near_pairs(const Bodies& bodies, double range, std::vector<NearWindow>& windows) {
+void find_near_pairs(const Bodies& bodies, double range, const Giants& giants,
+                     std::vector<NearWindow>& windows) {
   Grid grid{.edge = range};
   for (const Vec3& x : bodies.position) grid.low = grid.low.cwiseMin(x);
-  Order order{std::vector<std::uint64_t>(bodies.size()), std::vector<Index>(bodies.size())};
+  Order order;
+  order.key.reserve(bodies.size());
+  order.row.reserve(bodies.size());
+  std::vector<Index> giant;
   std::uint64_t largest = 0;
   for (Index b = 0; b < bodies.size(); ++b) {
-    order.key[b] = key_of(grid.cell(bodies.position[b]));
-    order.row[b] = b;
-    largest = std::max(largest, order.key[b]);
+    if (bodies.radius[b] > giants.above) {
+      giant.push_back(b);
+      continue;
+    }
+    order.key.push_back(key_of(grid.cell(bodies.position[b])));
+    order.row.push_back(b);
+    largest = std::max(largest, order.key.back());
   }
+  const auto meets_giant = [&](Index g, Index b) {
+    const double reach = bodies.radius[g] + bodies.radius[b] + giants.slack;
+    return (bodies.position[g] - bodies.position[b]).squaredNorm() < reach * reach;
+  };
   order = sort_by_key(std::move(order), largest);
 
   std::vector<Cell> cells;
-  for (Index k = 0; k < bodies.size(); ++k) {
+  for (Index k = 0; k < static_cast<Index>(order.row.size()); ++k) {
     if (cells.empty() || cells.back().key != order.key[k]) cells.push_back({order.key[k], k, k, k});
     cells.back().end = k + 1;
     if (order.row[k] < bodies.owned) cells.back().ghosts = k + 1;
@@ -278,8 +290,19 @@ void find_near_pairs(const Bodies& bodies, double range, std::vector<NearWindow>
     for (Index k = cell.first; k < cell.ghosts; ++k) {
       const Index row = order.row[k];
       append_near(candidates, k - cell.first + 1, bodies.position[row], range, maker.partners());
+      for (Index g : giant)
+        if (meets_giant(g, row)) maker.partners().push_back(g);
       maker.end_row(row);
     }
+  }
+  // Giants come last, as partners of all others: theirs are giants after them, and ghosts.
+  for (std::size_t k = 0; k < giant.size() && giant[k] < bodies.owned; ++k) {
+    for (std::size_t other = k + 1; other < giant.size(); ++other)
+      if (meets_giant(giant[k], giant[other])) maker.partners().push_back(giant[other]);
+    for (Index b = bodies.owned; b < bodies.size(); ++b)
+      if (bodies.radius[b] <= giants.above && meets_giant(giant[k], b))
+        maker.partners().push_back(b);
+    maker.end_row(giant[k]);
   }
   maker.finish();
 }
@@ -344,7 +367,7 @@ void search_near_pairs(const Comm& comm, Bodies& bodies, double reach, double sk
   for (Index b = 0; b < bodies.owned; ++b) halo[b] = (reach + skin) / 2 - bodies.radius[b];
   near.found_at.assign(bodies.position.begin(), bodies.position.begin() + bodies.owned);
   near.ghosts = make_halo(comm, bodies, halo);
-  find_near_pairs(bodies, reach + skin, near.windows);
+  find_near_pairs(bodies, reach + skin, {}, near.windows);
   book_search(comm, bodies, cut, slot_work, near);
 }
 

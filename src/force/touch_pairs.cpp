@@ -214,9 +214,10 @@ void search_touch_pairs(const Comm& comm, Bodies& bodies, const Walls& walls, co
   }();
   touch.springs.clear();  // pairs that are found need the memory
 
+  const double slack = range.gap + range.skin;
   double largest = 0;
   for (Index b = 0; b < bodies.owned; ++b) largest = std::max(largest, bodies.radius[b]);
-  const double reach = 2 * comm.max(largest) + range.gap + range.skin;
+  const double reach = 2 * comm.max(largest) + slack;
   for (int k = 0; k < 3; ++k)
     require(
         period.size[k] == 0 || period.size[k] >= 2 * reach,
@@ -226,19 +227,19 @@ void search_touch_pairs(const Comm& comm, Bodies& bodies, const Walls& walls, co
   if (period.any())
     for (Index b = 0; b < bodies.owned; ++b)
       bodies.position[b] = period.wrapped(bodies.position[b]);
-  std::vector<double> reaches(bodies.owned);
-  for (Index b = 0; b < bodies.owned; ++b) reaches[b] = reach / 2 - bodies.radius[b];
+  std::vector<double> reaches(bodies.owned, slack / 2);
   touch.found_at.assign(bodies.position.begin(), bodies.position.begin() + bodies.owned);
   touch.ghosts = make_halo(comm, bodies, reaches, period, touch.shifts);
-  find_near_pairs(bodies, reach, touch.windows);
+  find_near_pairs(bodies, 2 * range.ordinary + slack, {.above = range.ordinary, .slack = slack},
+                  touch.windows);
   recall_springs(bodies, kept, range.rolling, touch);
-  find_walls(bodies, walls, range.gap + range.skin, kept, touch.walls);
+  find_walls(bodies, walls, slack, kept, touch.walls);
   const auto all_equal = [](const std::vector<double>& values) {
     return std::adjacent_find(values.begin(), values.end(), std::not_equal_to<>()) == values.end();
   };
   touch.equal = all_equal(bodies.radius) && all_equal(bodies.mass);
   touch.gap = range.gap;
-  touch.reach = reach - range.skin;
+  touch.reach = 2 * range.ordinary + range.gap;
   touch.skin = range.skin;
   book_search(comm, bodies, cut, slot_work, touch);
 }

@@ -20,6 +20,26 @@ Box velocities_with_walls(const World& world) {
   return box;
 }
 
+/// m: of all bodies, and of those that are searched by their size: not more than a few times as
+/// large as the mean. Collective.
+struct Radii {
+  double largest = 0, ordinary = 0;
+};
+Radii radii_of(const World& world) {
+  constexpr double few = 4;
+  const Bodies& bodies = world.bodies;
+  double sum = 0;
+  for (Index b = 0; b < bodies.owned; ++b) sum += bodies.radius[b];
+  const double mean = world.comm.sum(sum) / world.comm.sum(static_cast<double>(bodies.owned));
+  Radii radii;
+  for (Index b = 0; b < bodies.owned; ++b) {
+    const double r = bodies.radius[b];
+    radii.largest = std::max(radii.largest, r);
+    if (r <= few * mean) radii.ordinary = std::max(radii.ordinary, r);
+  }
+  return {world.comm.max(radii.largest), world.comm.max(radii.ordinary)};
+}
+
 /// Makes pairs and ghosts current for forces at the present positions.
 void update_pairs(World& world, const PenaltyLaw& law) {
   StageTimer timer(world.times, "neighbours");
@@ -39,15 +59,18 @@ void update_pairs(World& world, const PenaltyLaw& law) {
         bodies.position[bodies.owned + g] += touch.shifts[g];
     return;
   }
-  double largest = 0;
-  for (Index b = 0; b < bodies.owned; ++b) largest = std::max(largest, bodies.radius[b]);
-  largest = world.comm.max(largest);
-  const SkinRange skins{
-      .length = 2 * largest, .first = 0.1, .least = 0.02, .step = 0.02, .most = 1, .search = 60};
+  const Radii radii = radii_of(world);
+  const SkinRange skins{.length = 2 * radii.ordinary,
+                        .first = 0.1,
+                        .least = 0.02,
+                        .step = 0.02,
+                        .most = 1,
+                        .search = 60};
   world.loads = std::vector<ForceRow>();  // a search needs the memory
   search_touch_pairs(world.comm, bodies, world.walls(), world.period,
-                     {.gap = widest_gap(law, largest),
+                     {.gap = widest_gap(law, radii.largest),
                       .skin = best_skin(world.comm, bodies, touch, skins),
+                      .ordinary = radii.ordinary,
                       .rolling = law.rolling_friction > 0},
                      touch);
   world.loads.assign(bodies.size(), ForceRow{});

@@ -46,8 +46,16 @@ struct NearPairs {
   double pairs = 0;  ///< over all ranks, of the last search
 };
 
-/// Finds all pairs nearer than `range` (m) with an owned body; ghosts current.
-void find_near_pairs(const Bodies& bodies, double range, std::vector<NearWindow>& windows);
+/// Bodies that are so much larger than most that a search by their size would find everybody near
+/// everybody: they are compared with all others instead.
+struct Giants {
+  double above = infinity;  ///< m, radius from which on
+  double slack = 0;         ///< m, gap between the surfaces up to which they have partners
+};
+
+/// Finds all pairs nearer than `range` (m) with an owned body, and those of giants; ghosts current.
+void find_near_pairs(const Bodies& bodies, double range, const Giants& giants,
+                     std::vector<NearWindow>& windows);
 
 /// Finds ghosts and pairs up to `reach` + `skin` (m) anew; cuts the domain before where the ranks'
 /// work differs by more than a tenth. Collective.

@@ -50,6 +50,7 @@ struct TouchPairs : NearPairs {
 struct TouchRange {
   double gap = 0;        ///< m, at which bodies may act on each other
   double skin = 0;       ///< m
+  double ordinary = 0;   ///< m, radius up to which bodies are searched by their size
   bool rolling = false;  ///< rolling springs are kept
 };
 
