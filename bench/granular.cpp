@@ -1,8 +1,5 @@
 // A dense random packing in penalty contact that LAMMPS runs beside it (run_granular.sh).
 // SPDX-License-Identifier: BSD-3-Clause
-#include <fmt/format.h>
-#include <sys/resource.h>
-
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
@@ -10,6 +7,7 @@
 #include <sstream>
 #include <string>
 
+#include "smooth_rate.hpp"
 #include "spall/base/require.hpp"
 #include "spall/domain/pack.hpp"
 #include "spall/force/penalty_sweep.hpp"
@@ -111,8 +109,8 @@ void compare_forces(const Comm& comm, const std::string& dump, double h, World& 
   }
   require(in.good(), "{}: ends too soon", dump);
   const PenaltyLaw law = law_of_lammps(world);
-  search_touch_pairs(comm, bodies, {}, world.period, {.gap = widest_gap(law, 0.5), .skin = 0.1},
-                     world.touch);
+  search_touch_pairs(comm, bodies, {}, world.period,
+                     {.gap = widest_gap(law, 0.5), .skin = 0.1, .ordinary = 0.5}, world.touch);
   std::vector<ForceRow> rows(bodies.size());
   double worst = 0, worst_torque = 0, largest = 0, largest_torque = 0;
   with_contact_model(law, h, [&](const auto& model) {
@@ -131,19 +129,6 @@ void compare_forces(const Comm& comm, const std::string& dump, double h, World& 
   });
   fmt::print("forces {:.3g} of {:.4g} N, torques {:.3g} of {:.4g} N m\n", worst / largest, largest,
              worst_torque / largest_torque, largest_torque);
-}
-
-double processor_seconds() {
-  rusage usage;
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<double>(usage.ru_utime.tv_sec) +
-         1e-6 * static_cast<double>(usage.ru_utime.tv_usec);
-}
-
-double peak_bytes() {
-  rusage usage;
-  getrusage(RUSAGE_SELF, &usage);
-  return 1024.0 * static_cast<double>(usage.ru_maxrss);
 }
 
 }  // namespace
@@ -166,36 +151,17 @@ int main(int argc, char** argv) {
       return 0;
     }
     const int steps = std::atoi(argv[3]), repetitions = std::atoi(argv[4]);
-    const auto count = comm.sum(static_cast<double>(world.bodies.owned));
     penalty_steps(world, h, 10);
-    for (int r = 0; r < repetitions; ++r) {
-      world.times = {};
-      const auto searches = world.touch.searches;
-      MPI_Barrier(comm.raw);
-      const double begin = MPI_Wtime(), worked = processor_seconds();
-      penalty_steps(world, h, steps);
-      const double seconds = comm.max(MPI_Wtime() - begin);
-      const double busy = comm.max(processor_seconds() - worked);
-      double slots = 0;
-      for (const NearWindow& window : world.touch.windows)
-        slots += static_cast<double>(window.partners.size());
-      slots = comm.sum(slots);
-      const double contacts =
-          2 * static_cast<double>(comm.sum(count_touching(world.bodies, world.touch))) / count;
-      double kinetic = 0;
-      for (Index b = 0; b < world.bodies.owned; ++b)
-        kinetic += world.bodies.mass[b] / 2 * world.bodies.velocity[b].squaredNorm();
-      kinetic = comm.sum(kinetic);
-      const double bytes = comm.sum(peak_bytes()), before = comm.sum(program);
-      if (comm.rank == 0)
-        fmt::print(
-            "bodies {} ranks {} Msteps/s {:.4g} by cpu {:.4g} searches {} neighbours_s {:.3g} "
-            "forces_s {:.3g} partners {:.3g} Z {:.4g} kinetic {:.6g} bytes {:.4g} of the program "
-            "{:.4g}\n",
-            count, comm.size, 1e-6 * count * steps / seconds, 1e-6 * count * steps / busy,
-            world.touch.searches - searches, world.times["neighbours"], world.times["forces"],
-            slots / count, contacts, kinetic, bytes / count, before / count);
-    }
+    measure_rate(world, world.touch, steps, repetitions, program,
+                 [&](int count) { penalty_steps(world, h, count); });
+    const double count = comm.sum(static_cast<double>(world.bodies.owned));
+    const double contacts =
+        2 * comm.sum(static_cast<double>(count_touching(world.bodies, world.touch))) / count;
+    double kinetic = 0;
+    for (Index b = 0; b < world.bodies.owned; ++b)
+      kinetic += world.bodies.mass[b] / 2 * world.bodies.velocity[b].squaredNorm();
+    kinetic = comm.sum(kinetic);
+    if (comm.rank == 0) fmt::print("Z {:.4g} kinetic {:.6g}\n", contacts, kinetic);
   } catch (const std::exception& error) {
     fmt::print(stderr, "{}\n", error.what());
     Session::abort_all(1);

@@ -1,13 +1,12 @@
 // The impact of a Lennard-Jones solid on a plate that LAMMPS runs beside it (run_lennard_jones.sh).
 // SPDX-License-Identifier: BSD-3-Clause
-#include <fmt/format.h>
 #include <fmt/os.h>
-#include <sys/resource.h>
 
 #include <cmath>
 #include <cstdlib>
 #include <string>
 
+#include "smooth_rate.hpp"
 #include "spall/base/require.hpp"
 #include "spall/domain/pack.hpp"
 #include "spall/motion/potential_step.hpp"
@@ -78,20 +77,6 @@ void write_data(const std::string& path, double scale) {
   place_bodies(scale, [&](const Vec3&, double v) { file.print("{} 0 0 {}\n", ++id, v); });
 }
 
-/// s that this rank's processor has worked: on a machine that others use too, wall time says less.
-double processor_seconds() {
-  rusage usage;
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<double>(usage.ru_utime.tv_sec) +
-         1e-6 * static_cast<double>(usage.ru_utime.tv_usec);
-}
-
-double peak_bytes() {
-  rusage usage;
-  getrusage(RUSAGE_SELF, &usage);
-  return 1024.0 * static_cast<double>(usage.ru_maxrss);
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -106,34 +91,15 @@ int main(int argc, char** argv) {
       if (comm.rank == 0) write_data(argv[5], scale);
       return 0;
     }
-    const double start_bytes = peak_bytes();
+    const double program = peak_bytes();
     World world;
     world.comm = comm;
     world.potential = {.depth = 1, .distance = std::exp2(1.0 / 6), .cutoff = cutoff};
     world.bodies = make_impact(comm, scale);
-    const auto count = comm.sum(static_cast<double>(world.bodies.owned));
     potential_steps(world, h, 60);
-    for (int r = 0; r < repetitions; ++r) {
-      world.times = {};
-      const auto searches = world.near.searches;
-      MPI_Barrier(comm.raw);
-      const double begin = MPI_Wtime(), worked = processor_seconds();
-      potential_steps(world, h, steps);
-      const double seconds = comm.max(MPI_Wtime() - begin);
-      const double busy = comm.max(processor_seconds() - worked);
-      std::size_t slots = 0;
-      for (const NearWindow& window : world.near.windows) slots += window.partners.size();
-      const double bytes = comm.sum(peak_bytes());
-      const double before = comm.sum(start_bytes);
-      if (comm.rank == 0)
-        fmt::print(
-            "bodies {} ranks {} Msteps/s {:.4g} by cpu {:.4g} searches {} neighbours_s {:.3g} "
-            "forces_s {:.3g} "
-            "partners {:.3g} bytes {:.4g} of the program {:.4g}\n",
-            count, comm.size, 1e-6 * count * steps / seconds, 1e-6 * count * steps / busy,
-            world.near.searches - searches, world.times["neighbours"], world.times["forces"],
-            slots / (count / comm.size), bytes / count, before / count);
-    }
+    measure_rate(world, world.near, steps, repetitions, program,
+                 [&](int count) { potential_steps(world, h, count); });
+    const double count = comm.sum(static_cast<double>(world.bodies.owned));
     const double energy = potential_energy(world);
     double kinetic = 0;
     for (Index b = 0; b < world.bodies.owned; ++b)

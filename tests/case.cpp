@@ -296,6 +296,16 @@ breaking_strain = "5 %"
   EXPECT_EQ(scene.phases[0].method, Method::potential);
   EXPECT_EQ(scene.potential->depth, 2);
   EXPECT_DOUBLE_EQ(scene.potential->cutoff, 2.2);
+  // F = (2 D a/d) (e - e^2) at e = exp(-a eps); not more than its largest, 1.5 N.
+  const std::string strong = law.substr(0, law.rfind("breaking_strain"));
+  EXPECT_NEAR(parse_case(bodies + strong + "breaking_force = \"1.44 N\"\n", "x.toml")
+                  .potential->breaking_strain,
+              -std::log(0.6) / 3, 1e-12);
+  EXPECT_NEAR(parse_case(bodies + strong + "breaking_energy = \"0.5 J\"\n", "x.toml")
+                  .potential->breaking_strain,
+              -std::log(0.5) / 3, 1e-12);
+  EXPECT_EQ(complaint(bodies + strong + "breaking_force = 1.6\n").substr(0, 64),
+            "x.toml:17:18: pair_potential.breaking_force is more than the law");
   EXPECT_EQ(complaint(bodies),
             "x.toml: phases.hit.method = \"potential\" needs [pair_potential]: the law between two "
             "bodies");

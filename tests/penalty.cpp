@@ -98,6 +98,24 @@ TEST(Penalty, elastic_energy_error_is_of_second_order) {
   }
 }
 
+TEST(Penalty, energy_of_elastic_spheres_does_not_drift) {
+  if (testing_world().rank > 0) return;  // small and long: one rank does it
+  auto spheres = crowd(27, 0, 1);
+  for (Sphere& s : spheres) s.spin.setZero();
+  World world = penalty_world(alone(), spheres, hertz, contact_law(0, 1));
+  world.period.size = Vec3::Constant(9);
+  const double before = sums_of(spheres).kinetic + contact_energy(world);
+  double first = 0, last = 0;
+  for (int part = 0; part < 100; ++part) {
+    penalty_steps(world, 1e-4, 1000);
+    const double now = sums_of(spheres_of(world)).kinetic + contact_energy(world);
+    (part < 50 ? first : last) += (now - before) / 50;
+  }
+  // Each impact is a little off, one way or the other.
+  EXPECT_NEAR(last, first, 1e-3 * before);
+  EXPECT_NEAR(last, 0, 1e-3 * before);
+}
+
 /// A pair's normal force by the book, damping apart, with its S, k_t and attraction.
 struct Textbook {
   double force, slope, tangential, attraction;
@@ -192,6 +210,54 @@ TEST(Penalty, step_equals_the_sum_over_all_pairs) {
             ASSERT_LE((now[k].spin - expected[k].spin).norm(), 1e-11 * turned) << k;
           }
         }
+}
+
+/// Two spheres that press on each other, ten times as large as those that lie on them.
+std::vector<Sphere> boulders_on_giants() {
+  std::vector<Sphere> spheres;
+  for (double x : {0.0, -19.9})
+    spheres.push_back({.radius = 10,
+                       .mass = 1e6,
+                       .position = {x, 0, 0},
+                       .velocity = {-0.01 * x, 0.1, 0},
+                       .spin = {0.01, 0.02, 0.03}});
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  for (Sphere s : crowd(150, 0.3, 0.3)) {
+    const Vec3 to = Vec3(normal(random), normal(random), normal(random)).normalized();
+    s.position = spheres[to.x() < 0 ? 1 : 0].position + (9.9 + s.radius) * to;
+    bool free = true;
+    for (const Sphere& other : spheres)
+      free = free && (s.position - other.position).norm() > s.radius + other.radius - 0.11;
+    if (free) spheres.push_back(s);
+  }
+  return spheres;
+}
+
+TEST(Penalty, giants_feel_all_that_lies_on_them) {
+  PenaltySettings s = sticky(Adhesion::dmt);
+  s.rolling_friction = 0.1;
+  const ContactLaw contact = contact_law(0.4, 0.5);
+  const auto spheres = boulders_on_giants();
+  World world = penalty_world(testing_world(), spheres, s, contact);
+  const double h = 1e-4;
+  const auto expected = kicked(spheres, s, contact, h);
+  penalty_steps(world, h, 1);
+  const auto now = spheres_of(world);
+  double most = 0;
+  for (std::size_t k = 0; k < now.size(); ++k)
+    most = std::max(most, (expected[k].velocity - spheres[k].velocity).norm());
+  for (std::size_t k = 0; k < now.size(); ++k)
+    ASSERT_LE((now[k].velocity - expected[k].velocity).norm(), 1e-11 * most) << k;
+  // A search by the giants' size would list all pairs, each once.
+  EXPECT_LT(world.touch.pairs, 0.1 * static_cast<double>(spheres.size() * spheres.size()));
+
+  World one = penalty_world(alone(), spheres, s, contact);
+  penalty_steps(one, h, 100);
+  penalty_steps(world, h, 99);
+  const auto a = spheres_of(one), b = spheres_of(world);
+  for (std::size_t k = 0; k < a.size(); ++k)
+    EXPECT_LE((a[k].position - b[k].position).norm(), 1e-10) << k;
 }
 
 TEST(Penalty, momenta_are_kept_to_round_off) {

@@ -42,13 +42,12 @@ TEST(PenaltyScene, oblique_impacts_are_those_that_were_measured) {
     penalty_steps(world, 5e-9, 5000);
     const Sphere after = spheres_of(world)[0];
     ASSERT_GT(after.velocity.z(), 0);
-    // Near the normal the contact sticks but for an annulus that slips, which this law leaves out
-    // (Mindlin & Deresiewicz 1953): too stiff, it gives back too much.
-    const bool sticks = angle < 15;
+    // The measured spin at 6 degrees is that of e_t = 0.67, between 0.745 and 0.673 measured at 3.7
+    // and 9.5; the solution with slip in the rim (Cattaneo, Mindlin) is 14 % below it as well.
     if (quantity == "e_t") {
-      EXPECT_NEAR(after.velocity.x() / v.x(), measured, sticks ? 0.12 : 0.05) << angle;
+      EXPECT_NEAR(after.velocity.x() / v.x(), measured, 0.05) << angle;
     } else if (quantity == "omega") {
-      EXPECT_NEAR(after.spin.y(), measured, (sticks ? 0.51 : 0.08) * measured) << angle;
+      EXPECT_NEAR(after.spin.y(), measured, (angle < 15 ? 0.25 : 0.08) * measured) << angle;
     }
     rows += quantity != "rebound_angle";
   }
@@ -62,50 +61,60 @@ struct Pulled {
 };
 Pulled pull(const PenaltySettings& settings, const ContactLaw& contact, double strength,
             double part, int steps) {
-  World world = penalty_world(alone(),
-                              {{.radius = 0.5, .mass = infinity},
-                               {.radius = 0.5, .mass = 1000, .position = {0, 0, -0.9999}}},
-                              settings, contact);
+  constexpr int looks = 10000;
+  const double start = -0.9999;
+  World world = penalty_world(
+      alone(),
+      {{.radius = 0.5, .mass = infinity}, {.radius = 0.5, .mass = 1000, .position = {0, 0, start}}},
+      settings, contact);
   world.uniform_gravity = {0, 0, -part * strength / 1000};
   Pulled p{0, 0, false};
-  for (int k = 0; k < steps; ++k) {
-    penalty_steps(world, 1e-4, 1);
+  for (int look = 0; look < looks; ++look) {
+    for (int k = 0; k < steps / looks; ++k) penalty_steps(world, 1e-4, 1);
     double fall = 0;
     for (Index b = 0; b < world.bodies.owned; ++b)
-      fall = std::max(fall, -0.9999 - world.bodies.position[b].z());
-    if (k < steps / 10) p.early = std::max(p.early, fall);
-    if (k >= steps - steps / 10) p.late = std::max(p.late, fall);
+      fall = std::max(fall, start - world.bodies.position[b].z());
+    if (look < looks / 10) p.early = std::max(p.early, fall);
+    if (look >= looks - looks / 10) p.late = std::max(p.late, fall);
     if (fall > 1) return {p.early, fall, true};
   }
   return p;
 }
 
 TEST(PenaltyScene, bond_holds_a_pull_below_its_strength_and_parts_above) {
-  if (testing_world().rank > 0) return;  // small and long: one rank does it
+  const Comm& comm = testing_world();  // small and long: each rank does some
   const double w = 500, r = 0.25;
-  PenaltySettings s{.young_modulus = 1e8, .poisson_ratio = 0.25};
-  const ContactLaw plain{.restitution = 0.5};
-  ContactLaw cohesive = plain;
-  cohesive.cohesion = 1000;
-  cohesive.cohesion_range = 0.01;
-  struct Bond {
-    PenaltySettings settings;
-    ContactLaw contact;
-    double strength;
-  };
-  std::vector<Bond> bonds{{s, cohesive, 1000}};
-  bonds.push_back({{.model = PenaltyModel::hooke, .stiffness = 1e7}, cohesive, 1000});
-  s.work_of_adhesion = w;
-  s.adhesion = Adhesion::dmt;
-  bonds.push_back({s, plain, 2 * pi * w * r});
-  s.adhesion = Adhesion::jkr;
-  bonds.push_back({s, plain, 1.5 * pi * w * r});
-  for (const Bond& bond : bonds) {
-    const Pulled held = pull(bond.settings, bond.contact, bond.strength, 0.8, 50000);
-    EXPECT_FALSE(held.parted) << bond.strength;
-    EXPECT_LE(held.late, held.early);
-    EXPECT_TRUE(pull(bond.settings, bond.contact, bond.strength, 1.05, 20000).parted)
-        << bond.strength;
+  const PenaltySettings hooke{.model = PenaltyModel::hooke, .stiffness = 1e7};
+  const PenaltySettings hertz{.young_modulus = 1e8, .poisson_ratio = 0.25};
+  PenaltySettings dmt = hertz, jkr = hertz;
+  dmt.work_of_adhesion = jkr.work_of_adhesion = w;
+  dmt.adhesion = Adhesion::dmt;
+  jkr.adhesion = Adhesion::jkr;
+  int turn = 0;
+  for (double restitution : {0.5, 1.0}) {
+    const ContactLaw plain{.restitution = restitution};
+    ContactLaw cohesive = plain;
+    cohesive.cohesion = 1000;
+    cohesive.cohesion_range = 0.01;
+    struct Bond {
+      PenaltySettings settings;
+      ContactLaw contact;
+      double strength;
+    };
+    for (const Bond& bond :
+         {Bond{hooke, cohesive, 1000}, Bond{hertz, cohesive, 1000},
+          Bond{dmt, plain, 2 * pi * w * r}, Bond{jkr, plain, 1.5 * pi * w * r}}) {
+      if (turn++ % comm.size != comm.rank) continue;
+      // Nothing damps what swings for ever: twice its static strain must hold.
+      const bool swings = restitution == 1;
+      const int steps = swings || bond.settings.model == PenaltyModel::hooke ? 100000 : 1000000;
+      const Pulled held =
+          pull(bond.settings, bond.contact, bond.strength, swings ? 0.3 : 0.8, steps);
+      EXPECT_FALSE(held.parted) << bond.strength;
+      EXPECT_LE(held.late, swings ? 1.001 * held.early : held.early) << bond.strength;
+      EXPECT_TRUE(pull(bond.settings, bond.contact, bond.strength, 1.05, 20000).parted)
+          << bond.strength;
+    }
   }
 }
 
@@ -228,7 +237,8 @@ TEST(PenaltyScene, a_pair_across_the_boundary_is_a_pair) {
 }
 
 TEST(PenaltyScene, gas_of_inelastic_spheres_cools_as_haff_says) {
-  if (testing_world().rank > 0) return;  // small and long: one rank does it
+  const Comm& comm = testing_world();
+  if (comm.rank != comm.size - 1) return;  // small and long: one rank does it
   // T = T0/(1 + t/tau)^2, 1/tau = (1 - e^2) w_E/6, w_E = 4 n d^2 g sqrt(pi T/m).
   const double e = 0.9, r = 0.5, m = 1, phi = 0.1;
   const int side = 10, count = side * side * side;
@@ -262,10 +272,43 @@ TEST(PenaltyScene, gas_of_inelastic_spheres_cools_as_haff_says) {
   const double crowding = (1 - phi / 2) / std::pow(1 - phi, 3);
   const double rate = 4 * n * 4 * r * r * crowding * std::sqrt(pi * start / m);
   const double tau = 6 / ((1 - e * e) * rate);
-  const int steps = static_cast<int>(tau / h);
-  penalty_steps(world, h, steps);
-  const double expected = start / std::pow(1 + steps * h / tau, 2);
-  EXPECT_NEAR(temperature(), expected, 0.05 * expected);
+  for (int step = 0; step * h < 9 * tau;) {
+    const int steps = static_cast<int>(tau / h);
+    penalty_steps(world, h, steps);
+    step += steps;
+    const double expected = start / std::pow(1 + step * h / tau, 2);
+    EXPECT_NEAR(temperature(), expected, 0.05 * expected) << step * h / tau;
+  }
+  EXPECT_LT(temperature(), 0.011 * start);
+}
+
+TEST(PenaltyScene, sphere_in_a_cylinder_swings_like_a_pendulum_and_bounces_off_it) {
+  if (testing_world().rank > 0) return;  // small and long: one rank does it
+  const double wall = 1, r = 0.1, m = 10, k = 1e7, arm = wall - r, angle = 0.1, h = 2e-5;
+  const PenaltySettings settings{.model = PenaltyModel::hooke, .stiffness = k};
+  for (double friction : {0.0, 0.5}) {
+    const Vec3 at = arm * Vec3(std::sin(angle), 0, -std::cos(angle)) + Vec3(2, 3, 4);
+    World world = penalty_world(alone(), {{.radius = r, .mass = m, .position = at}}, settings,
+                                {.friction = friction, .restitution = 0.2});
+    world.cylinders = {{.point = {2, -1, 4}, .axis = {0, 1, 0}, .radius = wall}};
+    world.uniform_gravity = {0, 0, -g};
+    // To the lowest point in a quarter of the period; rolling it carries 7/5 of its mass along.
+    const double quarter =
+        pi / 2 * std::sqrt((friction > 0 ? 1.4 : 1) * arm / g) * (1 + angle * angle / 16);
+    int steps = 0;
+    while (spheres_of(world)[0].position.x() > 2 && steps * h < 2 * quarter) {
+      penalty_steps(world, h, 1);
+      ++steps;
+    }
+    EXPECT_NEAR(steps * h, quarter, 2e-3 * quarter) << friction;
+    EXPECT_NEAR(spheres_of(world)[0].position.y(), 3, 1e-12);
+  }
+  const Vec3 out = Vec3(3, 0, 4) / 5;
+  World world = penalty_world(alone(), {{.radius = r, .mass = m, .velocity = out}}, settings,
+                              {.restitution = 0.6});
+  world.cylinders = {{.point = {0, 1, 0}, .axis = {0, 1, 0}, .radius = wall}};
+  penalty_steps(world, h, 60000);
+  EXPECT_LE((spheres_of(world)[0].velocity + 0.6 * out).norm(), 1e-3);
 }
 
 TEST(PenaltyScene, what_cannot_be_resolved_is_refused_with_what_would_do) {

@@ -20,6 +20,8 @@ const PairPotential mie{.law = PairLaw::mie,
                         .cutoff = 1.75};
 const PairPotential morse{
     .law = PairLaw::morse, .depth = 0.7, .distance = 1.1, .steepness = 3.36, .cutoff = 1.75};
+const PairPotential steinhauser{
+    .law = PairLaw::steinhauser, .depth = 0.7, .distance = 1.1, .tension = 30, .cutoff = 1.3};
 const PairPotential breaking{.law = PairLaw::morse,
                              .depth = 0.7,
                              .distance = 1.1,
@@ -44,6 +46,7 @@ double textbook_force(const PairPotential& p, double r) {
     const double e = std::exp(-p.steepness * (r / d - 1));
     return 2 * p.depth * p.steepness / d * e * (e - 1);
   }
+  if (p.law == PairLaw::steinhauser && r > d) return -p.tension * (r - d);
   const double m = p.repulsive, n = p.attractive;
   return p.depth * m * n / (m - n) / r * (std::pow(d / r, m) - std::pow(d / r, n));
 }
@@ -162,8 +165,40 @@ TEST(PairPotential, force_is_the_textbook_s_and_minus_the_slope_of_the_energy) {
   EXPECT_NEAR(pair_energy(wide, wide.distance), -wide.depth, 1e-14 * wide.depth);
 }
 
+TEST(PairPotential, steinhauser_joins_its_pieces_without_a_jump_and_repels_like_lennard_jones) {
+  const PairPotential& p = steinhauser;
+  const double d = p.distance, at_end = p.tension / 2 * (p.cutoff - d) * (p.cutoff - d);
+  EXPECT_NEAR(pair_energy(p, d), -at_end, 1e-14);
+  EXPECT_NEAR(pair_energy(p, 1.05 * d), p.tension / 2 * 0.0025 * d * d - at_end, 1e-14);
+  PairPotential lj = p;
+  lj.law = PairLaw::lennard_jones;
+  for (double r : {0.8, 0.9, 0.99}) {
+    EXPECT_EQ(pair_force(p, r * d), pair_force(lj, r * d)) << r;
+    EXPECT_NEAR(pair_energy(p, r * d) + at_end, pair_energy(lj, r * d) - pair_energy(lj, d), 1e-13);
+  }
+  EXPECT_EQ(stiffness(p), 72 * p.depth / (d * d));
+}
+
+TEST(PairPotential, bonds_that_break_at_a_force_or_an_energy_break_at_its_strain) {
+  for (PairPotential p : {lennard_jones, mie, morse, steinhauser}) {
+    p.cutoff = 10;
+    const double force = 0.02 * stiffness(p) * p.distance, strain = strain_of_force(p, force);
+    EXPECT_NEAR(-textbook_force(p, (1 + strain) * p.distance), force, 1e-12 * force);
+    const double stored = 0.1 * p.depth, at = strain_of_energy(p, stored);
+    EXPECT_NEAR(pair_energy(p, (1 + at) * p.distance) - pair_energy(p, p.distance), stored,
+                1e-12 * p.depth);
+    p.breaking_strain = strain;
+    EXPECT_GT(-pair_force(p, (1 + 0.99 * strain) * p.distance), 0.9 * force);
+    EXPECT_LT(-pair_force(p, (1 + 1.99 * strain) * p.distance), 0.02 * force);
+  }
+  // More than the law ever pulls: Morse s D/(2 d).
+  EXPECT_EQ(strain_of_force(morse, 1.01 * 3.36 * morse.depth / (2 * morse.distance)), 0);
+  EXPECT_GT(strain_of_force(morse, 0.99 * 3.36 * morse.depth / (2 * morse.distance)), 0);
+  EXPECT_EQ(strain_of_energy(morse, 1.01 * morse.depth), 0);
+}
+
 TEST(PairPotential, step_equals_the_sum_over_all_pairs) {
-  for (PairPotential p : {lennard_jones, mie, morse, breaking})
+  for (PairPotential p : {lennard_jones, mie, morse, steinhauser, breaking})
     for (double damping : {0.0, 0.4}) {
       p.damping = damping;
       // Compressed, so that pairs lie on both sides of the distance of rest.
@@ -234,7 +269,7 @@ TEST(PairPotential, energy_does_not_drift) {
   const double before = total_energy(world), kinetic = sums_of(spheres_of(world)).kinetic;
   std::vector<double> error;
   for (int part = 0; part < 100; ++part) {
-    potential_steps(world, 0.015, 200);
+    potential_steps(world, 0.015, 1000);
     error.push_back((total_energy(world) - before) / kinetic);
   }
   double first = 0, last = 0;
@@ -345,7 +380,7 @@ TEST(PairPotential, bond_holds_a_weight_below_its_strength_and_parts_above) {
         breaking);
     world.uniform_gravity = {0, 0, -part * strength};  // of 1 kg
     double early = 0, late = 0;                        // furthest fall in the first and last tenth
-    const int steps = 100000;
+    const int steps = 1000000;
     for (int k = 0; k < steps && late < 10 * d; ++k) {
       potential_steps(world, 0.01, 1);
       double fall = 0;

@@ -236,25 +236,37 @@ class WindowMaker {
 
 }  // namespace
 
-void find_near_pairs(const Bodies& bodies, double range, std::vector<NearWindow>& windows) {
+void find_near_pairs(const Bodies& bodies, double range, const Giants& giants,
+                     std::vector<NearWindow>& windows) {
   Grid grid{.edge = range};
   for (const Vec3& x : bodies.position) grid.low = grid.low.cwiseMin(x);
-  Order order{std::vector<std::uint64_t>(bodies.size()), std::vector<Index>(bodies.size())};
+  Order order;
+  order.key.reserve(bodies.size());
+  order.row.reserve(bodies.size());
+  std::vector<Index> giant;
   std::uint64_t largest = 0;
   for (Index b = 0; b < bodies.size(); ++b) {
-    order.key[b] = key_of(grid.cell(bodies.position[b]));
-    order.row[b] = b;
-    largest = std::max(largest, order.key[b]);
+    if (bodies.radius[b] > giants.above) {
+      giant.push_back(b);
+      continue;
+    }
+    order.key.push_back(key_of(grid.cell(bodies.position[b])));
+    order.row.push_back(b);
+    largest = std::max(largest, order.key.back());
   }
+  const auto meets_giant = [&](Index g, Index b) {
+    const double reach = bodies.radius[g] + bodies.radius[b] + giants.slack;
+    return (bodies.position[g] - bodies.position[b]).squaredNorm() < reach * reach;
+  };
   order = sort_by_key(std::move(order), largest);
 
   std::vector<Cell> cells;
-  for (Index k = 0; k < bodies.size(); ++k) {
+  for (Index k = 0; k < static_cast<Index>(order.row.size()); ++k) {
     if (cells.empty() || cells.back().key != order.key[k]) cells.push_back({order.key[k], k, k, k});
     cells.back().end = k + 1;
     if (order.row[k] < bodies.owned) cells.back().ghosts = k + 1;
   }
-  order.key = {};
+  order.key = std::vector<std::uint64_t>();  // gives the memory back
   const CellTable table(cells);
 
   Candidates candidates;
@@ -278,8 +290,19 @@ void find_near_pairs(const Bodies& bodies, double range, std::vector<NearWindow>
     for (Index k = cell.first; k < cell.ghosts; ++k) {
       const Index row = order.row[k];
       append_near(candidates, k - cell.first + 1, bodies.position[row], range, maker.partners());
+      for (Index g : giant)
+        if (meets_giant(g, row)) maker.partners().push_back(g);
       maker.end_row(row);
     }
+  }
+  // Giants come last, as partners of all others: theirs are giants after them, and ghosts.
+  for (std::size_t k = 0; k < giant.size() && giant[k] < bodies.owned; ++k) {
+    for (std::size_t other = k + 1; other < giant.size(); ++other)
+      if (meets_giant(giant[k], giant[other])) maker.partners().push_back(giant[other]);
+    for (Index b = bodies.owned; b < bodies.size(); ++b)
+      if (bodies.radius[b] <= giants.above && meets_giant(giant[k], b))
+        maker.partners().push_back(b);
+    maker.end_row(giant[k]);
   }
   maker.finish();
 }
@@ -291,39 +314,30 @@ constexpr double ghost_limit = 1.5;       // beyond it the bodies of two ranks h
 constexpr int longest_without_cut = 100;  // searches: bodies' order in memory ages as they move
 constexpr double slot_work = 0.1;         // of a pair, beside that of a body
 
-std::vector<double> work_of(const Bodies& bodies, const NearPairs& near) {
-  std::vector<double> work(bodies.owned, 1.0);
-  if (near.range == 0) return work;
-  for (const NearWindow& window : near.windows)
-    for (Index r = 0; r < window.count; ++r)
-      work[window.rows[r] / doubles_a_row] += slot_work * window.slots[r / lane_rows];
-  return work;
-}
-
-bool needs_cut(const Comm& comm, double work, const NearPairs& near) {
-  const bool mixed =
-      near.ghosts.ghosts() > ghost_limit * near.ghosts_after_cut + 0.1 * near.ghosts.owned();
-  const double now = imbalance(comm, work);
-  return near.balance == 0 || now > imbalance_limit * near.balance || comm.any(mixed) ||
-         near.searches_since_cut >= longest_without_cut;
+double imbalance_of(const Comm& comm, const std::vector<double>& work) {
+  return imbalance(comm, std::accumulate(work.begin(), work.end(), 0.0));
 }
 
 }  // namespace
 
-void search_near_pairs(const Comm& comm, Bodies& bodies, double range, NearPairs& near) {
-  const auto work = work_of(bodies, near);
-  const double total = std::accumulate(work.begin(), work.end(), 0.0);
-  const bool cut = needs_cut(comm, total, near);
-  if (cut) {
-    ContactMemory none;
-    migrate(comm, bodies, none, partition(comm, bodies, work));
-  }
-  near.range = range;
-  std::vector<double> reach(bodies.owned);
-  for (Index b = 0; b < bodies.owned; ++b) reach[b] = near.range / 2 - bodies.radius[b];
-  near.found_at.assign(bodies.position.begin(), bodies.position.begin() + bodies.owned);
-  near.ghosts = make_halo(comm, bodies, reach);
-  find_near_pairs(bodies, near.range, near.windows);
+std::vector<double> work_of(const Bodies& bodies, const NearPairs& near, double slot) {
+  std::vector<double> work(bodies.owned, 1.0);
+  if (near.skin == 0) return work;
+  for (const NearWindow& window : near.windows)
+    for (Index r = 0; r < window.count; ++r)
+      work[window.rows[r] / doubles_a_row] += slot * window.slots[r / lane_rows];
+  return work;
+}
+
+bool needs_cut(const Comm& comm, const std::vector<double>& work, const NearPairs& near) {
+  const bool mixed =
+      near.ghosts.ghosts() > ghost_limit * near.ghosts_after_cut + 0.1 * near.ghosts.owned();
+  const double now = imbalance_of(comm, work);
+  return near.balance == 0 || now > imbalance_limit * near.balance || comm.any(mixed) ||
+         near.searches_since_cut >= longest_without_cut;
+}
+
+void book_search(const Comm& comm, const Bodies& bodies, bool cut, double slot, NearPairs& near) {
   near.moved = 0;
   near.steps = 0;
   double pairs = 0;
@@ -332,14 +346,29 @@ void search_near_pairs(const Comm& comm, Bodies& bodies, double range, NearPairs
   near.pairs = comm.sum(pairs);
   ++near.searches;
   ++near.searches_since_cut;
+  if (!cut) return;
+  // The first cut knows bodies only; its pairs may call for a second one.
+  near.balance = near.balance == 0 ? 1 : imbalance_of(comm, work_of(bodies, near, slot));
+  near.ghosts_after_cut = near.ghosts.ghosts();
+  near.searches_since_cut = 0;
+}
+
+void search_near_pairs(const Comm& comm, Bodies& bodies, double reach, double skin,
+                       NearPairs& near) {
+  const auto work = work_of(bodies, near, slot_work);
+  const bool cut = needs_cut(comm, work, near);
   if (cut) {
-    // The first cut knows bodies only; its pairs may call for a second one.
-    const auto after = work_of(bodies, near);
-    near.balance =
-        near.balance == 0 ? 1 : imbalance(comm, std::accumulate(after.begin(), after.end(), 0.0));
-    near.ghosts_after_cut = near.ghosts.ghosts();
-    near.searches_since_cut = 0;
+    ContactMemory none;
+    migrate(comm, bodies, none, partition(comm, bodies, work));
   }
+  near.reach = reach;
+  near.skin = skin;
+  std::vector<double> halo(bodies.owned);
+  for (Index b = 0; b < bodies.owned; ++b) halo[b] = (reach + skin) / 2 - bodies.radius[b];
+  near.found_at.assign(bodies.position.begin(), bodies.position.begin() + bodies.owned);
+  near.ghosts = make_halo(comm, bodies, halo);
+  find_near_pairs(bodies, reach + skin, {}, near.windows);
+  book_search(comm, bodies, cut, slot_work, near);
 }
 
 }  // namespace spall

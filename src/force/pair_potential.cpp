@@ -20,12 +20,32 @@ constexpr double damped_limit = 0.06;
 /// Of the distance of rest, flown in a step: the wall of the potential must be seen as it is.
 constexpr double longest_flight = 0.1;
 
+/// The first strain at which `measure`, which grows from 0 at first, reaches `value`.
+template <class Measure>
+double first_strain(double value, Measure&& measure) {
+  constexpr double step = 1e-3;
+  double low = 0, high = step;
+  for (; measure(high) < value; low = high, high += step)
+    if (high > 1) return 0;
+  for (int halvings = 0; halvings < 50; ++halvings) {
+    const double middle = (low + high) / 2;
+    (measure(middle) < value ? low : high) = middle;
+  }
+  return high;
+}
+
+PairPotential without_end(PairPotential p) {
+  p.breaking_strain = 0;
+  p.cutoff = infinity;
+  return p;
+}
+
 }  // namespace
 
 double stiffness(const PairPotential& p) {
   const double curvature =
       p.law == PairLaw::morse ? 2 * p.steepness * p.steepness : p.repulsive * p.attractive;
-  return curvature * p.depth / (p.distance * p.distance);
+  return std::max(curvature * p.depth / (p.distance * p.distance), p.tension);
 }
 
 double pair_force(const PairPotential& p, double r) {
@@ -38,6 +58,20 @@ double pair_energy(const PairPotential& p, double r) {
   if (r >= p.cutoff) return 0;
   return with_law(p, [&](const auto& law) {
     return law.energy(spread(r * r))[0] - law.energy(spread(p.cutoff * p.cutoff))[0];
+  });
+}
+
+double strain_of_force(const PairPotential& p, double force) {
+  const PairPotential whole = without_end(p);
+  return first_strain(force,
+                      [&](double strain) { return -pair_force(whole, (1 + strain) * p.distance); });
+}
+
+double strain_of_energy(const PairPotential& p, double energy) {
+  return with_law(without_end(p), [&](const auto& law) {
+    const auto at = [&](double r) { return law.energy(spread(r * r))[0]; };
+    return first_strain(
+        energy, [&](double strain) { return at((1 + strain) * p.distance) - at(p.distance); });
   });
 }
 

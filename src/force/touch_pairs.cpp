@@ -14,10 +14,7 @@
 namespace spall {
 namespace {
 
-constexpr double imbalance_limit = 1.1;   // against the state just after the last cut
-constexpr double ghost_limit = 1.5;       // beyond it the bodies of two ranks have mixed
-constexpr int longest_without_cut = 100;  // searches: bodies' order in memory ages as they move
-constexpr double slot_work = 0.3;         // of a pair, beside that of a body
+constexpr double slot_work = 0.3;  // of a pair, beside that of a body
 
 Index row_of(Index place) {
   return place / doubles_a_row;
@@ -141,27 +138,6 @@ class Kept {
   std::vector<Vec3> sliding_, rolling_;
 };
 
-std::vector<double> work_of(const Bodies& bodies, const TouchPairs& touch) {
-  std::vector<double> work(bodies.owned, 1.0);
-  if (touch.skin == 0) return work;
-  for (const NearWindow& window : touch.windows)
-    for (Index r = 0; r < window.count; ++r)
-      work[row_of(window.rows[r])] += slot_work * window.slots[r / lane_count];
-  return work;
-}
-
-double total(const std::vector<double>& work) {
-  return std::accumulate(work.begin(), work.end(), 0.0);
-}
-
-bool needs_cut(const Comm& comm, double work, const TouchPairs& touch) {
-  const bool mixed =
-      touch.ghosts.ghosts() > ghost_limit * touch.ghosts_after_cut + 0.1 * touch.ghosts.owned();
-  const double now = imbalance(comm, work);
-  return touch.balance == 0 || now > imbalance_limit * touch.balance || comm.any(mixed) ||
-         touch.searches_since_cut >= longest_without_cut;
-}
-
 void recall_springs(const Bodies& bodies, const Kept& kept, bool rolling, TouchPairs& touch) {
   touch.springs.resize(touch.windows.size());
   for (std::size_t w = 0; w < touch.windows.size(); ++w) {
@@ -226,8 +202,8 @@ std::int64_t count_touching(const Bodies& bodies, const TouchPairs& touch) {
 
 void search_touch_pairs(const Comm& comm, Bodies& bodies, const Walls& walls, const Period& period,
                         const TouchRange& range, TouchPairs& touch) {
-  const auto work = work_of(bodies, touch);
-  const bool cut = needs_cut(comm, total(work), touch);
+  const auto work = work_of(bodies, touch, slot_work);
+  const bool cut = needs_cut(comm, work, touch);
   const Kept kept = [&] {
     if (!cut) return Kept(bodies, touch, range.rolling);
     ContactMemory memory = remember(bodies, touch);
@@ -236,10 +212,12 @@ void search_touch_pairs(const Comm& comm, Bodies& bodies, const Walls& walls, co
     migrate(comm, bodies, memory, partition(comm, bodies, work));
     return Kept(bodies, memory, range.rolling);
   }();
+  touch.springs.clear();  // pairs that are found need the memory
 
+  const double slack = range.gap + range.skin;
   double largest = 0;
   for (Index b = 0; b < bodies.owned; ++b) largest = std::max(largest, bodies.radius[b]);
-  const double reach = 2 * comm.max(largest) + range.gap + range.skin;
+  const double reach = 2 * comm.max(largest) + slack;
   for (int k = 0; k < 3; ++k)
     require(
         period.size[k] == 0 || period.size[k] >= 2 * reach,
@@ -249,33 +227,21 @@ void search_touch_pairs(const Comm& comm, Bodies& bodies, const Walls& walls, co
   if (period.any())
     for (Index b = 0; b < bodies.owned; ++b)
       bodies.position[b] = period.wrapped(bodies.position[b]);
-  std::vector<double> reaches(bodies.owned);
-  for (Index b = 0; b < bodies.owned; ++b) reaches[b] = reach / 2 - bodies.radius[b];
+  std::vector<double> reaches(bodies.owned, slack / 2);
   touch.found_at.assign(bodies.position.begin(), bodies.position.begin() + bodies.owned);
   touch.ghosts = make_halo(comm, bodies, reaches, period, touch.shifts);
-  find_near_pairs(bodies, reach, touch.windows);
+  find_near_pairs(bodies, 2 * range.ordinary + slack, {.above = range.ordinary, .slack = slack},
+                  touch.windows);
   recall_springs(bodies, kept, range.rolling, touch);
-  find_walls(bodies, walls, range.gap + range.skin, kept, touch.walls);
+  find_walls(bodies, walls, slack, kept, touch.walls);
   const auto all_equal = [](const std::vector<double>& values) {
     return std::adjacent_find(values.begin(), values.end(), std::not_equal_to<>()) == values.end();
   };
   touch.equal = all_equal(bodies.radius) && all_equal(bodies.mass);
   touch.gap = range.gap;
+  touch.reach = 2 * range.ordinary + range.gap;
   touch.skin = range.skin;
-  touch.moved = 0;
-  touch.steps = 0;
-  double pairs = 0;
-  for (const NearWindow& window : touch.windows)
-    pairs += static_cast<double>(window.partners.size());
-  touch.pairs = comm.sum(pairs);
-  ++touch.searches;
-  ++touch.searches_since_cut;
-  if (cut) {
-    // The first cut knows bodies only; its pairs may call for a second one.
-    touch.balance = touch.balance == 0 ? 1 : imbalance(comm, total(work_of(bodies, touch)));
-    touch.ghosts_after_cut = touch.ghosts.ghosts();
-    touch.searches_since_cut = 0;
-  }
+  book_search(comm, bodies, cut, slot_work, touch);
 }
 
 }  // namespace spall

@@ -4,81 +4,40 @@
 #include "spall/motion/penalty_step.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
-#include "spall/base/require.hpp"
+#include "flight.hpp"
 #include "spall/force/penalty_walls.hpp"
 #include "spall/motion/gravity_kick.hpp"
 
 namespace spall {
 namespace {
 
-/// The box that holds some vectors; the origin too, where walls stand still.
-struct Box {
-  Vec3 low = Vec3::Constant(infinity), high = Vec3::Constant(-infinity);
-  void add(const Vec3& v) {
-    low = low.cwiseMin(v);
-    high = high.cwiseMax(v);
-  }
-  /// Of the boxes of all ranks. Collective.
-  Box united(const Comm& comm) const {
-    std::array<double, 6> ends{-low[0], -low[1], -low[2], high[0], high[1], high[2]};
-    comm.max(ends);
-    return {-Vec3(ends[0], ends[1], ends[2]), Vec3(ends[3], ends[4], ends[5])};
-  }
-  Vec3 centre() const { return (low + high) / 2; }
-  double diagonal() const { return (high - low).norm(); }
-};
-
 /// Of all bodies, and of what stands still where there are walls.
-Box velocities_of(const World& world) {
-  Box box;
-  if (world.walls().size() > 0) box.add(Vec3::Zero());
-  for (Index b = 0; b < world.bodies.owned; ++b) box.add(world.bodies.velocity[b]);
+Box velocities_with_walls(const World& world) {
+  Box box = velocities_of(world.bodies);
+  if (world.walls().size() > 0) box.add(Vec3(Vec3::Zero()));
   return box;
 }
 
-/// Bodies have flown at these velocities for `h`: no two came nearer by more than the diagonal.
-void book_motion(const Comm& comm, const Box& velocities, double h, TouchPairs& touch) {
-  touch.moved += h * velocities.united(comm).diagonal();
-  require(std::isfinite(touch.moved), "velocities are no longer finite: the step is too long");
-}
-
-/// m, that two bodies, or a body and a wall, have come nearer at most since the pairs were found.
-double displacement(const World& world) {
+/// m: of all bodies, and of those that are searched by their size: not more than a few times as
+/// large as the mean. Collective.
+struct Radii {
+  double largest = 0, ordinary = 0;
+};
+Radii radii_of(const World& world) {
+  constexpr double few = 4;
   const Bodies& bodies = world.bodies;
-  const auto moved = [&](Index b) -> Vec3 { return bodies.position[b] - world.touch.found_at[b]; };
-  Box box;
-  for (Index b = 0; b < bodies.owned; ++b) box.add(moved(b));
-  const Vec3 centre = box.united(world.comm).centre();
-  double furthest = 0, from_walls = 0;
+  double sum = 0;
+  for (Index b = 0; b < bodies.owned; ++b) sum += bodies.radius[b];
+  const double mean = world.comm.sum(sum) / world.comm.sum(static_cast<double>(bodies.owned));
+  Radii radii;
   for (Index b = 0; b < bodies.owned; ++b) {
-    furthest = std::max(furthest, (moved(b) - centre).squaredNorm());
-    if (world.walls().size() > 0) from_walls = std::max(from_walls, moved(b).squaredNorm());
+    const double r = bodies.radius[b];
+    radii.largest = std::max(radii.largest, r);
+    if (r <= few * mean) radii.ordinary = std::max(radii.ordinary, r);
   }
-  return std::sqrt(world.comm.max(std::max(4 * furthest, from_walls)));
-}
-
-/// m, beyond the reach of forces, up to which pairs are listed: that for which a step costs least
-/// if bodies move on as since the last search. A sweep costs as much as there are pairs, range^3; a
-/// search, shared by the steps until the skin is used up, as much as `search` pairs a body.
-/// Counted, not timed, so that a run gives the same bits again.
-double best_skin(const World& world, double diameter) {
-  constexpr double search = 60, first = 0.1, least = 0.02, most = 1;  // skins: of the diameter
-  const TouchPairs& touch = world.touch;
-  if (touch.skin == 0) return first * diameter;
-  const double bodies = world.comm.sum(static_cast<double>(world.bodies.owned));
-  const double motion = touch.moved / (touch.steps + 1);  // a step
-  const double reach = diameter + touch.gap;
-  const double density = touch.pairs / bodies / std::pow(reach + touch.skin, 3);
-  const auto cost = [&](double skin) {
-    return density * std::pow(reach + skin, 3) + search * motion / skin;
-  };
-  double best = least * diameter;
-  for (double skin = best; skin <= most * diameter; skin += 0.02 * diameter)
-    if (cost(skin) < cost(best)) best = skin;
-  return best;
+  return {world.comm.max(radii.largest), world.comm.max(radii.ordinary)};
 }
 
 /// Makes pairs and ghosts current for forces at the present positions.
@@ -86,8 +45,9 @@ void update_pairs(World& world, const PenaltyLaw& law) {
   StageTimer timer(world.times, "neighbours");
   Bodies& bodies = world.bodies;
   TouchPairs& touch = world.touch;
-  double largest = 0;
-  if (touch.skin > 0 && touch.moved > touch.skin) touch.moved = displacement(world);
+  if (touch.skin > 0 && touch.moved > touch.skin)
+    touch.moved = displacement(world.comm, touch, world.walls().size() > 0,
+                               [&](Index b) { return bodies.position[b]; });
   if (touch.skin > 0 && touch.moved <= touch.skin) {
     ++touch.steps;
     for (auto* field : {&bodies.position, &bodies.velocity, &bodies.angular_velocity})
@@ -99,12 +59,18 @@ void update_pairs(World& world, const PenaltyLaw& law) {
         bodies.position[bodies.owned + g] += touch.shifts[g];
     return;
   }
-  for (Index b = 0; b < bodies.owned; ++b) largest = std::max(largest, bodies.radius[b]);
-  largest = world.comm.max(largest);
-  world.loads = {};  // a search needs the memory
+  const Radii radii = radii_of(world);
+  const SkinRange skins{.length = 2 * radii.ordinary,
+                        .first = 0.1,
+                        .least = 0.02,
+                        .step = 0.02,
+                        .most = 1,
+                        .search = 60};
+  world.loads = std::vector<ForceRow>();  // a search needs the memory
   search_touch_pairs(world.comm, bodies, world.walls(), world.period,
-                     {.gap = widest_gap(law, largest),
-                      .skin = best_skin(world, 2 * largest),
+                     {.gap = widest_gap(law, radii.largest),
+                      .skin = best_skin(world.comm, bodies, touch, skins),
+                      .ordinary = radii.ordinary,
                       .rolling = law.rolling_friction > 0},
                      touch);
   world.loads.assign(bodies.size(), ForceRow{});
@@ -151,7 +117,7 @@ SmoothReport penalty_steps(World& world, double h, int most_steps) {
   const SmoothReport report = begin_smooth_steps(world, h, most_steps);
 
   const PenaltyLaw law = penalty_law(world.penalty, world.law);
-  Box velocities = velocities_of(world);
+  Box velocities = velocities_with_walls(world);
   book_motion(world.comm, velocities, h / 2, world.touch);
   for (Index b = 0; b < bodies.owned; ++b) bodies.position[b] += h / 2 * bodies.velocity[b];
   for (int step = 1; step <= report.steps; ++step) {
@@ -159,7 +125,7 @@ SmoothReport penalty_steps(World& world, double h, int most_steps) {
     update_pairs(world, law);
     const int drifts = step < report.steps ? 2 : 1;
     velocities = kick_and_drift(world, law, h, drifts);
-    if (world.walls().size() > 0) velocities.add(Vec3::Zero());
+    if (world.walls().size() > 0) velocities.add(Vec3(Vec3::Zero()));
     book_motion(world.comm, velocities, drifts * h / 2, world.touch);
     if (world.touch.searches != searches)
       check_penalty_step(world.comm, bodies, world.penalty, world.law, h,

@@ -4,72 +4,17 @@
 #include "spall/motion/potential_step.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
-#include "spall/base/require.hpp"
+#include "flight.hpp"
 #include "spall/force/pair_laws.hpp"
 #include "spall/motion/gravity_kick.hpp"
 
 namespace spall {
 namespace {
 
-RowHalf half_row(const Vec3& v, double w) {
-  return RowHalf{v[0], v[1], v[2], w};
-}
-Vec3 vector_of(const RowHalf& half) {
-  return {half[0], half[1], half[2]};
-}
-
 void drift(PairRow& row, const RowHalf& velocity, double h) {
   row.place += h * RowHalf{velocity[0], velocity[1], velocity[2], 0};
-}
-
-/// The box that holds some vectors.
-struct Box {
-  RowHalf low = RowHalf{} + infinity, high = RowHalf{} - infinity;
-  void add(const RowHalf& v) {
-    low = v < low ? v : low;
-    high = v > high ? v : high;
-  }
-  void add(const Vec3& v) { add(half_row(v, 0)); }
-  /// Of the boxes of all ranks. Collective.
-  Box united(const Comm& comm) const {
-    std::array<double, 6> ends{-low[0], -low[1], -low[2], high[0], high[1], high[2]};
-    comm.max(ends);
-    Box all;
-    all.low = RowHalf{-ends[0], -ends[1], -ends[2], 0};
-    all.high = RowHalf{ends[3], ends[4], ends[5], 0};
-    return all;
-  }
-  Vec3 centre() const { return vector_of((low + high) / 2); }
-  double diagonal() const { return vector_of(high - low).norm(); }
-};
-
-Box velocities_of(const Bodies& bodies) {
-  Box box;
-  for (Index b = 0; b < bodies.owned; ++b) box.add(bodies.velocity[b]);
-  return box;
-}
-
-/// Bodies have flown at these velocities for `h`: no two came nearer by more than the diagonal.
-void book_motion(const Comm& comm, const Box& velocities, double h, NearPairs& near) {
-  near.moved += h * velocities.united(comm).diagonal();
-  require(std::isfinite(near.moved), "velocities are no longer finite: the step is too long");
-}
-
-/// m, that two bodies have come nearer at most since the pairs were found: twice the radius of the
-/// displacements about the centre of their box. A common motion counts for nothing.
-double displacement(const Comm& comm, const std::vector<PairRow>& rows,
-                    const std::vector<Vec3>& found_at) {
-  Box box;
-  const auto moved = [&](std::size_t b) { return rows[b].place - half_row(found_at[b], 0); };
-  for (std::size_t b = 0; b < found_at.size(); ++b) box.add(moved(b));
-  const Vec3 centre = box.united(comm).centre();
-  double furthest = 0;
-  for (std::size_t b = 0; b < found_at.size(); ++b)
-    furthest = std::max(furthest, (vector_of(moved(b)) - centre).squaredNorm());
-  return 2 * std::sqrt(comm.max(furthest));
 }
 
 void fill_rows(World& world) {
@@ -91,38 +36,23 @@ void take_rows(World& world) {
     bodies.kick[b] = 2 * (world.ahead[b] - bodies.velocity[b]);
 }
 
-/// m, beyond the cut-off, up to which pairs are listed: that for which a step costs least if the
-/// bodies move on as since the last search. A sweep costs as much as there are pairs, range^3; a
-/// search, shared by the steps until the skin is used up, as much as `search` pairs a body.
-/// Counted, not timed, so that a run gives the same bits again.
-double best_skin(const World& world) {
-  constexpr double search = 120, first = 0.3, least = 0.1, most = 1.5;  // skins: of the distance
-  const NearPairs& near = world.near;
-  const double d = world.potential.distance, cutoff = world.potential.cutoff;
-  if (near.range == 0) return first * d;
-  const double bodies = world.comm.sum(static_cast<double>(world.bodies.owned));
-  const double motion = near.moved / (near.steps + 1);  // a step
-  const double density = near.pairs / bodies / std::pow(near.range, 3);
-  const auto cost = [&](double skin) {
-    return density * std::pow(cutoff + skin, 3) + search * motion / skin;
-  };
-  double best = least * d;
-  for (double skin = best; skin <= most * d; skin += 0.05 * d)
-    if (cost(skin) < cost(best)) best = skin;
-  return best;
-}
-
 /// Makes pairs and ghosts current for forces at the present positions.
 void update_pairs(World& world, bool velocities) {
   StageTimer timer(world.times, "neighbours");
   NearPairs& near = world.near;
-  const double skin = near.range - world.potential.cutoff;
-  if (near.range > 0 && near.moved > skin)
-    near.moved = displacement(world.comm, world.rows, near.found_at);
-  if (near.range == 0 || near.moved > skin) {
-    const double range = world.potential.cutoff + best_skin(world);
+  if (near.skin > 0 && near.moved > near.skin)
+    near.moved = displacement(world.comm, near, false,
+                              [&](Index b) { return vector_of(world.rows[b].place); });
+  if (near.skin == 0 || near.moved > near.skin) {
+    const SkinRange skins{.length = world.potential.distance,
+                          .first = 0.3,
+                          .least = 0.1,
+                          .step = 0.05,
+                          .most = 1.5,
+                          .search = 120};
+    const double skin = best_skin(world.comm, world.bodies, near, skins);
     take_rows(world);
-    search_near_pairs(world.comm, world.bodies, range, near);
+    search_near_pairs(world.comm, world.bodies, world.potential.cutoff, skin, near);
     fill_rows(world);
     return;
   }

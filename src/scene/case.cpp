@@ -31,8 +31,10 @@ constexpr Choice<bool> aims[] = {{"head-on", true}, {"line", false}};
 constexpr Choice<Method> methods[] = {{"nonsmooth", Method::nonsmooth},
                                       {"potential", Method::potential},
                                       {"penalty", Method::penalty}};
-constexpr Choice<PairLaw> pair_laws[] = {
-    {"lennard_jones", PairLaw::lennard_jones}, {"mie", PairLaw::mie}, {"morse", PairLaw::morse}};
+constexpr Choice<PairLaw> pair_laws[] = {{"lennard_jones", PairLaw::lennard_jones},
+                                         {"mie", PairLaw::mie},
+                                         {"morse", PairLaw::morse},
+                                         {"steinhauser", PairLaw::steinhauser}};
 constexpr Choice<Match> matches[] = {{"shocks", Match::shocks}, {"bulk", Match::bulk}};
 constexpr Choice<bool> ends[] = {{"time", false}, {"settled", true}};
 
@@ -57,6 +59,23 @@ void read_exponent(Section& in, std::string_view key, std::string_view meaning, 
   exponent = static_cast<int>(value);
 }
 
+/// Bonds that break at a force or an energy, as strains.
+void read_strength(Section& in, PairPotential& p) {
+  double most = 0;
+  const auto take = [&](std::string_view key, std::string_view meaning, Dimension dimension,
+                        double (*strain_of)(const PairPotential&, double)) {
+    if (!in.reads(p.breaking_strain == 0)) return;
+    in.take(key, meaning, most, positive(dimension));
+    if (!in.has(key)) return;
+    p.breaking_strain = strain_of(p, most);
+    in.check(key, p.breaking_strain > 0, "is more than the law bears");
+  };
+  take("breaking_force", "instead of breaking_strain: where the law pulls as much", force,
+       strain_of_force);
+  take("breaking_energy", "instead of breaking_strain: where the law has stored as much", energy,
+       strain_of_energy);
+}
+
 void read_pair_potential(Section& in, PairPotential& p, std::optional<DerivedLaw>& derived) {
   read_derived_law(in, "the law is morse's and follows from its constants", derived);
   if (derived)
@@ -78,8 +97,12 @@ void read_pair_potential(Section& in, PairPotential& p, std::optional<DerivedLaw
             positive(number));
     in.check("steepness", p.steepness <= 100, "is more than 100");
   }
+  if (by_hand(p.law == PairLaw::steinhauser))
+    in.need("tension", "stiffness of steinhauser beyond distance", p.tension,
+            positive(spring_constant));
   in.take("breaking_strain", "the force falls from this strain to none at twice of it",
           p.breaking_strain, Quantity{number, 0, 1});
+  if (by_hand(p.breaking_strain == 0)) read_strength(in, p);
   if (by_hand(p.breaking_strain == 0)) {
     in.need("cutoff", "distance beyond which there is no force; follows from breaking_strain",
             p.cutoff, positive(length));

@@ -57,6 +57,8 @@ const char* name_of(PairLaw law) {
       return "Mie";
     case PairLaw::morse:
       return "Morse";
+    case PairLaw::steinhauser:
+      return "Steinhauser";
   }
   return "";
 }

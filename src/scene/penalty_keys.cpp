@@ -7,7 +7,8 @@
 namespace spall {
 namespace {
 
-constexpr Dimension pressure{-1, 1, -2}, spring_constant{0, 1, -2}, surface_energy{0, 1, -2};
+using dimension::pressure, dimension::spring_constant;
+constexpr Dimension surface_energy{0, 1, -2};
 constexpr Choice<PenaltyModel> models[] = {{"hertz", PenaltyModel::hertz},
                                            {"hooke", PenaltyModel::hooke}};
 constexpr Choice<Adhesion> adhesions[] = {

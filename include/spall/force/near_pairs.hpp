@@ -34,7 +34,8 @@ struct NearWindow {
 struct NearPairs {
   Ghosts ghosts;
   std::vector<NearWindow> windows;
-  double range = 0;            ///< m: all pairs nearer than this when they were found; 0: never
+  double reach = 0;            ///< m, between centres, up to which bodies may act on each other
+  double skin = 0;             ///< m, beyond it, up to which pairs are listed; 0: search now
   std::vector<Vec3> found_at;  ///< m, owned rows
   double moved = 0;    ///< m: no two bodies have come nearer to each other by more since then
   double balance = 0;  ///< largest over mean work after the last cut; 0: never cut
@@ -45,11 +46,28 @@ struct NearPairs {
   double pairs = 0;  ///< over all ranks, of the last search
 };
 
-/// Finds all pairs nearer than `range` (m) with an owned body; ghosts current.
-void find_near_pairs(const Bodies& bodies, double range, std::vector<NearWindow>& windows);
+/// Bodies that are so much larger than most that a search by their size would find everybody near
+/// everybody: they are compared with all others instead.
+struct Giants {
+  double above = infinity;  ///< m, radius from which on
+  double slack = 0;         ///< m, gap between the surfaces up to which they have partners
+};
 
-/// Finds ghosts and pairs anew; cuts the domain before where the ranks' work differs by more than a
-/// tenth. Collective.
-void search_near_pairs(const Comm& comm, Bodies& bodies, double range, NearPairs& near);
+/// Finds all pairs nearer than `range` (m) with an owned body, and those of giants; ghosts current.
+void find_near_pairs(const Bodies& bodies, double range, const Giants& giants,
+                     std::vector<NearWindow>& windows);
+
+/// Finds ghosts and pairs up to `reach` + `skin` (m) anew; cuts the domain before where the ranks'
+/// work differs by more than a tenth. Collective.
+void search_near_pairs(const Comm& comm, Bodies& bodies, double reach, double skin,
+                       NearPairs& near);
+
+/// Of owned bodies: 1 each, and `slot` for each place for a partner.
+std::vector<double> work_of(const Bodies& bodies, const NearPairs& near, double slot);
+/// Whether the ranks' work differs so much, or bodies have mixed so much, that the domain should be
+/// cut anew. Collective.
+bool needs_cut(const Comm& comm, const std::vector<double>& work, const NearPairs& near);
+/// Pairs are found. Collective.
+void book_search(const Comm& comm, const Bodies& bodies, bool cut, double slot, NearPairs& near);
 
 }  // namespace spall

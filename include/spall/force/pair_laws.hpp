@@ -86,6 +86,21 @@ struct MorseLanes {
   double d, a, depth, slope;
 };
 
+struct SteinhauserLanes {
+  explicit SteinhauserLanes(const PairPotential& p)
+      : repulsion(p), d(p.distance), tension(p.tension) {}
+  Lanes force_over_distance(const Lanes& r2) const {
+    const Lanes pull = tension * (d * inverse_sqrt(r2) - 1.0);
+    return r2 < d * d ? repulsion.force_over_distance(r2) : pull;
+  }
+  Lanes energy(const Lanes& r2) const {
+    const Lanes stretch = r2 * inverse_sqrt(r2) - d;
+    return r2 < d * d ? repulsion.energy(r2) + repulsion.depth : 0.5 * tension * stretch * stretch;
+  }
+  LennardJonesLanes repulsion;
+  double d, tension;
+};
+
 /// `Law` up to r_1, from there the force goes to zero linearly at r_2.
 template <class Law>
 struct Breaking {
@@ -116,6 +131,7 @@ auto with_law(const PairPotential& p, F&& f) {
   };
   if (p.law == PairLaw::morse) return with(MorseLanes(p));
   if (p.law == PairLaw::lennard_jones) return with(LennardJonesLanes(p));
+  if (p.law == PairLaw::steinhauser) return with(SteinhauserLanes(p));
   return with(MieLanes(p));
 }
 

@@ -8,13 +8,16 @@
 
 namespace spall {
 
-enum class PairLaw { lennard_jones, mie, morse };
+enum class PairLaw { lennard_jones, mie, morse, steinhauser };
 
 /// A potential U(r) with its minimum -depth at r = distance, with d = distance, D = depth:
 ///
 ///   Mie:   U = D/(m - n) [n (d/r)^m - m (d/r)^n]; m, n = 12, 6 for Lennard-Jones, whose
 ///          sigma is d/2^(1/6)
 ///   Morse: U = D [(1 - e)^2 - 1],  e = exp(-s (r/d - 1))
+///   Steinhauser: U = D [(d/r)^12 - 2 (d/r)^6 + 1] below d, k/2 (r - d)^2 above, no force beyond
+///          the cut-off (Steinhauser, Grass, Strassburger & Blumen, Int. J. Plasticity 25 (2009)
+///          161: D = gamma R0^3, k = 2 lambda R0, cut-off alpha d)
 ///
 /// cut at `cutoff`, from where U is counted; the force is not shifted. With a `breaking_strain` eps
 /// the force beyond r_1 = (1 + eps) d goes to zero linearly at r_2 = (1 + 2 eps) d, the cut-off of
@@ -26,17 +29,23 @@ struct PairPotential {
   int repulsive = 12;          ///< m of Mie
   int attractive = 6;          ///< n of Mie
   double steepness = 0;        ///< s of Morse, often written a d
+  double tension = 0;          ///< N/m, k of Steinhauser
   double cutoff = 0;           ///< m
   double breaking_strain = 0;  ///< eps; 0: no break
   double damping = 0;          ///< of critical: c = damping * 2 sqrt(k m/2), m the lightest body's
 };
 
-/// N/m at the distance of rest: Mie m n D/d^2, Morse 2 D (s/d)^2.
+/// N/m at the distance of rest: Mie m n D/d^2, Morse 2 D (s/d)^2; Steinhauser: the stiffer side's.
 double stiffness(const PairPotential& potential);
 
 /// N, of the repulsion -dU/dr, and J; the damping apart.
 double pair_force(const PairPotential& potential, double r);
 double pair_energy(const PairPotential& potential, double r);
+
+/// The strain at which the law without a break first pulls with `force` (N), or has stored `energy`
+/// (J); 0 where it never does up to a strain of 1.
+double strain_of_force(const PairPotential& potential, double force);
+double strain_of_energy(const PairPotential& potential, double energy);
 
 /// s, of steps for bodies of `mass` (kg, the lightest).
 double longest_step(const PairPotential& potential, double mass);

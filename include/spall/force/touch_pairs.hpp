@@ -37,30 +37,20 @@ struct WallTouch {
   Vec3 sliding = Vec3::Zero(), rolling = Vec3::Zero();
 };
 
-struct TouchPairs {
-  Ghosts ghosts;
-  std::vector<Vec3> shifts;  ///< m, of ghosts that are images
-  std::vector<NearWindow> windows;
+struct TouchPairs : NearPairs {
+  std::vector<Vec3> shifts;            ///< m, of ghosts that are images
   std::vector<WindowSprings> springs;  ///< of each window
   std::vector<WallTouch> walls;
   ContactMemory carried;  ///< springs to start from, of a restart; taken by the next search
   double gap = 0;         ///< m, at which bodies may act on each other
-  double skin = 0;        ///< m, that bodies may come nearer before the next search; 0: search now
-  double moved = 0;       ///< m: no two bodies have come nearer by more since the search
-  std::vector<Vec3> found_at;  ///< m, owned rows
-  double balance = 0;          ///< largest over mean work after the last cut; 0: never cut
-  Index ghosts_after_cut = 0;
-  int searches_since_cut = 0;
-  std::int64_t searches = 0;
-  int steps = 0;       ///< that the pairs have served
-  double pairs = 0;    ///< over all ranks, of the last search
-  bool equal = false;  ///< all bodies here have one size and mass
+  bool equal = false;     ///< all bodies here have one size and mass
 };
 
 /// How near bodies must come to be listed.
 struct TouchRange {
   double gap = 0;        ///< m, at which bodies may act on each other
   double skin = 0;       ///< m
+  double ordinary = 0;   ///< m, radius up to which bodies are searched by their size
   bool rolling = false;  ///< rolling springs are kept
 };
 
