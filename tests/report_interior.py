@@ -104,7 +104,7 @@ class Interior(unittest.TestCase):
         figure, states = report_interior.interior(run)
         self.assertEqual([name for name, _, _ in states], ["before the impact", "after it"])
         titles = [axes.get_title(loc="left") + axes.get_title() for axes in figure.axes]
-        for wanted in ("Porosity in the plane z = 0, after it", "Contacts that push, before the impact", "Coordination", "Forces"):
+        for wanted in ("Porosity in the plane z = 0, after it", "Pushing contacts, before the impact", "Coordination", "Forces"):
             self.assertTrue(any(wanted in title for title in titles), f"no panel '{wanted}' among {titles}")
         figure.savefig(self.path / "interior.png", dpi=40)
         rows = dict((row[0], row[1:]) for row in report_interior.table(states))

@@ -127,7 +127,7 @@ def picture(rows, deflection):
 
 
 def summary(rows, folder, deflection):
-    piles = sorted(pathlib.Path(folder).glob("pile*/"))
+    piles = [path.parent for path in pathlib.Path(folder).glob("pile*/after_aggregation.h5")]
     forces = [row for row in rows if row["law"] == "force"]
     whole = min(row["clump_part"] for row in rows)
     print(f"Time: {len(piles)} aggregates {sum(map(seconds_before, piles)):.0f} s; {len(forces)} impacts with c as a force "
