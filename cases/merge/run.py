@@ -23,8 +23,8 @@ APART = (120, 140)  # m, of the centres at the start: smaller projectile, equal 
 # Name of the runs: what they are, changed keys, speeds in m/s, color.
 SERIES = {
     "merge": ("friction 0.5, e = 0.3", [], (0.03, 0.1, 0.2, 0.3, 0.37, 0.45, 0.52, 0.6), "#2f6db3"),
-    "merge-smooth": ("no friction, e = 0.5", SMOOTH, (0.2, 0.3, 0.37, 0.45), "#3f8f5b"),
-    "merge-equal": ("equal piles, friction 0.5, e = 0.3", WHOLE, (0.03, 0.2, 0.25, 0.3), "#7a5ea8"),
+    "merge-smooth": ("no friction, e = 0.5", SMOOTH, (0.2, 0.3, 0.4), "#3f8f5b"),
+    "merge-equal": ("equal piles, friction 0.5, e = 0.3", WHOLE, (0.2, 0.25, 0.3), "#7a5ea8"),
     "merge-equal-smooth": ("equal piles, no friction, e = 0.5", [*WHOLE, *SMOOTH], (0.15, 0.2, 0.25), "#b5476b"),
 }
 
