@@ -22,12 +22,14 @@ import matplotlib.pyplot as plt  # noqa: E402
 RESOLUTIONS = (2.0, 1.0, 0.5)  # m: the largest radius at the site
 SEEDS = (1, 2, 3)
 COHESION = 0.44  # N at 1 m: 2 Pa by Rumpf's formula, as the square of the size
+RESTITUTION = 0.3  # of case.toml
 SPEEDS = (0.1, 0.3, 1, 3, 10)  # m/s
 ROWS = [("bodies", None, ""), ("smallest radius", None, "m"), ("dv", "deflection.dv", "m/s"), ("beta, vector formula", "deflection.beta", ""),
         ("beta along the flight", "deflection.beta_along", ""), ("change of the period", "deflection.dT_min", "min"),
         ("ejecta", "ejecta.count", ""), ("their mass", "ejecta.mass", "kg"), ("the fastest", "ejecta.fastest", "m/s"),
         ("half-aperture with half of their momentum (sum of sizes)", "ejecta.cone_half_deg", "deg"), ("with 90 % of it", "ejecta.cone_most_deg", "deg"),
         ("mass of the pile", "pile.mass", "kg"), ("its axes", "pile.axes", "m"), ("density of a boulder", None, "kg/m^3"),
+        ("energy of a head-on hit in the largest boulder at the site, of the impactor's", None, ""),
         ("momentum not closed, of m v (worst)", "deflection.momentum_closure", ""), ("drift of momentum, of m v (worst)", "conservation.linear", ""),
         ("energy unexplained, of the dissipated (worst)", "conservation.energy_unexplained", "")]
 
@@ -50,15 +52,18 @@ def scatter(values):
     return f"{values.mean():.4g}{spread}"
 
 
-def row_of(name, key, runs):
+def row_of(name, key, resolution, runs):
     """A cell of the table: runs of all seeds at one resolution, as (folder, results)."""
     if name == "bodies":
         return scatter([len(last_frame(folder)[2]) - 1 for folder, _ in runs])
     if name == "smallest radius":
         return f"{min(last_frame(folder)[2][:-1].min() for folder, _ in runs):.3g}"
-    if name == "density of a boulder":
+    if key is None:
         _, _, radius, mass = last_frame(runs[0][0])
-        return f"{mass[0] / (4 / 3 * np.pi * radius[0]**3):.4g}"
+        density = mass[0] / (4 / 3 * np.pi * radius[0]**3)
+        boulder, impactor = density * 4 / 3 * np.pi * resolution**3, mass[-1]
+        energy = (1 + RESTITUTION) ** 2 * impactor * boulder / (impactor + boulder) ** 2
+        return f"{density:.4g}" if name.startswith("density") else f"{energy:.2g}"
     values = [look_up(run, key) for _, run in runs]
     if name.endswith("(worst)"):
         return f"{max(map(abs, values)):.1e}"
@@ -89,7 +94,7 @@ def main():
     lines = []
     for name, key, unit in ROWS:
         printed, note = reference.get(key, ("", ""))
-        lines.append("| " + " | ".join([name, unit, show(printed), *(row_of(name, key, runs) for runs in of.values()), note]) + " |")
+        lines.append("| " + " | ".join([name, unit, show(printed), *(row_of(name, key, r, runs) for r, runs in of.items()), note]) + " |")
     heading = ["", "", "observed", *(f"{r:g} m at the site" for r in of), "note"]
     first = next(iter(there.values()))[1]
     at = [f"{t:.3g} s" for t in first["read_out"]["since_impact"]]
