@@ -48,7 +48,7 @@ def show(value):
 def scatter(values):
     """Mean ± half of the range over seeds."""
     values = np.array(values, dtype=float)
-    spread = f" ± {np.ptp(values) / 2:.2g}" if len(values) > 1 else ""
+    spread = f" ± {np.ptp(values) / 2:.2g}" if np.ptp(values) > 1e-9 * np.max(np.abs(values)) else ""
     return f"{values.mean():.4g}{spread}"
 
 
