@@ -24,6 +24,7 @@ APART = (120, 140)  # m, of the centres at the start: smaller projectile, equal 
 SERIES = {
     "merge": ("friction 0.5, e = 0.3", [], (0.03, 0.1, 0.2, 0.3, 0.37, 0.45, 0.52, 0.6), "#2f6db3"),
     "merge-smooth": ("no friction, e = 0.5", SMOOTH, (0.2, 0.3, 0.4), "#3f8f5b"),
+    "merge-frictionless": ("no friction, e = 0.3", ["contact.friction=0"], (0.2, 0.3, 0.4), "#2a9d8f"),
     "merge-equal": ("equal piles, friction 0.5, e = 0.3", WHOLE, (0.2, 0.25, 0.3), "#7a5ea8"),
     "merge-equal-smooth": ("equal piles, no friction, e = 0.5", [*WHOLE, *SMOOTH], (0.15, 0.2, 0.25), "#b5476b"),
 }
