@@ -1,8 +1,8 @@
 // Large arrays lie on huge pages: where 4 KiB pages are used, sweeps over contacts and bodies wait
 // for the translation of addresses, twice to ten times as long as for the data, in virtual machines
-// most of all. Linux gives huge pages where they are asked for and aligned. What is freed stays with
-// the program: the next step needs as much, and the system clears every page before it gives it.
-// SPDX-License-Identifier: BSD-3-Clause
+// most of all. Linux gives huge pages where they are asked for and aligned. What is freed stays
+// with the program: the next step needs as much, and the system clears every page before it gives
+// it. SPDX-License-Identifier: BSD-3-Clause
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
