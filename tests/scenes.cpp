@@ -267,6 +267,83 @@ total_mass = "5.972e24 kg"
   EXPECT_GT(whole("far", 3.0), 0.99);
 }
 
+TEST(Nucleus, under_boulders_stays_whole_and_momentum_closes) {
+  const auto results = results_of("nucleus", "read_out = [\"1 s\", \"4 s\"]\n" + std::string(rock) +
+                                                 R"(
+[[groups]]
+name = "nucleus"
+material = "rock"
+volume = {radius = "8 m"}
+[[groups]]
+name = "boulders"
+material = "rock"
+volume = {shape = "hollow_sphere", radius = "10.4 m", inner_radius = "8 m"}
+packing = {kind = "random", diameter = "1.2 m", count = 300}
+[[phases]]
+name = "settling"
+step = "10 s"
+duration = "2000 s"
+[[phases]]
+name = "impact"
+step = "0.2 ms"
+duration = "20 ms"
+remove_drift = true
+cohesion = "1 N"
+impactor = {mass = "0.5 kg", diameter = "10 cm", speed = "4 km/s", distance = "0.5 m"}
+[[phases]]
+name = "evolution"
+step = "0.1 s"
+duration = "4 s"
+)");
+  EXPECT_LT(value(results, "deflection", "momentum_closure"), 1e-10);
+  EXPECT_LT(value(results, "conservation", "linear"), 1e-10);
+  EXPECT_LT(value(results, "conservation", "angular"), 1e-10);
+  EXPECT_GE(value(results, "deflection", "dv"), value(results, "deflection", "dv_plastic"));
+  const Bodies settled = bodies_after("nucleus", "settling");
+  ASSERT_EQ(settled.owned, 301);
+  ASSERT_EQ(settled.radius[0], 8);
+  Index lying = 0;  // on the nucleus; the others lie on these
+  for (Index b = 1; b < settled.owned; ++b) {
+    const double height = (settled.position[b] - settled.position[0]).norm() - 8 - 0.6;
+    EXPECT_GT(height, -1e-3 * 0.6);
+    lying += height < 0.01;
+  }
+  EXPECT_GT(lying, 150);
+}
+
+TEST(Rest, a_pile_stays_as_it_is) {
+  results_of("rest", rock + group("pile", "radius = 100", "") + R"(
+[solver]
+tolerance = 1e-4
+[[phases]]
+name = "settling"
+step = "10 s"
+duration = "8000 s"
+[[phases]]
+name = "rest"
+step = "10 s"
+duration = "4000 s"
+)");
+  const Bodies before = bodies_after("rest", "settling"), after = bodies_after("rest", "rest");
+  const auto size = [](const Bodies& bodies) {  // radius of gyration
+    Vec3 center = Vec3::Zero();
+    double square = 0;
+    for (const Vec3& x : bodies.position) center += x / static_cast<double>(bodies.owned);
+    for (const Vec3& x : bodies.position)
+      square += (x - center).squaredNorm() / static_cast<double>(bodies.owned);
+    return std::sqrt(square);
+  };
+  EXPECT_NEAR(size(after), size(before), 1e-4 * size(before));
+  Vec3 momentum = Vec3::Zero();
+  double fastest = 0;
+  for (Index b = 0; b < after.owned; ++b) {
+    momentum += after.velocity[b];
+    fastest = std::max(fastest, after.velocity[b].norm());
+  }
+  EXPECT_LT(fastest, 1e-5);  // the escape speed is 6 mm/s
+  EXPECT_LT(momentum.norm() / 200, 1e-10 * 6e-3);
+}
+
 TEST(Dart, on_graded_boulders_closes_its_momentum) {
   const auto results =
       results_of("dart", "read_out = [\"1 s\", \"4 s\"]\n" + std::string(rock) + R"(

@@ -14,19 +14,24 @@ import numpy as np
 HERE = pathlib.Path(__file__).parent
 sys.path[:0] = [str(HERE.parent), str(HERE.parent / "didymoon")]
 from remnants import largest_remnant, last_frame, results  # noqa: E402
-from table import print_table, text  # noqa: E402, F401
-from report_reference import look_up  # noqa: E402
+from table import look_up  # noqa: E402
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 
-RESOLUTIONS = ("2", "1")  # m: the largest radius at the site
+RESOLUTIONS = (2.0, 1.0, 0.5)  # m: the largest radius at the site
+SEEDS = (1, 2, 3)
+COHESION = 0.44  # N at 1 m: 2 Pa by Rumpf's formula, as the square of the size
+RESTITUTION = 0.3  # of case.toml
+SPEEDS = (0.1, 0.3, 1, 3, 10)  # m/s
 ROWS = [("bodies", None, ""), ("smallest radius", None, "m"), ("dv", "deflection.dv", "m/s"), ("beta, vector formula", "deflection.beta", ""),
         ("beta along the flight", "deflection.beta_along", ""), ("change of the period", "deflection.dT_min", "min"),
         ("ejecta", "ejecta.count", ""), ("their mass", "ejecta.mass", "kg"), ("the fastest", "ejecta.fastest", "m/s"),
         ("half-aperture with half of their momentum (sum of sizes)", "ejecta.cone_half_deg", "deg"), ("with 90 % of it", "ejecta.cone_most_deg", "deg"),
-        ("mass of the pile", "pile.mass", "kg"), ("its axes", "pile.axes", "m"), ("momentum not closed, of m v", "deflection.momentum_closure", ""),
-        ("drift of momentum, of m v", "conservation.linear", ""), ("energy unexplained, of the dissipated", "conservation.energy_unexplained", "")]
+        ("mass of the pile", "pile.mass", "kg"), ("its axes", "pile.axes", "m"), ("density of a boulder", None, "kg/m^3"),
+        ("energy of a head-on hit in the largest boulder at the site, of the impactor's", None, ""),
+        ("momentum not closed, of m v (worst)", "deflection.momentum_closure", ""), ("drift of momentum, of m v (worst)", "conservation.linear", ""),
+        ("energy unexplained, of the dissipated (worst)", "conservation.energy_unexplained", "")]
 
 
 def observed():
@@ -38,6 +43,31 @@ def show(value):
     if isinstance(value, list):
         return (", " if len(value) == 3 else " to ").join(show(one) for one in value)
     return f"{value:.4g}" if isinstance(value, float) else str(value)
+
+
+def scatter(values):
+    """Mean ± half of the range over seeds."""
+    values = np.array(values, dtype=float)
+    spread = f" ± {np.ptp(values) / 2:.2g}" if np.ptp(values) > 1e-9 * np.max(np.abs(values)) else ""
+    return f"{values.mean():.4g}{spread}"
+
+
+def row_of(name, key, resolution, runs):
+    """A cell of the table: runs of all seeds at one resolution, as (folder, results)."""
+    if name == "bodies":
+        return scatter([len(last_frame(folder)[2]) - 1 for folder, _ in runs])
+    if name == "smallest radius":
+        return f"{min(last_frame(folder)[2][:-1].min() for folder, _ in runs):.3g}"
+    if key is None:
+        _, _, radius, mass = last_frame(runs[0][0])
+        density = mass[0] / (4 / 3 * np.pi * radius[0]**3)
+        boulder, impactor = density * 4 / 3 * np.pi * resolution**3, mass[-1]
+        energy = (1 + RESTITUTION) ** 2 * impactor * boulder / (impactor + boulder) ** 2
+        return f"{density:.4g}" if name.startswith("density") else f"{energy:.2g}"
+    values = [look_up(run, key) for _, run in runs]
+    if name.endswith("(worst)"):
+        return f"{max(map(abs, values)):.1e}"
+    return ", ".join(map(scatter, zip(*values))) if isinstance(values[0], list) else scatter(values)
 
 
 def ejecta(folder):
@@ -52,42 +82,48 @@ def ejecta(folder):
 
 
 def main():
-    folders = {r: pathlib.Path(f"out/dart-{r}") for r in RESOLUTIONS}
-    for r, folder in folders.items():
+    folders = {(r, seed): pathlib.Path(f"out/dart-{r:g}-{seed}") for r in RESOLUTIONS for seed in SEEDS}
+    for (r, seed), folder in folders.items():
         if "--only-table" not in sys.argv and not (folder / "results.toml").exists():
-            subprocess.run(["mpirun", "-n", "2", "build/release/spall", "run", "cases/dart/case.toml", "--out", str(folder), "--set",
-                            f"groups.dimorphos.packing.smallest={r} m"], check=True)
-    folders = {r: folder for r, folder in folders.items() if (folder / "results.toml").exists()}
-    runs = {r: results(folder) for r, folder in folders.items()}
+            subprocess.run(["mpirun", "-n", "2", "build/release/spall", "run", "cases/dart/case.toml", "--out", str(folder), "--set", f"seed={seed}",
+                            "--set", f"groups.dimorphos.packing.smallest={r} m", "--set", f"phases.impact.cohesion={COHESION * r**2} N"], check=True)
+    there = {key: (folder, results(folder)) for key, folder in folders.items() if (folder / "results.toml").exists()}
+    of = {r: [run for (resolution, _), run in there.items() if resolution == r] for r in RESOLUTIONS}
+    of = {r: runs for r, runs in of.items() if runs}
     reference = observed()
     lines = []
     for name, key, unit in ROWS:
-        if key is None:
-            radii = [last_frame(folder)[2][:-1] for folder in folders.values()]
-            values = [str(len(x)) if name == "bodies" else f"{x.min():.3g}" for x in radii]
-        else:
-            values = [show(look_up(run, key)) for run in runs.values()]
         printed, note = reference.get(key, ("", ""))
-        lines.append("| " + " | ".join([name, unit, show(printed), *values, note]) + " |")
-    heading = ["", "", "observed", *(f"{r} m at the site" for r in runs), "note"]
-    reads = [f"| {r} m | " + " | ".join(f"{dv:.4g}" for dv in run["read_out"]["dv"]) + " | "
-             + " | ".join(f"{b:.4g}" for b in run["read_out"]["beta"]) + " |" for r, run in runs.items()]
-    at = [f"{t:.3g} s" for t in next(iter(runs.values()))["read_out"]["since_impact"]]
+        lines.append("| " + " | ".join([name, unit, show(printed), *(row_of(name, key, r, runs) for r, runs in of.items()), note]) + " |")
+    heading = ["", "", "observed", *(f"{r:g} m at the site" for r in of), "note"]
+    first = next(iter(there.values()))[1]
+    at = [f"{t:.3g} s" for t in first["read_out"]["since_impact"]]
+    reads = [f"| {r:g} m | {seed} | {run['case']['cohesion']:.3g} | " + " | ".join(f"{1e3 * dv:.4g}" for dv in run["read_out"]["dv"]) + " | "
+             + " | ".join(f"{b:.4g}" for b in run["read_out"]["beta"]) + f" | {run['time']['total_s']:.0f} |" for (r, seed), (_, run) in there.items()]
+    plume = {key: ejecta(folder) for key, (folder, _) in there.items()}
+
+    def faster(key, v):
+        speed, mass = plume[key]
+        return mass[np.sum(speed >= v) - 1] if np.any(speed >= v) else 0.0
+    masses = ["| " + " | ".join([f"{v:g} m/s", *(scatter([faster(key, v) for key in there if key[0] == r]) for r in of)]) + " |" for v in SPEEDS]
     (HERE / "results.md").write_text(
-        "# DART: the runs beside the observations\nWritten by `cases/dart/run.py`; at the last read-out unless said otherwise.\n\n"
-        "| " + " | ".join(heading) + " |\n|---|---|" + "--:|" * (len(runs) + 1) + "---|\n" + "\n".join(lines)
-        + "\n\n## In time\n\n| | " + " | ".join(f"dv at {t}, m/s" for t in at) + " | " + " | ".join(f"beta at {t}" for t in at)
-        + " |\n|---|" + "--:|" * (2 * len(at)) + "\n" + "\n".join(reads) + "\n")
+        "# DART: the runs beside the observations\nWritten by `cases/dart/run.py`; at the last read-out unless said otherwise; mean over the seeds "
+        "± half of their range (" + ", ".join(f"{len(runs)} at {r:g} m" for r, runs in of.items()) + ").\n\n"
+        "| " + " | ".join(heading) + " |\n|---|---|" + "--:|" * (len(of) + 1) + "---|\n" + "\n".join(lines)
+        + "\n\n## Mass ejected faster than v, kg\n\n| | " + " | ".join(f"{r:g} m at the site" for r in of) + " |\n|---|" + "--:|" * len(of) + "\n"
+        + "\n".join(masses) + "\n\n## In time\n\n| | seed | cohesion, N | " + " | ".join(f"dv at {t}, mm/s" for t in at) + " | "
+        + " | ".join(f"beta at {t}" for t in at) + " | run, s |\n|---|--:|--:|" + "--:|" * (2 * len(at) + 1) + "\n" + "\n".join(reads) + "\n")
 
     figure, panel = plt.subplots(figsize=(8, 4.4), layout="constrained")
-    for (r, folder), color in zip(folders.items(), ("#8a94a3", "#3f8f5b", "#2f6db3")):
-        panel.plot(*ejecta(folder), drawstyle="steps-post", color=color, label=f"{r} m at the site")
+    colors = dict(zip(RESOLUTIONS, ("#8a94a3", "#3f8f5b", "#2f6db3")))
+    for (r, seed), curve in plume.items():
+        panel.plot(*curve, drawstyle="steps-post", color=colors[r], label=f"{r:g} m at the site" if seed == SEEDS[0] else None)
     panel.axhspan(*reference["ejecta.mass"][0], color="#d9822b", alpha=0.25, lw=0, label="all ejecta, observed (Ferrari et al. 2025)")
     panel.set(xscale="log", yscale="log", xlabel="speed v relative to what is left (m/s)", ylabel="mass ejected faster than v (kg)")
     panel.grid(color="#e4e8ee")
     panel.legend(frameon=False)
     figure.savefig(HERE / "ejecta.png", dpi=110)
-    finest = folders[list(folders)[-1]]
+    finest = [folder for (_, seed), (folder, _) in there.items() if seed == SEEDS[0]][-1]
     subprocess.run(["build/release/spall", "report", str(finest)], check=True)
     shutil.copy(finest / "report/bodies.png", HERE / "bodies.png")
 

@@ -17,7 +17,7 @@ from report_spheres import Camera, render  # noqa: E402
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 
-APPROACHES = (1.2, 1.5, 1.8, 2.0, 2.5)  # planet radii
+APPROACHES = (1.2, 1.5, 1.7, 1.85, 1.88, 1.92)  # planet radii
 PLANET, START = 6371e3, 6 * 6371e3  # m
 MU = G * 5.972e24
 

@@ -144,8 +144,8 @@ def interior(run):
         if np.any(state.force < 0):
             top[2].hist(-state.force[state.force < 0], bins, histtype="step", color=color, ls=":", label=f"{name}, pulling")
         draw_map(figure, line[0], state, axis, distance, side, name)
-        draw_network(line[1], state, state.force > 0, run.flight, up, across, side, GREEN, f"Contacts that push, {name}")
-        draw_network(line[2], state, state.force < 0, run.flight, up, across, side, RED, f"Contacts that pull, {name}")
+        draw_network(line[1], state, state.force > 0, run.flight, up, across, side, GREEN, f"Pushing contacts, {name}")
+        draw_network(line[2], state, state.force < 0, run.flight, up, across, side, RED, f"Pulling contacts, {name}")
     axes[-1][0].set(xlabel="distance from the centre (m)", ylabel="porosity of the shell", ylim=(0, 1), title="Porosity")
     axes[-1][1].set(xlabel="contacts of a body", ylabel="bodies", title="Coordination")
     axes[-1][2].set(xscale="log", yscale="log", xlabel="normal force (N)", ylabel="contacts", title="Forces")
