@@ -40,6 +40,7 @@ def shot(name):
 
 def run(options, name, seed):
     speed, thickness, diameter = shot(name)
+    speed = options.speed or speed
     d = diameter / options.across
     width, depth = options.width * diameter, max(thickness, d)
     duration = options.duration
@@ -59,7 +60,7 @@ def run(options, name, seed):
                f"phases.flight.step={step}", f"phases.flight.duration={duration - impact}",
                f"debris.every={duration / 12}", "output.series_every=1e-6",
                f"output.snapshot_every={duration / 7 if options.pictures else duration}"]
-    folder = ROOT / f"out/plate/{name}-{options.across:g}-{options.width:g}-{1e6 * duration:g}us-{seed}"
+    folder = ROOT / f"out/plate/{name}-{speed:g}-{options.across:g}-{options.width:g}-{1e6 * duration:g}us-{seed}"
     command = ["mpirun", "-n", str(options.ranks), str(options.program), "run",
                str(HERE / "case.toml"), "--out", str(folder)]
     for change in changes + options.set:
@@ -153,6 +154,7 @@ def tried():
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--across", type=float, default=12)
+    parser.set_defaults(speed=None)
     parser.add_argument("--width", type=float, default=5, help="of the plate, in diameters")
     parser.add_argument("--seeds", type=int, nargs="+", default=[1, 2, 3])
     parser.add_argument("--shots", nargs="+", default=[s["id"] for s in DATA["shots"]] + ["hiermaier"])
