@@ -68,8 +68,8 @@ void spall_test(const Comm& comm, const Sample& m, const std::string& orientatio
   const double h = m.step(), volume = m.mass / m.solid.density;
   constexpr int steps = 10;
   double strongest = 0, highest = 0, lowest = 0, hit = 0, arrival = 0;
-  const double pass = length * m.d / m.solid.sound_speed;
-  for (double time = 0; hit == 0 || time < hit + 5.5 * pass; time += steps * h) {
+  const double pass = length * m.d / sound_speeds(m.law, m.mass).along_100;  // the slowest
+  for (double time = 0; hit == 0 || time < hit + 5 * pass; time += steps * h) {
     potential_steps(world, h, steps);
     const auto layer = measure_layers(world, start, layers);
     for (const Layer& one : layer) strongest = std::max(strongest, one.virial / volume);
