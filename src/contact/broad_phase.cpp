@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <numeric>
 
 namespace spall {
 namespace {
@@ -19,69 +20,116 @@ std::uint64_t mix(std::uint64_t x) {  // finaliser of splitmix64
   return x ^ x >> 31;
 }
 
-/// Bodies of one size class in cells of `edge`, at least as wide as any of their grown spheres.
+/// A body's sphere, grown by its reach.
+struct Grown {
+  Vec3 center;
+  double radius;
+  Index row;
+};
+
+/// Spheres of one size class in cells about as wide as they are. Cells lie in blocks of
+/// 4 x 4 x 4, so that a look at neighbouring cells seldom leaves a block; spheres lie in memory in
+/// the order of their cells, and in a cell in that of their rows.
 class Level {
  public:
-  Level(double edge, std::vector<Index> rows, const std::vector<Vec3>& position) : edge_(edge) {
-    std::size_t slots = 16;
-    while (slots < 2 * rows.size()) slots *= 2;
-    table_.assign(slots, {});
-    next_.resize(rows.size());
-    rows_ = std::move(rows);
-    // Backwards, so that each cell's chain is in ascending order of rows.
-    for (Index k = static_cast<Index>(rows_.size()); k-- > 0;) {
-      Slot& slot = find(cell(position[rows_[k]]));
-      next_[k] = slot.first;
-      slot.first = k;
+  explicit Level(const std::vector<Grown>& spheres) : table_(64, none), spheres_(spheres.size()) {
+    double edge = 0;
+    for (const Grown& s : spheres) {
+      edge += 2 * s.radius / static_cast<double>(spheres.size());
+      largest_ = std::max(largest_, s.radius);
+      low_ = low_.cwiseMin(s.center);
+      high_ = high_.cwiseMax(s.center);
     }
+    cells_a_metre_ = 1 / edge;
+    std::vector<std::size_t> cell_of(spheres.size());
+    for (std::size_t k = 0; k < spheres.size(); ++k) {
+      const CellIndex c = cell(spheres[k].center);
+      cell_of[k] = cells * add_block(key_of(block_of(c))) + inside(c);
+    }
+    start_.assign(cells * keys_.size() + 2, 0);
+    for (std::size_t c : cell_of) ++start_[c + 2];
+    std::partial_sum(start_.begin(), start_.end(), start_.begin());
+    for (std::size_t k = 0; k < spheres.size(); ++k)
+      spheres_[start_[cell_of[k] + 1]++] = spheres[k];
   }
 
-  double edge() const { return edge_; }
-
-  /// Calls `f(row)` for the bodies of all cells that a box of half-width `reach` around `center`
-  /// meets.
+  /// Calls `f(run)` with runs of spheres, among which are all that meet the given one.
   template <class F>
-  void for_each_near(const Vec3& center, double reach, F&& f) {
-    const CellIndex low = cell(center - Vec3::Constant(reach));
-    const CellIndex high = cell(center + Vec3::Constant(reach));
-    for (auto z = low[2]; z <= high[2]; ++z)
-      for (auto y = low[1]; y <= high[1]; ++y)
-        for (auto x = low[0]; x <= high[0]; ++x)
-          for (Index k = find({x, y, z}).first; k >= 0; k = next_[k]) f(rows_[k]);
+  void for_each_near(const Vec3& center, double radius, F&& f) const {
+    const Vec3 reach = Vec3::Constant(radius + largest_);
+    if ((center + reach - low_).minCoeff() < 0 || (high_ - center + reach).minCoeff() < 0) return;
+    const CellIndex low = cell(center - reach), high = cell(center + reach);
+    const CellIndex first = block_of(low), last = block_of(high);
+    CellIndex b;
+    for (b[2] = first[2]; b[2] <= last[2]; ++b[2])
+      for (b[1] = first[1]; b[1] <= last[1]; ++b[1])
+        for (b[0] = first[0]; b[0] <= last[0]; ++b[0]) {
+          const Index block = table_[place(key_of(b))];
+          if (block == none) continue;
+          CellIndex from, to;
+          for (int k = 0; k < 3; ++k) {
+            from[k] = std::max(low[k], side * b[k]);
+            to[k] = std::min(high[k], side * b[k] + side - 1);
+          }
+          CellIndex c{from[0], 0, 0};
+          for (c[2] = from[2]; c[2] <= to[2]; ++c[2])
+            for (c[1] = from[1]; c[1] <= to[1]; ++c[1]) {
+              const Index* run = &start_[cells * block + inside(c)];
+              f(std::span(&spheres_[run[0]], &spheres_[run[to[0] - from[0] + 1]]));
+            }
+        }
   }
 
  private:
-  struct Slot {
-    CellIndex cell{};
-    Index first = -1;
-  };
+  static constexpr std::int64_t side = 4;                   // of a block, in cells
+  static constexpr std::size_t cells = side * side * side;  // of a block
+  static constexpr Index none = -1;
 
   CellIndex cell(const Vec3& x) const {
-    return {static_cast<std::int64_t>(std::floor(x[0] / edge_)),
-            static_cast<std::int64_t>(std::floor(x[1] / edge_)),
-            static_cast<std::int64_t>(std::floor(x[2] / edge_))};
+    CellIndex c;
+    for (int k = 0; k < 3; ++k) c[k] = static_cast<std::int64_t>(std::floor(x[k] * cells_a_metre_));
+    return c;
+  }
+  static CellIndex block_of(const CellIndex& c) { return {c[0] >> 2, c[1] >> 2, c[2] >> 2}; }
+  static std::size_t inside(const CellIndex& c) {
+    return static_cast<std::size_t>((c[0] & 3) + side * (c[1] & 3) + side * side * (c[2] & 3));
+  }
+  /// The same for blocks 2^21 apart: their bodies are too far away to be mistaken for partners.
+  static std::uint64_t key_of(const CellIndex& block) {
+    constexpr std::uint64_t last = (1u << 21) - 1;
+    return (static_cast<std::uint64_t>(block[0]) & last) |
+           (static_cast<std::uint64_t>(block[1]) & last) << 21 |
+           (static_cast<std::uint64_t>(block[2]) & last) << 42;
   }
 
-  /// The cell's slot, or a free one that is its own from now on.
-  Slot& find(const CellIndex& cell) {
-    const std::uint64_t hash =
-        mix(static_cast<std::uint64_t>(cell[0]) * 0x9e3779b97f4a7c15 +
-            mix(static_cast<std::uint64_t>(cell[1]) + mix(static_cast<std::uint64_t>(cell[2]))));
-    std::size_t at = hash & (table_.size() - 1);
-    while (table_[at].first >= 0 && table_[at].cell != cell) at = (at + 1) & (table_.size() - 1);
-    if (table_[at].first < 0) table_[at].cell = cell;
-    return table_[at];
+  /// The table's place of the block, or the free one where it would be.
+  std::size_t place(std::uint64_t key) const {
+    std::size_t at = mix(key) & (table_.size() - 1);
+    while (table_[at] != none && keys_[table_[at]] != key) at = (at + 1) & (table_.size() - 1);
+    return at;
+  }
+  /// The block, made where there was none.
+  std::size_t add_block(std::uint64_t key) {
+    const std::size_t at = place(key);
+    if (table_[at] != none) return table_[at];
+    const std::size_t block = keys_.size();
+    table_[at] = static_cast<Index>(block);
+    keys_.push_back(key);
+    if (2 * keys_.size() > table_.size()) {
+      table_.assign(2 * table_.size(), none);
+      for (std::size_t b = 0; b < keys_.size(); ++b)
+        table_[place(keys_[b])] = static_cast<Index>(b);
+    }
+    return block;
   }
 
-  double edge_;
-  std::vector<Index> rows_;
-  std::vector<Index> next_;
-  std::vector<Slot> table_;
+  double cells_a_metre_ = 0, largest_ = 0;
+  Vec3 low_ = Vec3::Constant(infinity), high_ = Vec3::Constant(-infinity);  // of the centres
+  std::vector<std::uint64_t> keys_;                                         // of blocks
+  std::vector<Index> table_;                                                // blocks by their keys
+  std::vector<Index> start_;  // of each block's cells, one after the other
+  std::vector<Grown> spheres_;
 };
-
-std::uint64_t pair_key(BodyId i, BodyId j) {
-  return mix(static_cast<std::uint64_t>(i) * 0x9e3779b97f4a7c15 + static_cast<std::uint64_t>(j));
-}
 
 BodyId partner_id(const Bodies& bodies, const Pairs& pairs, Index p) {
   return pairs.j[p] == ground ? -1 - pairs.plane[p] : bodies.id[pairs.j[p]];
@@ -102,37 +150,47 @@ Pairs find_pairs(const Bodies& bodies, std::span<const double> reach,
 
   const Index count = bodies.size();
   if (count > 0) {
+    // A level for each power of two in size.
     double smallest = infinity;
     for (Index b = 0; b < count; ++b) smallest = std::min(smallest, bodies.radius[b] + reach[b]);
-    std::vector<std::vector<Index>> rows_of_level;
-    std::vector<int> level_of(count);
+    std::vector<std::vector<Grown>> of_size;
+    std::vector<std::size_t> size(count);
     for (Index b = 0; b < count; ++b) {
-      // The level's cells are 2^(l + 1) times the smallest grown radius wide.
-      const int level = std::max(0, std::ilogb((bodies.radius[b] + reach[b]) / smallest)) + 1;
-      level_of[b] = level;
-      if (level >= static_cast<int>(rows_of_level.size())) rows_of_level.resize(level + 1);
-      rows_of_level[level].push_back(b);
+      const Grown sphere{bodies.position[b], bodies.radius[b] + reach[b], b};
+      size[b] = static_cast<std::size_t>(2 * std::log2(sphere.radius / smallest));
+      if (size[b] >= of_size.size()) of_size.resize(size[b] + 1);
+      of_size[size[b]].push_back(sphere);
     }
     std::vector<Level> levels;
-    std::vector<int> slot(rows_of_level.size(), -1);
-    for (std::size_t l = 0; l < rows_of_level.size(); ++l) {
-      if (rows_of_level[l].empty()) continue;
-      slot[l] = static_cast<int>(levels.size());
-      levels.emplace_back(std::ldexp(2 * smallest, static_cast<int>(l)),
-                          std::move(rows_of_level[l]), bodies.position);
+    std::vector<std::size_t> level_of_size;
+    for (auto& spheres : of_size) {
+      level_of_size.push_back(levels.size());
+      if (!spheres.empty()) levels.emplace_back(spheres);
+      spheres = {};
     }
+    std::vector<Index> met;
     for (Index a = 0; a < count; ++a) {
+      const Vec3 center = bodies.position[a];
       const double grown = bodies.radius[a] + reach[a];
-      for (int l = slot[level_of[a]]; l < static_cast<int>(levels.size()); ++l) {
-        const bool same = l == slot[level_of[a]];
-        levels[l].for_each_near(bodies.position[a], grown + levels[l].edge() / 2, [&](Index b) {
-          if (same && b <= a) return;
-          if (a >= bodies.owned && b >= bodies.owned) return;
-          const double limit = grown + bodies.radius[b] + reach[b];
-          if ((bodies.position[b] - bodies.position[a]).squaredNorm() <= limit * limit)
-            add(a, b, -1);
+      const bool ghost = a >= bodies.owned;
+      std::size_t meetings = 0;
+      const std::size_t own = level_of_size[size[a]];
+      for (std::size_t l = own; l < levels.size(); ++l) {
+        const Index after = l == own ? a : -1;
+        levels[l].for_each_near(center, grown, [&](std::span<const Grown> run) {
+          // Without branches: half of them would be guessed wrong.
+          if (met.size() < meetings + run.size()) met.resize(2 * (meetings + run.size()));
+          for (const Grown& other : run) {
+            const double limit = grown + other.radius;
+            met[meetings] = other.row;
+            meetings +=
+                static_cast<std::size_t>(other.row > after) &
+                static_cast<std::size_t>((other.center - center).squaredNorm() <= limit * limit);
+          }
         });
       }
+      for (std::size_t k = 0; k < meetings; ++k)
+        if (!(ghost && met[k] >= bodies.owned)) add(a, met[k], -1);
     }
   }
   for (Index b = 0; b < bodies.owned; ++b)
@@ -150,29 +208,83 @@ Pairs find_pairs(const Bodies& bodies, std::span<const double> reach,
 }
 
 ContactMemory remember(const Bodies& bodies, const Pairs& pairs, bool once) {
+  const auto is_kept = [&](Index p) {
+    return !pairs.impulse[p].isZero(0) && !(once && pairs.i[p] >= bodies.owned);
+  };
+  std::size_t count = 0;
+  for (Index p = 0; p < pairs.size(); ++p) count += is_kept(p);
   ContactMemory memory;
-  for (Index p = 0; p < pairs.size(); ++p) {
-    if (pairs.impulse[p].isZero(0) || (once && pairs.i[p] >= bodies.owned)) continue;
-    memory.add(bodies.id[pairs.i[p]], partner_id(bodies, pairs, p), pairs.impulse[p]);
-  }
+  memory.reserve(count);
+  for (Index p = 0; p < pairs.size(); ++p)
+    if (is_kept(p))
+      memory.add(bodies.id[pairs.i[p]], partner_id(bodies, pairs, p), pairs.impulse[p]);
   return memory;
 }
 
-void recall(const Bodies& bodies, const ContactMemory& memory, Pairs& pairs) {
-  // A table at most half full; who finds a place taken takes the next.
-  constexpr Index none = -1;
-  std::vector<Index> table(std::bit_ceil(2 * memory.i.size() + 1), none);
-  const std::size_t last = table.size() - 1;
-  for (std::size_t m = 0; m < memory.i.size(); ++m) {
-    std::size_t at = pair_key(memory.i[m], memory.j[m]) & last;
-    while (table[at] != none) at = (at + 1) & last;
-    table[at] = static_cast<Index>(m);
+namespace {
+
+/// Rows of the owned bodies by id. Ids of a rank are often a run of numbers: these find their rows
+/// at a place of their own, in order, the others after a scatter.
+class RowsOfIds {
+ public:
+  explicit RowsOfIds(const Bodies& bodies)
+      : bodies_(bodies), table_(std::bit_ceil(2 * static_cast<std::size_t>(bodies.owned) + 1), -1) {
+    for (Index b = 0; b < bodies.owned; ++b) table_[place(bodies.id[b])] = b;
   }
+  /// -1: not owned.
+  Index find(BodyId id) const { return table_[place(id)]; }
+
+ private:
+  std::size_t place(BodyId id) const {
+    const std::size_t last = table_.size() - 1;
+    std::size_t at = static_cast<std::size_t>(id) & last;
+    if (is(at, id)) return at;
+    at = mix(static_cast<std::uint64_t>(id)) & last;
+    while (!is(at, id)) at = (at + 1) & last;
+    return at;
+  }
+  bool is(std::size_t at, BodyId id) const {
+    return table_[at] < 0 || bodies_.id[table_[at]] == id;
+  }
+
+  const Bodies& bodies_;
+  std::vector<Index> table_;
+};
+
+}  // namespace
+
+void recall(const Bodies& bodies, const ContactMemory& memory, Pairs& pairs) {
+  // Entries lie with the owned body of the lower id: [start[b], start[b + 1]), by the other's id.
+  const RowsOfIds rows(bodies);
+  std::vector<Index> holder(memory.i.size()), start(bodies.owned + 2, 0);
+  for (std::size_t m = 0; m < holder.size(); ++m) {
+    holder[m] = rows.find(memory.i[m]);
+    if (holder[m] < 0 && memory.j[m] >= 0) holder[m] = rows.find(memory.j[m]);
+    if (holder[m] >= 0) ++start[holder[m] + 2];
+  }
+  std::partial_sum(start.begin(), start.end(), start.begin());
+  struct Entry {
+    BodyId other;
+    Index m;
+  };
+  std::vector<Entry> entries(start.back());
+  for (std::size_t m = 0; m < holder.size(); ++m)
+    if (holder[m] >= 0)
+      entries[start[holder[m] + 1]++] = {
+          bodies.id[holder[m]] == memory.i[m] ? memory.j[m] : memory.i[m], static_cast<Index>(m)};
+  const auto before = [](const Entry& a, const Entry& b) {
+    return a.other != b.other ? a.other < b.other : a.m < b.m;
+  };
+  for (Index b = 0; b < bodies.owned; ++b)
+    std::sort(entries.begin() + start[b], entries.begin() + start[b + 1], before);
+
   for (Index p = 0; p < pairs.size(); ++p) {
-    const BodyId i = bodies.id[pairs.i[p]], j = partner_id(bodies, pairs, p);
-    for (std::size_t at = pair_key(i, j) & last; table[at] != none; at = (at + 1) & last)
-      if (memory.i[table[at]] == i && memory.j[table[at]] == j)
-        pairs.impulse[p] = memory.impulse[table[at]];
+    const bool lower = pairs.i[p] < bodies.owned;
+    const Index b = lower ? pairs.i[p] : pairs.j[p];
+    const BodyId other = lower ? partner_id(bodies, pairs, p) : bodies.id[pairs.i[p]];
+    const auto end = entries.begin() + start[b + 1];
+    const auto at = std::lower_bound(entries.begin() + start[b], end, Entry{other, 0}, before);
+    if (at != end && at->other == other) pairs.impulse[p] = memory.impulse[at->m];
   }
 }
 

@@ -48,7 +48,9 @@ double narrowest_gap(const Bodies& bodies, Index i, Index j, const Separation& s
 Contacts find_contacts(const Bodies& bodies, const std::vector<Plane>& planes, const Pairs& pairs,
                        double h, double cohesion_range) {
   Contacts contacts;
-  contacts.i.reserve(pairs.size());
+  const auto room = [&](auto&... fields) { (fields.reserve(pairs.size()), ...); };
+  room(contacts.i, contacts.j, contacts.plane, contacts.normal, contacts.gap, contacts.kappa,
+       contacts.impulse, contacts.pair);
   for (Index p = 0; p < pairs.size(); ++p) {
     const Index i = pairs.i[p], j = pairs.j[p];
     const Separation s = separation(bodies, planes, i, j, pairs.plane[p]);

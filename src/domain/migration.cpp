@@ -56,8 +56,8 @@ void send_memory(const Comm& comm, const Bodies& bodies, ContactMemory& memory) 
       auto& row = outgoing[rank];
       row.push_back(std::bit_cast<double>(memory.i[c]));
       row.push_back(std::bit_cast<double>(memory.j[c]));
-      for (const Vec3* v : {&memory.impulse[c], &memory.rolling[c]})
-        row.insert(row.end(), v->data(), v->data() + 3);
+      for (const Vec3& v : {memory.impulse[c], memory.rolling_of(c)})
+        row.insert(row.end(), v.data(), v.data() + 3);
       if (second == first) break;
     }
   }

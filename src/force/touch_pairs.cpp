@@ -100,9 +100,9 @@ class Kept {
     allocate();
     for (std::size_t m = 0; m < row.size(); ++m) {
       if (row[m] >= 0)
-        add(row[m], memory.j[m], memory.impulse[m], memory.rolling[m]);
+        add(row[m], memory.j[m], memory.impulse[m], memory.rolling_of(m));
       else
-        add(row_of_id(memory.j[m]), memory.i[m], -memory.impulse[m], memory.rolling[m]);
+        add(row_of_id(memory.j[m]), memory.i[m], -memory.impulse[m], memory.rolling_of(m));
     }
   }
 
@@ -211,7 +211,7 @@ ContactMemory remember(const Bodies& bodies, const TouchPairs& touch) {
     if (t.touching) memory.add(bodies.id[t.row], -1 - t.wall, t.sliding, t.rolling);
   const ContactMemory& carried = touch.carried;
   for (std::size_t m = 0; m < carried.i.size(); ++m)
-    memory.add(carried.i[m], carried.j[m], carried.impulse[m], carried.rolling[m]);
+    memory.add(carried.i[m], carried.j[m], carried.impulse[m], carried.rolling_of(m));
   return memory;
 }
 

@@ -7,14 +7,10 @@
 
 #include "spall/contact/narrow_phase.hpp"
 #include "spall/motion/gravity_kick.hpp"
+#include "spall/motion/overlap_correction.hpp"
 
 namespace spall {
 namespace {
-
-// Overlaps are taken apart from twice this part of the smaller radius on, and down to it: contacts
-// that rest stay closed, where a correction to zero would leave gaps to fall through.
-constexpr double tolerated_overlap = 1e-4;
-constexpr double most_correction = 0.1;  // of the smaller radius, in a step
 
 double inverse(double mass) {
   return std::isfinite(mass) ? 1 / mass : 0;
@@ -144,101 +140,6 @@ double sum_of_bonds(const World& world, const Contacts& contacts) {
   return sum;
 }
 
-/// Displacement velocities that take apart what would overlap at the end of the step, and nothing
-/// more: a frictionless problem whose impulses never enter the velocities. Empty where nothing
-/// overlaps.
-struct Correction {
-  std::vector<VelocityChange> change;
-  std::vector<Vec3> impulse;
-};
-
-Correction correct_overlaps(const World& world, const Contacts& contacts, double h,
-                            StepReport& report) {
-  const Bodies& bodies = world.bodies;
-  ProblemData data;
-  data.free_velocity.resize(contacts.size());
-  double worst = 0;
-  for (Index c = 0; c < contacts.size(); ++c) {
-    const Index i = contacts.i[c], j = contacts.j[c];
-    const Vec3 end_i = bodies.position[i] + h * bodies.velocity[i];
-    double gap;
-    if (j == ground) {
-      const Plane& plane = world.planes[contacts.plane[c]];
-      gap = plane.normal.dot(end_i - plane.point) - bodies.radius[i];
-    } else {
-      gap = (bodies.position[j] + h * bodies.velocity[j] - end_i).norm() - bodies.radius[i] -
-            bodies.radius[j];
-    }
-    const double small = smaller_radius(bodies, i, j);
-    worst = std::max(worst, -gap / small);
-    const double slack = gap + tolerated_overlap * small;
-    data.free_velocity[c] = std::max(slack, -most_correction * small) / h * contacts.normal[c];
-  }
-  report.overlap = std::max(report.overlap, worst);
-  if (!world.comm.any(worst > 2 * tolerated_overlap)) return {};
-  data.inverse_mass = inverse_masses(bodies);
-  data.friction.assign(contacts.size(), 0);
-  data.cohesive_impulse.assign(contacts.size(), 0);
-  const SolverSettings settings{
-      .friction = FrictionModel::convex, .tolerance = 0.1, .max_iterations = 50, .prox = 0};
-  Correction correction;
-  correction.impulse.assign(contacts.size(), Vec3::Zero());
-  auto result =
-      solve(data.view(contacts, 1), world.neighbours.ghosts, settings, correction.impulse);
-  report.correction_products = result.report.products;
-  correction.change = std::move(result.change);
-  return correction;
-}
-
-void drift(Bodies& bodies, const Correction& correction, double h) {
-  for (Index b = 0; b < bodies.size(); ++b) {
-    Vec3 v = bodies.velocity[b];
-    if (!correction.change.empty()) v += Eigen::Map<const Vec3>(correction.change[b].linear);
-    bodies.position[b] += h * v;
-  }
-}
-
-/// Moving bodies apart by the correction P along n changes angular momentum by h P n x u, with u
-/// their relative velocity: as they move out they must turn slower. The torque t = -h P n x u is
-/// given back at the new positions, n' apart by d', as an impulse pair q = t x n' / d' and, for the
-/// rest along n', in spins. Bodies without relative motion get nothing, however fast they part.
-void keep_angular_momentum(World& world, const Contacts& contacts, const Correction& correction,
-                           double h) {
-  if (correction.change.empty()) return;
-  Bodies& bodies = world.bodies;
-  const auto moves = [&](Index b) { return b < bodies.owned && std::isfinite(bodies.mass[b]); };
-  double gained = 0;
-  for (Index b = 0; b < bodies.owned; ++b)
-    if (moves(b))
-      gained -= h * bodies.mass[b] *
-                bodies.acceleration[b].dot(Eigen::Map<const Vec3>(correction.change[b].linear));
-
-  std::vector<Vec3> impulse(bodies.owned, Vec3::Zero()), turn(bodies.owned, Vec3::Zero());
-  for (Index c = 0; c < contacts.size(); ++c) {
-    const Index i = contacts.i[c], j = contacts.j[c];
-    if (correction.impulse[c].isZero(0) || j == ground) continue;
-    const Vec3 u = bodies.velocity[j] - bodies.velocity[i];
-    const Vec3 torque = -h * correction.impulse[c].cross(u);
-    const Vec3 apart = bodies.position[j] - bodies.position[i];
-    const Vec3 q = torque.cross(apart) / apart.squaredNorm();
-    const Vec3 rest = apart.dot(torque) / apart.squaredNorm() * apart;
-    if (moves(i)) impulse[i] -= q;
-    if (moves(j)) impulse[j] += q;
-    for (Index b : {i, j})
-      if (moves(b)) turn[b] += rest / 2;
-  }
-  for (Index b = 0; b < bodies.owned; ++b) {
-    if (!moves(b)) continue;
-    const Vec3 dv = impulse[b] / bodies.mass[b];
-    const Vec3 dw = turn[b] / (0.4 * bodies.mass[b] * bodies.radius[b] * bodies.radius[b]);
-    gained += impulse[b].dot(bodies.velocity[b] + dv / 2) +
-              turn[b].dot(bodies.angular_velocity[b] + dw / 2);
-    bodies.velocity[b] += dv;
-    bodies.angular_velocity[b] += dw;
-  }
-  world.ledger.corrections += gained;
-}
-
 }  // namespace
 
 StepReport nonsmooth_step(World& world, double h, const SolverSettings& solver, int most_steps) {
@@ -285,9 +186,9 @@ StepReport nonsmooth_step(World& world, double h, const SolverSettings& solver, 
   }
   {
     StageTimer timer(world.times, "motion");
-    const Correction correction = correct_overlaps(world, contacts, h, report);
-    drift(bodies, correction, h);
-    keep_angular_momentum(world, contacts, correction, h);
+    const DriftReport drifted = drift_apart(world, contacts, h);
+    report.overlap = drifted.overlap;
+    report.correction_products = drifted.products;
   }
   kick.load = 0;
   --kick.steps_left;

@@ -162,7 +162,9 @@ void write_restart(const Comm& comm, const std::string& path, const RestartState
     write_checked(file, comm, "/bodies/" + name, owned, rows);
   });
   rows = layout("/layout/contacts", std::ssize(state.contacts.i));
-  for_each_contact_field(state.contacts, [&](const std::string& name, const auto& field) {
+  ContactMemory contacts = state.contacts;
+  contacts.rolling.resize(contacts.size(), Vec3::Zero());
+  for_each_contact_field(contacts, [&](const std::string& name, const auto& field) {
     write_checked(file, comm, "/contacts/" + name, field, rows);
   });
   file.close();

@@ -35,13 +35,22 @@ struct ContactMemory {
   std::vector<BodyId> i;      ///< the lower id
   std::vector<BodyId> j;      ///< the other id, or -1 - plane
   std::vector<Vec3> impulse;  ///< N s, acts on j; penalty contact: m, sliding of j against i
-  std::vector<Vec3> rolling;  ///< m, the same from either side; zero where nothing resists rolling
+  std::vector<Vec3> rolling;  ///< m, the same from either side; empty where nothing resists rolling
 
+  std::size_t size() const { return i.size(); }
+  Vec3 rolling_of(std::size_t m) const { return rolling.empty() ? Vec3(Vec3::Zero()) : rolling[m]; }
+
+  void reserve(std::size_t count) {
+    i.reserve(count);
+    j.reserve(count);
+    impulse.reserve(count);
+  }
   void add(BodyId lower, BodyId other, const Vec3& first, const Vec3& second = Vec3::Zero()) {
+    if (rolling.empty() && !second.isZero(0)) rolling.assign(size(), Vec3::Zero());
     i.push_back(lower);
     j.push_back(other);
     impulse.push_back(first);
-    rolling.push_back(second);
+    if (!rolling.empty() || !second.isZero(0)) rolling.push_back(second);
   }
 };
 
