@@ -21,8 +21,8 @@ constexpr double steps_ahead = 8;         // for which a moving body's reach is 
 constexpr double least_skin = 0.02, most_skin = 0.3;  // of the radius
 
 /// What a body needs this step beyond its motion since the pairs were found: see `find_contacts`.
-double needed(const Bodies& bodies, Index b, double h, double cohesion_range) {
-  return h * bodies.velocity[b].norm() +
+double needed(const Bodies& bodies, Index b, const Vec3& drift, double h, double cohesion_range) {
+  return h * (bodies.velocity[b] - drift).norm() +
          std::max(near_contact * bodies.radius[b], cohesion_range) / 2;
 }
 
@@ -30,8 +30,8 @@ bool still_valid(const Comm& comm, const Bodies& bodies, double h, double cohesi
                  const Neighbours& neighbours) {
   bool left = !neighbours.valid;
   for (Index b = 0; b < bodies.owned && !left; ++b)
-    left = (bodies.position[b] - neighbours.found_at[b]).norm() +
-               needed(bodies, b, h, cohesion_range) >
+    left = (bodies.position[b] - neighbours.found_at[b] - neighbours.drifted).norm() +
+               needed(bodies, b, neighbours.drift, h, cohesion_range) >
            neighbours.reach[b];
   return !comm.any(left);
 }
@@ -63,6 +63,7 @@ void update_neighbours(const Comm& comm, Bodies& bodies, const std::vector<Plane
                        double cohesion_range, Neighbours& neighbours) {
   if (still_valid(comm, bodies, h, cohesion_range, neighbours)) {
     refresh_ghosts(neighbours.ghosts, bodies);
+    neighbours.drifted += h * neighbours.drift;
     return;
   }
   const auto work = work_of(bodies, neighbours.pairs);
@@ -75,14 +76,21 @@ void update_neighbours(const Comm& comm, Bodies& bodies, const std::vector<Plane
   if (cut) migrate(comm, bodies, memory, partition(comm, bodies, work));
 
   // A small fast body may have a wide skin: it meets few others all the same.
-  std::array<double, 2> sums{static_cast<double>(bodies.owned), 0};
-  for (Index b = 0; b < bodies.owned; ++b) sums[1] += bodies.radius[b];
+  std::array<double, 5> sums{static_cast<double>(bodies.owned), 0, 0, 0, 0};
+  for (Index b = 0; b < bodies.owned; ++b) {
+    sums[1] += bodies.radius[b];
+    for (int k = 0; k < 3; ++k) sums[2 + k] += bodies.velocity[b][k];
+  }
   comm.sum(sums);
   const double mean_radius = sums[1] / sums[0];
+  // Pairs do not change when all bodies move alike, as past a planet; but planes stay.
+  neighbours.drift =
+      planes.empty() ? Vec3(Vec3(sums[2], sums[3], sums[4]) / sums[0]) : Vec3(Vec3::Zero());
+  neighbours.drifted = h * neighbours.drift;
   neighbours.reach.resize(bodies.owned);
   for (Index b = 0; b < bodies.owned; ++b) {
-    const double motion = h * bodies.velocity[b].norm();
-    neighbours.reach[b] = needed(bodies, b, h, cohesion_range) +
+    const double motion = h * (bodies.velocity[b] - neighbours.drift).norm();
+    neighbours.reach[b] = needed(bodies, b, neighbours.drift, h, cohesion_range) +
                           std::clamp(steps_ahead * motion, least_skin * bodies.radius[b],
                                      most_skin * std::max(bodies.radius[b], mean_radius));
   }

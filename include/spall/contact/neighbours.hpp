@@ -14,11 +14,13 @@ namespace spall {
 struct Neighbours {
   Ghosts ghosts;
   Pairs pairs;
-  ContactMemory carried;       ///< impulses to start from, of a restart; taken by the next search
-  bool valid = false;          ///< false: search before the next step, as after a change of bodies
-  std::vector<Vec3> found_at;  ///< m, owned rows: where bodies were when the pairs were found
-  std::vector<double> reach;   ///< m: how far a body may come from there, a step's motion included
-  double balance = 0;          ///< largest over mean work after the last cut; 0: never cut
+  ContactMemory carried;        ///< impulses to start from, of a restart; taken by the next search
+  bool valid = false;           ///< false: search before the next step, as after a change of bodies
+  std::vector<Vec3> found_at;   ///< m, owned rows: where bodies were when the pairs were found
+  std::vector<double> reach;    ///< m: how far a body may come from there, a step's motion included
+  Vec3 drift = Vec3::Zero();    ///< m/s: motion that all share, on top of that
+  Vec3 drifted = Vec3::Zero();  ///< m: by which places have moved with it since
+  double balance = 0;           ///< largest over mean work after the last cut; 0: never cut
   Index ghosts_after_cut = 0;
   int searches_since_cut = 0;
 };
