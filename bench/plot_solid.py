@@ -36,6 +36,24 @@ def main():
         if row["what"] == "tension":
             name = f"seed {row['orientation']}" if is_random(row) else f"[{row['orientation']}]"
             lines.append(f"| {name} | {float(row['measured']) / 1e9:.2f} | {100 * float(row['second']):.1f} % |")
+    lines += ["", "| flyer, spacings | crystal | largest tension of a layer, GPa | by the pull-back, GPa | asked for "
+              "| tears so far from the surface, spacings |", "|--:|---|--:|--:|--:|--:|"]
+    spall = [row for row in rows if row["what"] == "spall"]
+    for length in sorted({float(row["third"]) for row in spall}):
+        here = [row for row in spall if float(row["third"]) == length]
+        groups = [(f"[{row['orientation']}]", [row]) for row in here if not is_random(row)]
+        groups.append(("random, mean (least–most)", [row for row in here if is_random(row)]))
+        for name, chosen in groups:
+            if not chosen:
+                continue
+
+            def spread(key, unit, form):
+                values = [float(row[key]) / unit for row in chosen]
+                return f"{statistics.mean(values):{form}}" + (
+                    f" ({min(values):{form}}–{max(values):{form}})" if len(values) > 1 else "")
+
+            lines.append(f"| {length:g} | {name} | {spread('measured', 1e9, '.2f')} | {spread('second', 1e9, '.2f')} | "
+                         f"{float(chosen[0]['wanted']) / 1e9:.2f} | {spread('plane', 1, '.1f')} |")
     replace_section(HERE / "README.md", "solid", "\n".join(lines))
 
 

@@ -1,87 +1,20 @@
-// Aluminium by its material's law against what is known of it: shocks and tension.
+// Aluminium by its material's law against what is known of it: shocks, tension, spall.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdlib>
 #include <functional>
 #include <string>
 
+#include "solid_samples.hpp"
 #include "spall/base/require.hpp"
-#include "spall/domain/pack.hpp"
 #include "spall/motion/potential_step.hpp"
-#include "spall/scene/case.hpp"
-#include "spall/scene/packing.hpp"
 
 namespace {
 
 using namespace spall;
-
-struct Sample {
-  Solid solid;
-  PairPotential law;
-  double mass, d;
-  double step() const { return 0.04 * std::sqrt(mass / stiffness(law)); }
-};
-
-/// The turn that lays a direction of the crystal, "100", "110" or "111", along z; another number is
-/// the seed of a random turn.
-Vec3 turn(const std::string& orientation) {
-  Vec3 along = Vec3::UnitZ();
-  if (orientation == "100") return Vec3::Zero();
-  if (orientation == "110")
-    along = {1, 1, 0};
-  else if (orientation == "111")
-    along = {1, 1, 1};
-  else
-    return random_rotation(std::strtoull(orientation.c_str(), nullptr, 10));
-  const Eigen::AngleAxisd rotation(Eigen::Quaterniond::FromTwoVectors(along, Vec3::UnitZ()));
-  return rotation.angle() * rotation.axis();
-}
-
-struct Disc {
-  double low, high, radius, velocity;  // in spacings; m/s
-  bool fixed = false;
-};
-
-/// A world of discs of the crystal about the z axis, each a group.
-World make_discs(const Comm& comm, const Sample& m, const std::vector<Disc>& discs,
-                 const Vec3& rotation, std::vector<Vec3>* start = nullptr) {
-  World world;
-  world.comm = comm;
-  world.potential = m.law;
-  std::vector<std::pair<Vec3, int>> sites;
-  for (std::size_t g = 0; g < discs.size(); ++g) {
-    const Disc& disc = discs[g];
-    const Volume volume{
-        .shape = Shape::cylinder,
-        .center = {0, 0, (disc.low + disc.high) / 2 * m.d},
-        .extents = m.d * Vec3(2 * disc.radius, 2 * disc.radius, disc.high - disc.low)};
-    const Packing packing{.kind = PackingKind::fcc, .radius = m.d / 2, .rotation = rotation};
-    place_lattice(volume, packing,
-                  [&](const Vec3& x) { sites.emplace_back(x, static_cast<int>(g)); });
-  }
-  if (start)
-    for (const auto& [x, g] : sites) start->push_back(x);
-  Bodies& bodies = world.bodies;
-  const auto all = static_cast<std::int64_t>(sites.size());
-  for (std::int64_t id = all * comm.rank / comm.size; id < all * (comm.rank + 1) / comm.size;
-       ++id) {
-    const auto& [x, g] = sites[static_cast<std::size_t>(id)];
-    const Index b = append_row(bodies);
-    bodies.id[b] = id;
-    bodies.group[b] = g;
-    bodies.radius[b] = m.d / 2;
-    bodies.mass[b] = discs[static_cast<std::size_t>(g)].fixed ? infinity : m.mass;
-    bodies.position[b] = x;
-    bodies.velocity[b] = {0, 0, discs[static_cast<std::size_t>(g)].velocity};
-  }
-  bodies.owned = bodies.size();
-  return world;
-}
 
 /// Mean velocity along z and mass of the bodies about the axis, in bins one spacing wide from
 /// `low`.
@@ -223,7 +156,7 @@ int main(int argc, char** argv) {
   const Comm comm = session.world();
   try {
     require(argc >= 5,
-            "usage: bench_solid CASE shock|tension ORIENTATION DAMPING [SPEED LENGTH]: the "
+            "usage: bench_solid CASE shock|tension|spall ORIENTATION DAMPING [SPEED LENGTH]: the "
             "law is that of the case's material; orientations are 100, 110, 111 or a seed");
     const Case scene = read_case(argv[1], {"pair_potential.damping=" + std::string(argv[4])});
     Sample m{*scene.materials[0].solid, *scene.potential, 0, scene.potential->distance};
@@ -233,6 +166,7 @@ int main(int argc, char** argv) {
                  length = argc > 6 ? std::atof(argv[6]) : 0;
     if (what == "shock") shock(comm, m, argv[3], speed, length);
     if (what == "tension") tension(comm, m, argv[3]);
+    if (what == "spall") spall_test(comm, m, argv[3], speed, length);
   } catch (const std::exception& error) {
     fmt::print(stderr, "{}\n", error.what());
     Session::abort_all(1);

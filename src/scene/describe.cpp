@@ -89,9 +89,9 @@ std::string describe_potential(const Case& scene) {
     const LatticeSpeeds c = sound_speeds(p, lightest);
     text += fmt::format(
         "    its lattice: bulk sound speed {:.4g} m/s; waves along [100] {:.4g}, [110] {:.4g}, "
-        "[111] {:.4g} m/s;\n    tears at {:.3g} Pa of tension from all sides\n",
+        "[111] {:.4g} m/s;\n    tears at {:.3g} Pa in a plane wave\n",
         c.along_100 / std::sqrt(1.5), c.along_100, c.along_110, c.along_111,
-        triaxial_strength(p, lattice));
+        plane_strength(p, lattice));
   }
   return text + fmt::format("    steps of at most {:.3g} s\n", longest_step(p, lightest));
 }

@@ -40,22 +40,23 @@ double sphere_mass(const Solid& solid, const Lattice& lattice);
 /// elastic limit answers with the bulk modulus K. One stiffness cannot do both.
 enum class Match { shocks, bulk };
 
-/// Morse's law for the lattice of a solid, with its spall strength, where that is known, under
+/// Morse's law for the lattice of a solid, with its spall strength, where that is known, in a plane
+/// wave, as it is measured: the mean over crystals turned at random, 0.725 of what they bear under
 /// equal tension from all sides:
 ///
 ///   bulk:   k = 18 m c0^2 / (Z d^2),  a d = K' - 1 = 4 s - 2: bulk modulus and its slope
 ///   shocks: 0.44 of this k, 1.6 times this a: what gives crystals of random orientation the shock
 ///           speeds c0 + s up, for up to 0.63 c0 and s = 1.34; found by trial, measured by
 ///           bench/solid.cpp
-///   D = k / (2 a^2),  bonds break at the force F_b = 6 V sigma / (Z d).
+///   D = k / (2 a^2),  bonds break at the force F_b = 6 V sigma / (0.725 Z d).
 ///
 /// `place` says in messages who asks. Throws Error where a constant is missing or a strength is
 /// more than the whole law bears.
 PairPotential morse_law(const Solid& solid, const Lattice& lattice, Match match,
                         const std::string& place);
 
-/// Pa, tension from all sides that the lattice bears: Z F_b d / (6 V).
-double triaxial_strength(const PairPotential& potential, const Lattice& lattice);
+/// Pa, plane tension that the lattice bears, mean over its directions: 0.725 Z F_b d / (6 V).
+double plane_strength(const PairPotential& potential, const Lattice& lattice);
 
 /// m/s, of long waves in an fcc lattice of central bonds to the nearest neighbours, C11 = 2 C12 =
 /// 2 C44 = sqrt(2) k/d.
