@@ -12,7 +12,8 @@ namespace spall {
 namespace {
 
 constexpr Index bodies_a_box = 16;  // along the space-filling curve: boxes are compact
-constexpr double large = 4;         // a body this many times the mean radius gets a box of its own
+constexpr std::size_t clusters_at_once = 64;
+constexpr double large = 4;  // a body this many times the mean radius gets a box of its own
 
 struct Box {
   Vec3 low = Vec3::Constant(infinity), high = Vec3::Constant(-infinity);
@@ -83,10 +84,11 @@ Ghosts make_halo(const Comm& comm, Bodies& bodies, std::vector<double>& reach, c
   }
   const auto all = comm.all_gather(std::span<const double>(packed));
 
-  // Boxes of other ranks that meet anything of ours; then those that meet a cluster; then a body.
+  // Boxes of other ranks that meet anything of ours; then those that meet some clusters, then one,
+  // then a body.
   Box whole;
   for (const auto& cluster : clusters) whole.add(cluster.box);
-  std::vector<RemoteBox> around, near;
+  std::vector<RemoteBox> around, beside, near;
   for (const Vec3& shift : shifts_of(period))
     for (std::size_t k = 0; k < all.size(); k += 7) {
       const RemoteBox box{{Vec3(all[k + 1], all[k + 2], all[k + 3]) - shift,
@@ -97,10 +99,21 @@ Ghosts make_halo(const Comm& comm, Bodies& bodies, std::vector<double>& reach, c
       if (!itself && whole.meets(box.box)) around.push_back(box);
     }
   std::vector<std::vector<double>> outgoing(comm.size);
-  for (const auto& cluster : clusters) {
-    near.clear();
-    std::copy_if(around.begin(), around.end(), std::back_inserter(near),
-                 [&](const RemoteBox& remote) { return remote.box.meets(cluster.box); });
+  const auto keep_meeting = [](const std::vector<RemoteBox>& from, const Box& box,
+                               std::vector<RemoteBox>& to) {
+    to.clear();
+    std::copy_if(from.begin(), from.end(), std::back_inserter(to),
+                 [&](const RemoteBox& remote) { return remote.box.meets(box); });
+  };
+  for (std::size_t k = 0; k < clusters.size(); ++k) {
+    if (k % clusters_at_once == 0) {
+      Box several;
+      for (std::size_t m = k; m < std::min(k + clusters_at_once, clusters.size()); ++m)
+        several.add(clusters[m].box);
+      keep_meeting(around, several, beside);
+    }
+    const Cluster& cluster = clusters[k];
+    keep_meeting(beside, cluster.box, near);
     for (Index b = cluster.first; b < cluster.last && !near.empty(); ++b) {
       Box own;
       own.add(bodies.position[b], bodies.radius[b] + reach[b]);
