@@ -75,7 +75,8 @@ class Level {
           for (c[2] = from[2]; c[2] <= to[2]; ++c[2])
             for (c[1] = from[1]; c[1] <= to[1]; ++c[1]) {
               const Index* run = &start_[cells * block + inside(c)];
-              f(std::span(&spheres_[run[0]], &spheres_[run[to[0] - from[0] + 1]]));
+              const Index end = run[to[0] - from[0] + 1];
+              f(std::span(spheres_).subspan(run[0], end - run[0]));
             }
         }
   }
@@ -150,7 +151,7 @@ Pairs find_pairs(const Bodies& bodies, std::span<const double> reach,
 
   const Index count = bodies.size();
   if (count > 0) {
-    // A level for each power of two in size.
+    // A level for each half power of two in size.
     double smallest = infinity;
     for (Index b = 0; b < count; ++b) smallest = std::min(smallest, bodies.radius[b] + reach[b]);
     std::vector<std::vector<Grown>> of_size;

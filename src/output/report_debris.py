@@ -54,7 +54,9 @@ def column_map(flight, k, extent, pixels):
 def radiographs(run):
     """Dark where much mass is in the way of the light, as on the film of a flash radiograph."""
     flight = Flight(run)
-    frames = np.unique(np.linspace(0, len(flight.time) - 1, min(6, len(flight.time))).astype(int))
+    # Snapshots next to six equal times: a phase's last one and one that was due may fall together.
+    wanted = np.linspace(flight.time[0], flight.time[-1], 6)
+    frames = np.unique([np.abs(np.asarray(flight.time) - t).argmin() for t in wanted])
     last = frames[-1]
     debris = flight.depth(last) > flight.diameter / 4
     reach = np.quantile(flight.depth(last)[debris], 0.999) if debris.any() else flight.diameter

@@ -1,4 +1,4 @@
-// Finds the pairs that may touch, on levels of grids: a level for each power of two in size.
+// Finds the pairs that may touch, on levels of grids: a level for each half power of two in size.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
