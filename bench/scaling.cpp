@@ -60,8 +60,8 @@ void measure_products(const Comm& comm, const std::string& name, const Scene& sc
 }
 
 /// Seconds a whole step of frictionless contacts at 50 iterations, the first ones left out.
-void measure_plate(const Comm& comm) {
-  const Scene scene = plate(17, 204, 0, true);
+void measure_plate(const Comm& comm, int across) {
+  const Scene scene = plate(17, across, 0, true);
   const Case read = parse_case(scene.text, scene.name, {});
   World world = make_world(comm, read);
   world.bodies = make_bodies(read, comm);
@@ -127,7 +127,8 @@ int main(int argc, char** argv) {
     } else if (which == "nucleus") {
       measure_products(comm, "nucleus", nucleus(12428), 200);
     } else if (which == "plate") {
-      measure_plate(comm);
+      measure_plate(comm, 60);
+      measure_plate(comm, 204);
     } else if (which == "gravity") {
       measure_gravity(comm, 10307);
       measure_gravity(comm, 100000);
