@@ -26,6 +26,28 @@ double needed(const Bodies& bodies, Index b, const Vec3& drift, double h, double
          std::max(near_contact * bodies.radius[b], cohesion_range) / 2;
 }
 
+/// m/s: the mean velocity of those bodies that are not far from the mean of all, as is a planet
+/// that a pile passes, or an impactor. Collective.
+Vec3 common_velocity(const Comm& comm, const Bodies& bodies) {
+  const auto mean = [&](auto&& counts) {
+    std::array<double, 4> sums{};  // velocities, bodies
+    for (Index b = 0; b < bodies.owned; ++b)
+      if (counts(bodies.velocity[b])) {
+        for (int k = 0; k < 3; ++k) sums[k] += bodies.velocity[b][k];
+        ++sums[3];
+      }
+    comm.sum(sums);
+    return Vec3(Vec3(sums[0], sums[1], sums[2]) / std::max(sums[3], 1.0));
+  };
+  const Vec3 all = mean([](const Vec3&) { return true; });
+  std::array<double, 2> sums{};  // deviations, bodies
+  for (Index b = 0; b < bodies.owned; ++b) sums[0] += (bodies.velocity[b] - all).norm();
+  sums[1] = static_cast<double>(bodies.owned);
+  comm.sum(sums);
+  const double usual = sums[0] / sums[1];
+  return mean([&](const Vec3& v) { return (v - all).norm() <= 2 * usual; });
+}
+
 bool still_valid(const Comm& comm, const Bodies& bodies, double h, double cohesion_range,
                  const Neighbours& neighbours) {
   bool left = !neighbours.valid;
@@ -76,16 +98,12 @@ void update_neighbours(const Comm& comm, Bodies& bodies, const std::vector<Plane
   if (cut) migrate(comm, bodies, memory, partition(comm, bodies, work));
 
   // A small fast body may have a wide skin: it meets few others all the same.
-  std::array<double, 5> sums{static_cast<double>(bodies.owned), 0, 0, 0, 0};
-  for (Index b = 0; b < bodies.owned; ++b) {
-    sums[1] += bodies.radius[b];
-    for (int k = 0; k < 3; ++k) sums[2 + k] += bodies.velocity[b][k];
-  }
+  std::array<double, 2> sums{static_cast<double>(bodies.owned), 0};
+  for (Index b = 0; b < bodies.owned; ++b) sums[1] += bodies.radius[b];
   comm.sum(sums);
   const double mean_radius = sums[1] / sums[0];
-  // Pairs do not change when all bodies move alike, as past a planet; but planes stay.
-  neighbours.drift =
-      planes.empty() ? Vec3(Vec3(sums[2], sums[3], sums[4]) / sums[0]) : Vec3(Vec3::Zero());
+  // Pairs do not change when all bodies move alike; but planes stay.
+  neighbours.drift = planes.empty() ? common_velocity(comm, bodies) : Vec3(Vec3::Zero());
   neighbours.drifted = h * neighbours.drift;
   neighbours.reach.resize(bodies.owned);
   for (Index b = 0; b < bodies.owned; ++b) {
