@@ -3,22 +3,15 @@
 #include "spall/contact/broad_phase.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <numeric>
+
+#include "spall/contact/rows_of_ids.hpp"
 
 namespace spall {
 namespace {
 
 using CellIndex = std::array<std::int64_t, 3>;
-
-std::uint64_t mix(std::uint64_t x) {  // finaliser of splitmix64
-  x ^= x >> 30;
-  x *= 0xbf58476d1ce4e5b9;
-  x ^= x >> 27;
-  x *= 0x94d049bb133111eb;
-  return x ^ x >> 31;
-}
 
 /// A body's sphere, grown by its reach.
 struct Grown {
@@ -221,38 +214,6 @@ ContactMemory remember(const Bodies& bodies, const Pairs& pairs, bool once) {
       memory.add(bodies.id[pairs.i[p]], partner_id(bodies, pairs, p), pairs.impulse[p]);
   return memory;
 }
-
-namespace {
-
-/// Rows of the owned bodies by id. Ids of a rank are often a run of numbers: these find their rows
-/// at a place of their own, in order, the others after a scatter.
-class RowsOfIds {
- public:
-  explicit RowsOfIds(const Bodies& bodies)
-      : bodies_(bodies), table_(std::bit_ceil(2 * static_cast<std::size_t>(bodies.owned) + 1), -1) {
-    for (Index b = 0; b < bodies.owned; ++b) table_[place(bodies.id[b])] = b;
-  }
-  /// -1: not owned.
-  Index find(BodyId id) const { return table_[place(id)]; }
-
- private:
-  std::size_t place(BodyId id) const {
-    const std::size_t last = table_.size() - 1;
-    std::size_t at = static_cast<std::size_t>(id) & last;
-    if (is(at, id)) return at;
-    at = mix(static_cast<std::uint64_t>(id)) & last;
-    while (!is(at, id)) at = (at + 1) & last;
-    return at;
-  }
-  bool is(std::size_t at, BodyId id) const {
-    return table_[at] < 0 || bodies_.id[table_[at]] == id;
-  }
-
-  const Bodies& bodies_;
-  std::vector<Index> table_;
-};
-
-}  // namespace
 
 void recall(const Bodies& bodies, const ContactMemory& memory, Pairs& pairs) {
   // Entries lie with the owned body of the lower id: [start[b], start[b + 1]), by the other's id.

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "spall/base/require.hpp"
+#include "spall/contact/rows_of_ids.hpp"
 #include "spall/domain/migration.hpp"
 #include "spall/domain/partition.hpp"
 #include "spall/force/lanes.hpp"
@@ -81,25 +82,19 @@ class Kept {
 
   /// From memory: every entry has a body here.
   Kept(const Bodies& bodies, const ContactMemory& memory, bool rolling) : has_rolling_(rolling) {
-    std::vector<std::pair<BodyId, Index>> rows(bodies.owned);
-    for (Index b = 0; b < bodies.owned; ++b) rows[b] = {bodies.id[b], b};
-    std::sort(rows.begin(), rows.end());
-    const auto row_of_id = [&](BodyId id) -> Index {
-      const auto at = std::lower_bound(rows.begin(), rows.end(), std::pair{id, Index{0}});
-      return at != rows.end() && at->first == id ? at->second : -1;
-    };
+    const RowsOfIds rows(bodies);
     std::vector<Index> row(memory.i.size());
     start_.assign(bodies.owned + 1, 0);
     for (std::size_t m = 0; m < row.size(); ++m) {
-      row[m] = row_of_id(memory.i[m]);
-      ++start_[(row[m] >= 0 ? row[m] : row_of_id(memory.j[m])) + 1];
+      row[m] = rows.find(memory.i[m]);
+      ++start_[(row[m] >= 0 ? row[m] : rows.find(memory.j[m])) + 1];
     }
     allocate();
     for (std::size_t m = 0; m < row.size(); ++m) {
       if (row[m] >= 0)
         add(row[m], memory.j[m], memory.impulse[m], memory.rolling_of(m));
       else
-        add(row_of_id(memory.j[m]), memory.i[m], -memory.impulse[m], memory.rolling_of(m));
+        add(rows.find(memory.j[m]), memory.i[m], -memory.impulse[m], memory.rolling_of(m));
     }
   }
 

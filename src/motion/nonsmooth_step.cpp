@@ -12,13 +12,9 @@
 namespace spall {
 namespace {
 
-double inverse(double mass) {
-  return std::isfinite(mass) ? 1 / mass : 0;
-}
-
 std::vector<double> inverse_masses(const Bodies& bodies) {
   std::vector<double> w(bodies.size());
-  std::transform(bodies.mass.begin(), bodies.mass.end(), w.begin(), inverse);
+  for (Index b = 0; b < bodies.size(); ++b) w[b] = inverse_mass(bodies, b);
   return w;
 }
 

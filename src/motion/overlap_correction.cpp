@@ -117,15 +117,14 @@ Correction correct_overlaps(const World& world, const Contacts& contacts, double
     free_velocity.push_back(slack[c] / h * contacts.normal[c]);
     if (c < contacts.boundary) boundary = static_cast<Index>(i.size());
   }
-  std::vector<double> inverse_mass;
-  for (Index b : correction.row)
-    inverse_mass.push_back(std::isfinite(bodies.mass[b]) ? 1 / bodies.mass[b] : 0);
+  std::vector<double> inverse_masses;
+  for (Index b : correction.row) inverse_masses.push_back(inverse_mass(bodies, b));
   const std::vector<double> none(i.size(), 0), touching(i.size(), 1);
   correction.impulse.assign(i.size(), Vec3::Zero());
   auto result =
       solve({.dimension = 1,
              .boundary = boundary,
-             .inverse_mass = inverse_mass,
+             .inverse_mass = inverse_masses,
              .i = i,
              .j = j,
              .normal = normal,

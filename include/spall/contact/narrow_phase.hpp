@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 
 #include "spall/contact/broad_phase.hpp"
 #include "spall/contact/contacts.hpp"
@@ -19,6 +20,11 @@ struct Separation {
 /// Spheres at the same centre have no normal: they part along x.
 Separation separation(const Bodies& bodies, const std::vector<Plane>& planes, Index i, Index j,
                       std::int32_t plane);
+
+/// 1/kg; 0 for a body that never moves.
+inline double inverse_mass(const Bodies& bodies, Index b) {
+  return std::isfinite(bodies.mass[b]) ? 1 / bodies.mass[b] : 0;
+}
 
 /// Of the pair, m; a plane has none.
 inline double smaller_radius(const Bodies& bodies, Index i, Index j) {
