@@ -31,9 +31,10 @@ std::vector<Layer> measure_layers(World& world, const std::vector<Vec3>& start,
     if (x.z() > 0 && at < layers && x.head<2>().norm() < core * d)
       sums[static_cast<std::size_t>(what) * layers + at] += value;
   };
-  for_each_near_pair(world, world.potential.cutoff, [&](Index i, Index j) {
+  for_each_near_pair(world, world.potential.cutoff, [&](Index i, Index j, bool bound) {
     const Vec3 x = bodies.position[j] - bodies.position[i];
-    const double r = x.norm(), half = -pair_force(world.potential, r) * x.z() * x.z() / r / 2;
+    const double r = x.norm(), force = pair_force(world.potential, r);
+    const double half = bound || force > 0 ? -force * x.z() * x.z() / r / 2 : 0;
     for (Index b : {i, j})
       if (b < bodies.owned) add(b, 3, half);
   });

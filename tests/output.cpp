@@ -196,6 +196,11 @@ RestartState some_state(const Comm& comm, BodyId bodies) {
     state.contacts.impulse.push_back(Vec3::Constant(std::sqrt(static_cast<double>(id))));
     state.contacts.rolling.push_back(Vec3::Constant(std::cbrt(static_cast<double>(id))));
   }
+  state.bonds.emplace();
+  for (BodyId id : state.bodies.id) {
+    for (BodyId k = 0; k < id % 3; ++k) state.bonds->other.push_back(100 * id + k);
+    state.bonds->start.push_back(static_cast<Index>(std::ssize(state.bonds->other)));
+  }
   return state;
 }
 
@@ -243,6 +248,11 @@ TEST(Restart, another_number_of_ranks_gets_every_body_and_contact_once) {
     ASSERT_EQ(ids.size(), 41u);
     for (BodyId id = 0; id < 41; ++id) EXPECT_EQ(ids[id], id);
     EXPECT_EQ(world.sum(static_cast<std::int64_t>(in.contacts.i.size())), 41);
+    for (Index b = 0; b < in.bodies.owned; ++b) {
+      const BodyId id = in.bodies.id[b];
+      ASSERT_EQ(in.bonds->count(b), id % 3);
+      for (BodyId k = 0; k < id % 3; ++k) EXPECT_TRUE(in.bonds->has(b, 100 * id + k));
+    }
     Bodies expected;
     for (BodyId id : in.bodies.id) add_body(expected, id);
     expected.owned = expected.size();

@@ -354,13 +354,21 @@ void book_search(const Comm& comm, const Bodies& bodies, bool cut, double slot, 
 }
 
 void search_near_pairs(const Comm& comm, Bodies& bodies, double reach, double skin,
-                       NearPairs& near) {
+                       bool bonds_break, NearPairs& near) {
   const auto work = work_of(bodies, near, slot_work);
   const bool cut = needs_cut(comm, work, near);
+  std::optional<Bonds> bonds;
+  if (bonds_break) bonds = bonds_of(bodies, near);
   if (cut) {
+    const std::vector<int> owner = partition(comm, bodies, work);
+    SentBonds sent;
+    if (bonds) sent = send_bonds(comm, bodies, *bonds, owner);
     ContactMemory none;
-    migrate(comm, bodies, none, partition(comm, bodies, work));
+    migrate(comm, bodies, none, owner);
+    if (bonds) bonds = arrange_bonds(bodies, sent);
   }
+  near.bonds = {};
+  near.bonds_break = bonds_break;
   near.reach = reach;
   near.skin = skin;
   std::vector<double> halo(bodies.owned);
@@ -368,6 +376,10 @@ void search_near_pairs(const Comm& comm, Bodies& bodies, double reach, double sk
   near.found_at.assign(bodies.position.begin(), bodies.position.begin() + bodies.owned);
   near.ghosts = make_halo(comm, bodies, halo);
   find_near_pairs(bodies, reach + skin, {}, near.windows);
+  if (bonds)
+    recall_bonds(bodies, *bonds, near);
+  else if (bonds_break)
+    make_bonds(bodies, near, reach);
   book_search(comm, bodies, cut, slot_work, near);
 }
 

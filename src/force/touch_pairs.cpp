@@ -17,10 +17,6 @@ namespace {
 
 constexpr double slot_work = 0.3;  // of a pair, beside that of a body
 
-Index row_of(Index place) {
-  return place / doubles_a_row;
-}
-
 Vec3 lane_of(const std::vector<double>& springs, std::size_t slot, std::size_t lane) {
   if (springs.empty()) return Vec3::Zero();
   const double* const at = &springs[3 * lane_count * slot + lane];
@@ -29,22 +25,6 @@ Vec3 lane_of(const std::vector<double>& springs, std::size_t slot, std::size_t l
 
 void set_lane(std::vector<double>& springs, std::size_t slot, std::size_t lane, const Vec3& v) {
   for (std::size_t k = 0; k < 3; ++k) springs[(3 * slot + k) * lane_count + lane] = v[k];
-}
-
-/// Calls `f(window, slot, lane, row, partner)` for every pair.
-template <class F>
-void for_each_pair(const std::vector<NearWindow>& windows, F&& f) {
-  for (std::size_t w = 0; w < windows.size(); ++w) {
-    const NearWindow& window = windows[w];
-    std::size_t slot = 0;
-    for (std::size_t g = 0; g < window.slots.size(); ++g)
-      for (const std::size_t end = slot + window.slots[g]; slot < end; ++slot)
-        for (std::size_t l = 0; l < lane_count; ++l) {
-          const Index own = window.rows[g * lane_count + l];
-          const Index partner = window.partners[slot * lane_count + l];
-          if (partner != own) f(w, slot, l, row_of(own), row_of(partner));
-        }
-  }
 }
 
 /// Calls `f(row, partner, sliding, rolling)` for every touching pair.

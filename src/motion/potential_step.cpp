@@ -6,6 +6,10 @@
 #include <algorithm>
 #include <cmath>
 
+#ifdef __FMA__
+#include <immintrin.h>
+#endif
+
 #include "flight.hpp"
 #include "spall/force/pair_laws.hpp"
 #include "spall/motion/gravity_kick.hpp"
@@ -13,8 +17,14 @@
 namespace spall {
 namespace {
 
+/// Rounded once, whatever stands around it: a compiler may fuse a product and a sum or not.
 void drift(PairRow& row, const RowHalf& velocity, double h) {
-  row.place += h * RowHalf{velocity[0], velocity[1], velocity[2], 0};
+  const RowHalf v{velocity[0], velocity[1], velocity[2], 0};
+#ifdef __FMA__
+  row.place = _mm256_fmadd_pd(RowHalf{} + h, v, row.place);
+#else
+  row.place += h * v;
+#endif
 }
 
 void fill_rows(World& world) {
@@ -52,7 +62,8 @@ void update_pairs(World& world, bool velocities) {
                           .search = 120};
     const double skin = best_skin(world.comm, world.bodies, near, skins);
     take_rows(world);
-    search_near_pairs(world.comm, world.bodies, world.potential.cutoff, skin, near);
+    const PairPotential& p = world.potential;
+    search_near_pairs(world.comm, world.bodies, p.cutoff, skin, p.breaking_strain > 0, near);
     fill_rows(world);
     return;
   }
@@ -98,7 +109,7 @@ Box kick_and_drift(World& world, const PairDamping& damping, double h, int drift
   };
   with_law(world.potential, [&](const auto& law) {
     const double* v = damping.c > 0 ? ahead->data() : velocity->data();
-    const auto& windows = world.near.windows;
+    auto& windows = world.near.windows;
     const double cutoff = world.potential.cutoff;
     if (damping.c > 0)
       sweep_pairs<true>(windows, law, cutoff, damping, v, rows, finish);
@@ -140,22 +151,16 @@ double potential_energy(World& world) {
   }));
 }
 
-void for_each_near_pair(World& world, double distance, const std::function<void(Index, Index)>& f) {
+void for_each_near_pair(World& world, double distance,
+                        const std::function<void(Index, Index, bool)>& f) {
   fill_rows(world);
   update_pairs(world, false);
-  for (const NearWindow& window : world.near.windows) {
-    const Index* partners = window.partners.data();
-    for (std::size_t g = 0; g < window.slots.size(); ++g) {
-      const Index* own = &window.rows[g * lane_count];
-      for (Index s = 0; s < window.slots[g]; ++s, partners += lane_count)
-        for (std::size_t l = 0; l < lane_count; ++l) {
-          const Index i = own[l] / doubles_a_row, j = partners[l] / doubles_a_row;
-          if (i == j) continue;
-          const RowHalf x = world.rows[j].place - world.rows[i].place;
-          if (vector_of(x).norm() < distance) f(i, j);
-        }
-    }
-  }
+  const auto& windows = world.near.windows;
+  for_each_pair(windows, [&](std::size_t w, std::size_t slot, std::size_t l, Index i, Index j) {
+    const RowHalf x = world.rows[j].place - world.rows[i].place;
+    if (vector_of(x).norm() < distance)
+      f(i, j, !world.near.bonds_break || windows[w].bound[slot] >> l & 1);
+  });
 }
 
 double largest_relative_speed(const World& world) {

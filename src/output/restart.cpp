@@ -15,7 +15,7 @@ namespace spall {
 
 namespace {
 
-constexpr int format_version = 2;
+constexpr int format_version = 3;
 
 /// Bijective mixing of 64 bits (splitmix64's, Steele et al. 2014).
 std::uint64_t mix(std::uint64_t x) {
@@ -98,6 +98,26 @@ h5::Rows rows_to_read(const Comm& comm, const std::vector<std::int64_t>& written
   return rows;
 }
 
+/// The bonds of a rank's bodies stand together, in the order of the bodies.
+void write_bonds(h5::File& file, const Comm& comm, const Bonds& bonds, Index bodies) {
+  std::vector<std::int32_t> counts;
+  for (Index b = 0; b < bodies; ++b) counts.push_back(bonds.count(b));
+  write_checked(file, comm, "/bonds/count", counts, h5::rows_in_rank_order(comm, bodies));
+  write_checked(file, comm, "/bonds/other", bonds.other,
+                h5::rows_in_rank_order(comm, std::ssize(bonds.other)));
+}
+
+std::optional<Bonds> read_bonds(const h5::File& file, const Comm& comm, Index bodies) {
+  if (!file.exists("/bonds")) return {};
+  std::vector<std::int32_t> counts;
+  read_checked(file, comm, "/bonds/count", counts, h5::rows_in_rank_order(comm, bodies));
+  Bonds bonds;
+  for (std::int32_t count : counts) bonds.start.push_back(bonds.start.back() + count);
+  read_checked(file, comm, "/bonds/other", bonds.other,
+               h5::rows_in_rank_order(comm, bonds.start.back()));
+  return bonds;
+}
+
 RestartState read_state(const Comm& comm, const std::string& path) {
   const auto file = h5::File::open(path, comm);
   const auto version = file.read<std::int32_t>("/format").at(0);
@@ -122,6 +142,7 @@ RestartState read_state(const Comm& comm, const std::string& path) {
   for_each_contact_field(state.contacts, [&](const std::string& name, auto& field) {
     read_checked(file, comm, "/contacts/" + name, field, rows);
   });
+  state.bonds = read_bonds(file, comm, state.bodies.owned);
   return state;
 }
 
@@ -167,6 +188,7 @@ void write_restart(const Comm& comm, const std::string& path, const RestartState
   for_each_contact_field(contacts, [&](const std::string& name, const auto& field) {
     write_checked(file, comm, "/contacts/" + name, field, rows);
   });
+  if (state.bonds) write_bonds(file, comm, *state.bonds, state.bodies.owned);
   file.close();
   put_in_place(comm, path, Outlives::power);
 }

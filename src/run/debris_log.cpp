@@ -59,7 +59,8 @@ void DebrisLog::conclude(World& world, bool bonded, double time, ResultTable& ta
   table.add("debris", "momentum_forward", momentum, "kg m/s");
   if (bonded) {
     Links links;
-    for_each_near_pair(world, bond_length(world.potential), [&](Index i, Index j) {
+    for_each_near_pair(world, bond_length(world.potential), [&](Index i, Index j, bool bound) {
+      if (!bound) return;
       links.i.push_back(i);
       links.j.push_back(j);
     });

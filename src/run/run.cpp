@@ -76,6 +76,7 @@ class Run {
     if (from) {
       world_.bodies = from->bodies;
       carried() = from->contacts;
+      world_.near.bonds = from->bonds;
       load(from->scalars);
     } else {
       progress_.say(describe_bodies(scene));
@@ -182,10 +183,16 @@ class Run {
                         : remember(world_.bodies, world_.neighbours.pairs, false);
   }
 
+  void forget_near_pairs(std::optional<Bonds> bonds) {
+    world_.near = NearPairs{};
+    world_.near.bonds = std::move(bonds);
+  }
+
   /// What the former phase's method knew of pairs and ghosts.
   void forget_pairs() {
-    world_.near = NearPairs{};
-    if (clock_.phase == 0 || phase().method == scene_.phases[clock_.phase - 1].method) return;
+    const bool same = clock_.phase == 0 || phase().method == scene_.phases[clock_.phase - 1].method;
+    forget_near_pairs(same ? bonds_of(world_.bodies, world_.near) : std::nullopt);
+    if (clock_.phase == 0 || same) return;
     resize(world_.bodies, world_.bodies.owned);
     world_.neighbours = Neighbours{};
     world_.touch = TouchPairs{};
@@ -205,6 +212,7 @@ class Run {
     evaluate_field(world_);
     const Diagnostics before = diagnose(world_);
     const double potential_before = world_.kick.potential;
+    std::optional<Bonds> bonds = bonds_of(world_.bodies, world_.near);
     resize(world_.bodies, world_.bodies.owned);
     ContactMemory memory = contact_memory();
     if (phase().remove_drift) {
@@ -225,7 +233,7 @@ class Run {
                                 phase().impactor->mass, phase().impactor->speed, aim.struck));
     }
     world_.neighbours = Neighbours{};
-    world_.near = NearPairs{};
+    forget_near_pairs(std::move(bonds));
     world_.touch = TouchPairs{};
     carried() = std::move(memory);
     world_.kick.interval = 0;
@@ -376,6 +384,7 @@ class Run {
   void snapshot() {
     evaluate_field(world_);
     StageTimer timer(world_.times, "output");
+    measure_damage(world_.bodies, world_.near);
     snapshots_.write(world_.bodies, clock_.step, clock_.time);
   }
 
@@ -415,7 +424,8 @@ class Run {
                        .clock = clock_,
                        .scalars = {},
                        .bodies = world_.bodies,
-                       .contacts = contact_memory()};
+                       .contacts = contact_memory(),
+                       .bonds = bonds_of(world_.bodies, world_.near)};
     resize(state.bodies, state.bodies.owned);
     save_scalars(*this, state.scalars);
     record_.save(state.scalars);
@@ -425,7 +435,7 @@ class Run {
     write_restart(comm_, file, state);
     world_.bodies = std::move(state.bodies);
     world_.neighbours = Neighbours{};
-    world_.near = NearPairs{};
+    forget_near_pairs(std::move(state.bonds));
     world_.touch = TouchPairs{};
     carried() = std::move(state.contacts);
     last_restart_ = MPI_Wtime();

@@ -8,6 +8,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 
 namespace spall {
 
@@ -18,6 +19,29 @@ using Lanes = double __attribute__((vector_size(lane_count * sizeof(double))));
 
 inline Lanes spread(double value) {
   return Lanes{} + value;
+}
+
+/// What a comparison of lanes gives: all bits of a lane, or none.
+using LaneMask = decltype(Lanes{} < Lanes{});
+
+/// Bit l is lane l.
+inline LaneMask mask_of_bits(std::uint8_t bits) {
+#ifdef __AVX512DQ__
+  return reinterpret_cast<LaneMask>(_mm512_movm_epi64(bits));
+#else
+  LaneMask mask;
+  for (std::size_t l = 0; l < lane_count; ++l) mask[l] = -(bits >> l & 1);
+  return mask;
+#endif
+}
+inline std::uint8_t bits_of_mask(const LaneMask& mask) {
+#ifdef __AVX512DQ__
+  return _mm512_movepi64_mask(reinterpret_cast<__m512i>(mask));
+#else
+  std::uint8_t bits = 0;
+  for (std::size_t l = 0; l < lane_count; ++l) bits |= (mask[l] & 1) << l;
+  return bits;
+#endif
 }
 
 /// Pairwise, so that round-off stays small and does not depend on the instruction set.

@@ -7,6 +7,7 @@
 
 #include "spall/base/comm.hpp"
 #include "spall/domain/ghosts.hpp"
+#include "spall/force/bonds.hpp"
 #include "spall/scene/bodies.hpp"
 
 namespace spall {
@@ -21,10 +22,11 @@ inline constexpr Index doubles_a_row = 8;
 /// its own partner in the slots that are left, and so is the last body where it fills up the last
 /// group.
 struct NearWindow {
-  Index count = 0;              ///< bodies
-  std::vector<Index> rows;      ///< 8 places a group
-  std::vector<Index> slots;     ///< of each group
-  std::vector<Index> partners;  ///< 8 places a slot
+  Index count = 0;                  ///< bodies
+  std::vector<Index> rows;          ///< 8 places a group
+  std::vector<Index> slots;         ///< of each group
+  std::vector<Index> partners;      ///< 8 places a slot
+  std::vector<std::uint8_t> bound;  ///< of each slot, a bit a lane; empty where bonds do not break
 };
 
 /// A body is partner in no window after its own: once a window is done, nothing later in the same
@@ -34,6 +36,8 @@ struct NearWindow {
 struct NearPairs {
   Ghosts ghosts;
   std::vector<NearWindow> windows;
+  bool bonds_break = false;    ///< the pairs tell which are bound
+  std::optional<Bonds> bonds;  ///< for the first search, where there were any before
   double reach = 0;            ///< m, between centres, up to which bodies may act on each other
   double skin = 0;             ///< m, beyond it, up to which pairs are listed; 0: search now
   std::vector<Vec3> found_at;  ///< m, owned rows
@@ -58,9 +62,26 @@ void find_near_pairs(const Bodies& bodies, double range, const Giants& giants,
                      std::vector<NearWindow>& windows);
 
 /// Finds ghosts and pairs up to `reach` + `skin` (m) anew; cuts the domain before where the ranks'
-/// work differs by more than a tenth. Collective.
+/// work differs by more than a tenth. Where bonds break they stay with their pairs; the first
+/// search binds bodies of one group nearer than `reach`. Collective.
 void search_near_pairs(const Comm& comm, Bodies& bodies, double reach, double skin,
-                       NearPairs& near);
+                       bool bonds_break, NearPairs& near);
+
+/// Calls `f(window, slot, lane, row, partner)` for every pair.
+template <class F>
+void for_each_pair(const std::vector<NearWindow>& windows, F&& f) {
+  for (std::size_t w = 0; w < windows.size(); ++w) {
+    const NearWindow& window = windows[w];
+    std::size_t slot = 0;
+    for (std::size_t g = 0; g < window.slots.size(); ++g)
+      for (const std::size_t end = slot + window.slots[g]; slot < end; ++slot)
+        for (std::size_t l = 0; l < doubles_a_row; ++l) {
+          const Index own = window.rows[g * doubles_a_row + l];
+          const Index partner = window.partners[slot * doubles_a_row + l];
+          if (partner != own) f(w, slot, l, own / doubles_a_row, partner / doubles_a_row);
+        }
+  }
+}
 
 /// Of owned bodies: 1 each, and `slot` for each place for a partner.
 std::vector<double> work_of(const Bodies& bodies, const NearPairs& near, double slot);

@@ -101,11 +101,13 @@ struct SteinhauserLanes {
   double d, tension;
 };
 
-/// `Law` up to r_1, from there the force goes to zero linearly at r_2.
+/// `Law` up to r_1, from there the force goes to zero linearly at r_2: of bonds that hold. What is
+/// not bound feels the repulsive part alone.
 template <class Law>
 struct Breaking {
   explicit Breaking(const PairPotential& p)
       : law(p),
+        rest2(p.distance * p.distance),
         first((1 + p.breaking_strain) * p.distance),
         last((1 + 2 * p.breaking_strain) * p.distance),
         slope(law.force_over_distance(spread(first * first))[0] * first / (last - first)),
@@ -120,7 +122,7 @@ struct Breaking {
     return r2 < first * first ? law.energy(r2) + offset : 0.5 * slope * left * left;
   }
   Law law;
-  double first, last, slope, offset;
+  double rest2, first, last, slope, offset;
 };
 
 /// Calls `f` with the lanes of the law that is asked for.

@@ -108,20 +108,28 @@ struct PairDamping {
   double c = 0;         ///< kg/s
 };
 
+/// A law whose bonds break: what is bound pulls until it is `cutoff` apart and is then bound no
+/// more; what is not bound only repels, nearer than the distance of rest.
+template <class Law>
+concept BreakingLaw = requires(const Law& law) {
+  law.rest2;
+};
+
 /// Adds the forces of all pairs nearer than `cutoff` to the rows; calls `finish(body)` for each
 /// body of a window once nothing will be added to its row and neither its position nor its velocity
 /// will be asked for again. The forces of ghosts mean nothing. `velocity` is what is damped.
 template <bool damped, class Law, class Finish>
-void sweep_pairs(const std::vector<NearWindow>& windows, const Law& law, double cutoff,
+void sweep_pairs(std::vector<NearWindow>& windows, const Law& law, double cutoff,
                  const PairDamping& damping, const double* velocity, PairRow* rows,
                  Finish&& finish) {
   const double cutoff2 = cutoff * cutoff, damped2 = damping.distance * damping.distance;
   const Lanes zero{};
   for (std::size_t w = 0; w < windows.size(); ++w) {
-    const NearWindow& window = windows[w];
+    NearWindow& window = windows[w];
     const NearWindow& next = windows[std::min(w + 1, windows.size() - 1)];
     RowsAhead ahead(next, rows);
     const Index* partners = window.partners.data();
+    std::uint8_t* bound = window.bound.data();
     for (std::size_t g = 0; g < window.slots.size(); ++g) {
       const Index* own = window.rows.data() + g * lane_count;
       const LaneVectors xi = gather_positions(rows, own);
@@ -134,7 +142,12 @@ void sweep_pairs(const std::vector<NearWindow>& windows, const Law& law, double 
         const Lanes dx = xj.x - xi.x, dy = xj.y - xi.y, dz = xj.z - xi.z;
         const Lanes r2 = dx * dx + dy * dy + dz * dz;
         // A row that is its own partner, in a slot that it does not need, is at distance 0.
-        const auto acts = (r2 < cutoff2) & (r2 > 0.0);
+        LaneMask acts = (r2 < cutoff2) & (r2 > 0.0);
+        if constexpr (BreakingLaw<Law>) {
+          const LaneMask holds = acts & mask_of_bits(*bound);
+          *bound++ = bits_of_mask(holds);
+          acts &= holds | (r2 < law.rest2);
+        }
         Lanes f = law.force_over_distance(r2);
         Lanes taken{};
         if constexpr (damped) {
@@ -163,6 +176,7 @@ void sweep_pairs(const std::vector<NearWindow>& windows, const Law& law, double 
 }
 
 /// J, of all pairs nearer than `cutoff`; those with a ghost count half, as both ranks have them.
+/// What is not bound has none at rest, as a bond that breaks.
 template <class Law>
 double sweep_energy(const std::vector<NearWindow>& windows, const Law& law, double cutoff,
                     const PairRow* rows, Index owned) {
@@ -170,6 +184,7 @@ double sweep_energy(const std::vector<NearWindow>& windows, const Law& law, doub
   double energy = 0;
   for (const NearWindow& window : windows) {
     const Index* partners = window.partners.data();
+    const std::uint8_t* bound = window.bound.data();
     for (std::size_t g = 0; g < window.slots.size(); ++g) {
       const LaneVectors xi = gather_positions(rows, window.rows.data() + g * lane_count);
       for (Index s = 0; s < window.slots[g]; ++s, partners += lane_count) {
@@ -179,8 +194,12 @@ double sweep_energy(const std::vector<NearWindow>& windows, const Law& law, doub
         Lanes share;
         for (std::size_t l = 0; l < lane_count; ++l)
           share[l] = partners[l] / doubles_a_row < owned ? 1 : 0.5;
-        const Lanes u = share * (law.energy(r2) - at_cutoff);
-        energy += sum_of_lanes((r2 < cutoff * cutoff) & (r2 > 0.0) ? u : Lanes{});
+        Lanes u = law.energy(r2) - at_cutoff;
+        if constexpr (BreakingLaw<Law>) {
+          const Lanes pressed = law.energy(r2) - law.energy(spread(law.rest2));
+          u = mask_of_bits(*bound++) ? u : r2 < law.rest2 ? pressed : Lanes{};
+        }
+        energy += sum_of_lanes((r2 < cutoff * cutoff) & (r2 > 0.0) ? share * u : Lanes{});
       }
     }
   }

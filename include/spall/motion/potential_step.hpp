@@ -15,9 +15,11 @@ SmoothReport potential_steps(World& world, double h, int most_steps);
 /// J over all ranks, of the pairs as they are. Collective.
 double potential_energy(World& world);
 
-/// Calls `f(i, j)` with the rows of all pairs nearer than `distance` (m), at most the range of the
-/// last search; a pair with a ghost is on both ranks. Ghosts are those of world.near. Collective.
-void for_each_near_pair(World& world, double distance, const std::function<void(Index, Index)>& f);
+/// Calls `f(i, j, bound)` with the rows of all pairs nearer than `distance` (m), at most the range
+/// of the last search; bound: the pair attracts, as all do where bonds do not break. A pair with a
+/// ghost is on both ranks. Ghosts are those of world.near. Collective.
+void for_each_near_pair(World& world, double distance,
+                        const std::function<void(Index, Index, bool)>& f);
 
 /// Largest speed (m/s) at which two bodies may meet: the box that holds all velocities is that
 /// wide. Collective.

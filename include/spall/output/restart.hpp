@@ -9,6 +9,7 @@
 
 #include "spall/base/comm.hpp"
 #include "spall/contact/contacts.hpp"
+#include "spall/force/bonds.hpp"
 #include "spall/scene/bodies.hpp"
 
 namespace spall {
@@ -49,8 +50,9 @@ struct RestartState {
   std::vector<std::string> overrides;  ///< "key.path=value", as given to --set
   Clock clock;
   Scalars scalars;
-  Bodies bodies;           ///< owned rows only
-  ContactMemory contacts;  ///< at least once on some rank
+  Bodies bodies;               ///< owned rows only
+  ContactMemory contacts;      ///< at least once on some rank
+  std::optional<Bonds> bonds;  ///< of the bodies, where bonds break and have been made
 };
 
 /// Replaces `path` as a whole: a run killed meanwhile leaves the former file. Collective.

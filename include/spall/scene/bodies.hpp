@@ -25,6 +25,8 @@ struct Bodies {
   std::vector<Vec3> acceleration;      ///< m/s^2, by gravity when its field was last evaluated
   std::vector<double> heat;            ///< J, that damping has left in the body
   std::vector<Vec3> kick;              ///< m/s, by pair potentials in the last step
+  std::vector<std::int32_t> bonds;     ///< that the body was made with, where bonds break
+  std::vector<double> damage;          ///< share of them broken, when last measured
 
   Index size() const { return static_cast<Index>(id.size()); }
   Index ghosts() const { return size() - owned; }
@@ -45,6 +47,8 @@ void for_each_field(BodiesLike& bodies, F&& f) {
   f("acceleration", bodies.acceleration);
   f("heat", bodies.heat);
   f("kick", bodies.kick);
+  f("bonds", bodies.bonds);
+  f("damage", bodies.damage);
 }
 
 /// Appends a row of zeros to every field and returns its place; `owned` is left to the caller.

@@ -1,0 +1,123 @@
+// A bond is a bit beside its pair while the pair is listed; from one list to the next it is an id.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "spall/force/bonds.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+#include "spall/contact/rows_of_ids.hpp"
+#include "spall/force/near_pairs.hpp"
+
+namespace spall {
+namespace {
+
+/// Binds the pairs for which `holds(row, partner)`.
+template <class Holds>
+void bind_pairs(NearPairs& near, Holds&& holds) {
+  for (NearWindow& window : near.windows)
+    window.bound.assign(window.partners.size() / doubles_a_row, 0);
+  for_each_pair(near.windows,
+                [&](std::size_t w, std::size_t slot, std::size_t l, Index i, Index j) {
+                  if (holds(i, j)) near.windows[w].bound[slot] |= 1 << l;
+                });
+}
+
+/// Calls `f(i, j)` with either end of each bond that is an owned body: one with a ghost is on both
+/// ranks, as its pair is.
+template <class F>
+void for_each_end(const Bodies& bodies, const NearPairs& near, F&& f) {
+  for_each_pair(near.windows,
+                [&](std::size_t w, std::size_t slot, std::size_t l, Index i, Index j) {
+                  if (!(near.windows[w].bound[slot] >> l & 1)) return;
+                  f(i, j);
+                  if (j < bodies.owned) f(j, i);
+                });
+}
+
+/// With room for `counts` of each row; row b's next place is start[b].
+Bonds with_room(std::vector<Index> counts) {
+  Bonds bonds;
+  counts.push_back(0);
+  std::exclusive_scan(counts.begin(), counts.end(), counts.begin(), 0);
+  bonds.other.resize(counts.back());
+  bonds.start = std::move(counts);
+  return bonds;
+}
+
+/// All places are taken: start[b] is where row b ends, and becomes where it begins.
+void close(Bonds& bonds) {
+  std::shift_right(bonds.start.begin(), bonds.start.end(), 1);
+  bonds.start.front() = 0;
+}
+
+}  // namespace
+
+bool Bonds::has(Index row, BodyId id) const {
+  if (count(row) == 0) return false;
+  const auto first = other.begin() + start[row];
+  return std::find(first, first + count(row), id) != first + count(row);
+}
+
+std::optional<Bonds> bonds_of(const Bodies& bodies, const NearPairs& near) {
+  if (near.skin == 0) return near.bonds;
+  if (!near.bonds_break) return {};
+  std::vector<Index> counts(bodies.owned, 0);
+  for_each_end(bodies, near, [&](Index i, Index) { ++counts[i]; });
+  Bonds bonds = with_room(std::move(counts));
+  for_each_end(bodies, near,
+               [&](Index i, Index j) { bonds.other[bonds.start[i]++] = bodies.id[j]; });
+  close(bonds);
+  return bonds;
+}
+
+void make_bonds(Bodies& bodies, NearPairs& near, double reach) {
+  bind_pairs(near, [&](Index i, Index j) {
+    return bodies.group[i] == bodies.group[j] &&
+           (bodies.position[i] - bodies.position[j]).squaredNorm() < reach * reach;
+  });
+  std::fill(bodies.bonds.begin(), bodies.bonds.end(), 0);
+  for_each_end(bodies, near, [&](Index i, Index) { ++bodies.bonds[i]; });
+}
+
+void recall_bonds(const Bodies& bodies, const Bonds& bonds, NearPairs& near) {
+  bind_pairs(near, [&](Index i, Index j) { return bonds.has(i, bodies.id[j]); });
+}
+
+SentBonds send_bonds(const Comm& comm, const Bodies& bodies, const Bonds& bonds,
+                     const std::vector<int>& owner) {
+  SentBonds outgoing(comm.size);
+  for (Index b = 0; b < bodies.owned; ++b) {
+    auto& row = outgoing[owner[b]];
+    row.push_back(bodies.id[b]);
+    row.push_back(bonds.count(b));
+    if (bonds.count(b) == 0) continue;
+    const auto first = bonds.other.begin() + bonds.start[b];
+    row.insert(row.end(), first, first + bonds.count(b));
+  }
+  return comm.exchange(outgoing);
+}
+
+Bonds arrange_bonds(const Bodies& bodies, const SentBonds& sent) {
+  const RowsOfIds rows(bodies);
+  const auto for_each_body = [&](auto&& f) {
+    for (const auto& from : sent)
+      for (auto at = from.begin(); at != from.end(); at += 2 + at[1]) f(rows.find(at[0]), at);
+  };
+  std::vector<Index> counts(bodies.owned, 0);
+  for_each_body([&](Index b, auto at) { counts[b] = static_cast<Index>(at[1]); });
+  Bonds bonds = with_room(std::move(counts));
+  for_each_body(
+      [&](Index b, auto at) { std::copy_n(at + 2, at[1], bonds.other.begin() + bonds.start[b]); });
+  return bonds;
+}
+
+void measure_damage(Bodies& bodies, const NearPairs& near) {
+  const std::optional<Bonds> now = bonds_of(bodies, near);
+  if (!now) return;
+  for (Index b = 0; b < bodies.owned; ++b) {
+    const double made = bodies.bonds[b];
+    bodies.damage[b] = made > 0 ? 1 - now->count(b) / made : 0;
+  }
+}
+
+}  // namespace spall
