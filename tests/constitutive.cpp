@@ -52,6 +52,15 @@ PairPotential whole_law() {
   return morse_law(solid, fcc, Match::bulk, "here");
 }
 
+TEST(Solid, warms_by_its_specific_heat_but_while_it_melts) {
+  const Solid solid{.specific_heat = 900, .melting_point = 850, .melt_energy = 1e6};
+  EXPECT_EQ(temperature(solid, 0), 298);
+  EXPECT_EQ(temperature(solid, 9e4), 398);
+  EXPECT_EQ(temperature(solid, 6e5), 850);
+  EXPECT_EQ(temperature(solid, 1e6), 850);
+  EXPECT_EQ(temperature(solid, 1.09e6), 950);
+}
+
 TEST(Constitutive, crystal_has_the_bulk_modulus_and_answers_shocks_with_the_slope_asked_for) {
   const PairPotential p = whole_law();
   const auto pressure = [&](double strain) {

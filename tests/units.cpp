@@ -37,6 +37,7 @@ TEST(Units, compound_units_multiply_and_divide) {
   EXPECT_EQ(parse_quantity("9.5 MJ/kg", specific_energy), 9.5e6);
   EXPECT_EQ(parse_quantity("3 kg*m^2", inertia), 3);
   EXPECT_EQ(parse_quantity("500 N", dimension::force), 500);
+  EXPECT_EQ(parse_quantity("0.896 kJ/(kg K)", dimension::specific_heat), 896);
   EXPECT_EQ(parse_quantity("6.6743e-11 m^3/(kg s^2)", dimension::gravitational_constant),
             6.6743e-11);
   EXPECT_EQ(parse_quantity("6.6743e-11 N m^2/kg^2", dimension::gravitational_constant), 6.6743e-11);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "spall/force/constitutive.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "spall/base/require.hpp"
@@ -15,6 +16,13 @@ namespace {
 constexpr double plane_share = 0.725;
 
 }  // namespace
+
+double temperature(const Solid& solid, double heat) {
+  constexpr double room = 298;
+  const double c = solid.specific_heat, T = room + heat / c;
+  if (solid.melting_point == 0 || T < solid.melting_point) return T;
+  return std::max(solid.melting_point, solid.melting_point + (heat - solid.melt_energy) / c);
+}
 
 double sphere_mass(const Solid& solid, const Lattice& lattice) {
   return solid.density * lattice.volume();

@@ -312,6 +312,9 @@ def main(folder):
         body.append(figure("debris", debris.speeds(run),
                            "Left: debris more than a quarter of a diameter behind the plate. "
                            "Percentiles: 99th of speeds (front, radial), 1st (rear), mean."))
+        if state := debris.state(run):
+            body.append(figure("state", state, "A slice a sixth of a diameter thick through the axis, at the end. "
+                               "Temperature: of the heat that damping left in a body, not of what its motion holds."))
         if "wall" in run.results:
             body.append(figure("wall", debris.wall(run, run.results["wall"]["distance"]),
                                "Debris that fly on freely; within the circles half and 90 % of the "

@@ -23,7 +23,9 @@ class Flight:
             self.group, self.mass = all_bodies["group"][:], all_bodies["mass"][:]
             self.position = all_bodies["position/value"][:]
             self.velocity = all_bodies["velocity/value"][:]
-            self.heat = all_bodies["heat/value"][:]
+            self.damage, self.temperature = (
+                all_bodies[name + "/value"][-1] if name in all_bodies else None
+                for name in ("damage", "temperature"))
         table = run.results["debris"]
         self.diameter, self.speed = table["diameter"], table["speed"]
         self.origin, self.normal = np.array(table["origin"]), np.array(table["normal"])
@@ -118,6 +120,31 @@ def speeds(run):
                label="hole / D")
     panel.set(xlabel="µs", title="over the speed of the impact", ylim=(0, None))
     panel.legend(fontsize=8, ncols=2)
+    return figure
+
+
+def state(run):
+    """A slice through the axis at the end: the share of broken bonds and the temperature. None where none can break."""
+    flight = Flight(run)
+    if flight.damage is None or not flight.damage.any():
+        return None
+    k = len(flight.time) - 1
+    across = (flight.position[k] - flight.origin) @ np.cross(flight.normal, flight.side)
+    chosen = np.abs(across) < flight.diameter / 12
+    x, y = 1e3 * flight.depth(k)[chosen], 1e3 * flight.height(k)[chosen]
+    fields = [(flight.damage, "share of bonds broken", "inferno", 1)]
+    if flight.temperature is not None:
+        top = np.quantile(flight.temperature[chosen], 0.99)
+        fields.append((flight.temperature, "temperature, K", "inferno", top))
+    figure, axes = plt.subplots(1, len(fields), figsize=(6 * len(fields), 4.2), squeeze=False,
+                                layout="constrained")
+    for panel, (values, name, colors, top) in zip(axes.flat, fields):
+        order = np.argsort(values[chosen])
+        dots = panel.scatter(x[order], y[order], c=values[chosen][order], s=3, linewidths=0,
+                             cmap=colors, vmax=top)
+        panel.set(xlabel="mm behind the plate", ylabel="mm", aspect="equal",
+                  title=f"{name}, {readable_time(flight.time[k])}")
+        figure.colorbar(dots, ax=panel, shrink=0.8)
     return figure
 
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <filesystem>
 #include <set>
 #include <type_traits>
@@ -13,6 +14,7 @@
 #include "h5.hpp"
 #include "spall/base/require.hpp"
 #include "spall/domain/pack.hpp"
+#include "spall/force/constitutive.hpp"
 
 namespace spall {
 
@@ -27,6 +29,7 @@ const char* unit_of(const std::string& field) {
   if (field == "angular_velocity") return "rad s-1";
   if (field == "mass") return "kg";
   if (field == "heat") return "J";
+  if (field == "temperature") return "K";
   return nullptr;
 }
 
@@ -97,6 +100,7 @@ SnapshotWriter::SnapshotWriter(Comm comm, std::string folder, const Case& scene,
       folder_(std::move(folder)),
       case_text_(scene.text),
       title_(scene.title),
+      materials_(scene.materials),
       gravity_(scene.gravity),
       map_(scene.gravity_map) {
   make_folder(comm_, folder_ + "/snapshots");
@@ -132,6 +136,21 @@ void SnapshotWriter::find_written(std::int64_t resume_step) {
                         static_cast<std::int64_t>(found[k + 2])});
 }
 
+template <class F>
+void SnapshotWriter::for_each_output(const Bodies& bodies, F&& f) const {
+  for_each_field(bodies, f);
+  const auto warms = [](const Material& m) { return m.solid && m.solid->specific_heat > 0; };
+  if (std::none_of(materials_.begin(), materials_.end(), warms)) return;
+  std::vector<double> temperatures;
+  for (Index b = 0; b < bodies.size(); ++b) {
+    const Material& material = materials_[bodies.material[b]];
+    temperatures.push_back(warms(material)
+                               ? temperature(*material.solid, bodies.heat[b] / bodies.mass[b])
+                               : std::nan(""));
+  }
+  f("temperature", temperatures);
+}
+
 void SnapshotWriter::write(const Bodies& bodies, std::int64_t step, double time) {
   const auto rows =
       h5::equal_rows(comm_.rank, comm_.size, comm_.sum(static_cast<std::int64_t>(bodies.owned)));
@@ -141,7 +160,7 @@ void SnapshotWriter::write(const Bodies& bodies, std::int64_t step, double time)
   auto file = h5::File::create(unfinished(path), comm_);
   write_metadata(file, case_text_, comm_.size);
   std::string first;
-  for_each_field(block, [&](const std::string& field, const auto& values) {
+  for_each_output(block, [&](const std::string& field, const auto& values) {
     using Value = typename std::decay_t<decltype(values)>::value_type;
     const bool fixed = fixed_fields.contains(field);
     file.write<Value>(dataset(field), values, rows, !fixed);
@@ -193,7 +212,7 @@ void SnapshotWriter::write_trajectory() const {
   write_metadata(file, case_text_, comm_.size);
   std::string first;
   Bodies none;
-  for_each_field(none, [&](const std::string& field, const auto& values) {
+  for_each_output(none, [&](const std::string& field, const auto& values) {
     using Value = typename std::decay_t<decltype(values)>::value_type;
     const bool fixed = fixed_fields.contains(field);
     std::vector<h5::Source> sources;
@@ -219,7 +238,7 @@ void SnapshotWriter::write_xdmf() const {
         "  <Topology TopologyType=\"Polyvertex\" NumberOfElements=\"{}\" NodesPerElement=\"1\"/>\n",
         written_[k].time, rows);
     Bodies none;
-    for_each_field(none, [&](const std::string& field, const auto& values) {
+    for_each_output(none, [&](const std::string& field, const auto& values) {
       using Value = typename std::decay_t<decltype(values)>::value_type;
       constexpr bool is_vector = std::is_same_v<Value, Vec3>;
       const bool fixed = fixed_fields.contains(field);

@@ -26,6 +26,9 @@ void read_solid(Section& in, Solid& solid) {
   in.take("yield_strength", "", solid.yield_strength, positive(pressure));
   in.take("tensile_strength", "", solid.tensile_strength, positive(pressure));
   in.take("spall_strength", "at which a shock tears it", solid.spall_strength, positive(pressure));
+  in.take("specific_heat", "from which snapshots tell the temperature", solid.specific_heat,
+          positive(specific_heat));
+  in.take("melting_point", "", solid.melting_point, positive(dimension::temperature));
   in.take("melt_energy", "from room temperature to liquid", solid.melt_energy,
           positive(specific_energy));
   in.take("sublimation_energy", "from solid to vapour", solid.sublimation_energy,

@@ -28,7 +28,7 @@ constexpr Unit units_with_prefix[] = {
     {"s", dimension::time},      {"N", dimension::force},
     {"Pa", dimension::pressure}, {"bar", dimension::pressure, 5},
     {"J", dimension::energy},    {"W", power},
-    {"Hz", dimension::spin},
+    {"Hz", dimension::spin},     {"K", dimension::temperature},
 };
 
 constexpr Unit units_alone[] = {
@@ -71,6 +71,8 @@ constexpr struct {
     {dimension::pressure, "a pressure", "Pa", "\"1.2 GPa\""},
     {dimension::specific_energy, "an energy of a mass", "J/kg", "\"1.05 MJ/kg\""},
     {dimension::energy, "an energy", "J", "\"1 kJ\""},
+    {dimension::temperature, "a temperature", "K", "\"855 K\""},
+    {dimension::specific_heat, "a specific heat", "J/(kg K)", "\"896 J/(kg K)\""},
     {dimension::gravitational_parameter, "a gravitational parameter", "m^3/s^2",
      "\"34.1 m^3/s^2\""},
     {dimension::gravitational_constant, "a gravitational constant", "m^3/(kg s^2)",
@@ -80,7 +82,8 @@ constexpr struct {
 std::string name_of(Dimension dimension) {
   for (const auto& entry : named)
     if (entry.dimension == dimension) return std::string(entry.name);
-  return fmt::format("in m^{} kg^{} s^{}", dimension.length, dimension.mass, dimension.time);
+  return fmt::format("in m^{} kg^{} s^{} K^{}", dimension.length, dimension.mass, dimension.time,
+                     dimension.temperature);
 }
 
 std::optional<Unit> find_unit(std::string_view name) {
@@ -140,6 +143,7 @@ Unit parse_units(std::string_view text, std::string_view whole) {
     product.dimension.length += n * unit->dimension.length;
     product.dimension.mass += n * unit->dimension.mass;
     product.dimension.time += n * unit->dimension.time;
+    product.dimension.temperature += n * unit->dimension.temperature;
     product.exponent += n * unit->exponent;
     product.factor *= std::pow(unit->factor, n);
   }

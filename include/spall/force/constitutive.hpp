@@ -18,11 +18,17 @@ struct Solid {
   double yield_strength = 0;      ///< Pa
   double tensile_strength = 0;    ///< Pa
   double spall_strength = 0;      ///< Pa
+  double specific_heat = 0;       ///< J/(kg K)
+  double melting_point = 0;       ///< K
   double melt_energy = 0;         ///< J/kg, from room temperature to liquid
   double sublimation_energy = 0;  ///< J/kg
 
   double bulk_modulus() const { return density * sound_speed * sound_speed; }  ///< Pa
 };
+
+/// K, of a solid that had room temperature, 298 K, before it took up `heat` (J/kg): in proportion
+/// to its specific heat but while it melts.
+double temperature(const Solid& solid, double heat);
 
 /// A lattice of equal spheres, by its nearest neighbours.
 struct Lattice {

@@ -23,6 +23,8 @@ class File;
 ///                           there yet has NaN
 ///   trajectory.xdmf         the same for ParaView and VisIt
 ///
+/// `temperature` stands beside the fields of the bodies where a material has a specific heat.
+///
 /// HDF5 cannot promise a readable file to a process that dies while it writes, so each snapshot is
 /// a file of its own that takes its name only when it is complete. The other two are an index,
 /// replaced whole while the run goes on (the last few of many snapshots may be missing) and at its
@@ -46,6 +48,9 @@ class SnapshotWriter {
     double time;  // s
     std::int64_t rows;
   };
+  /// The fields of the bodies, and the temperature of those whose material has a specific heat.
+  template <class F>
+  void for_each_output(const Bodies& bodies, F&& f) const;
   void find_written(std::int64_t resume_step);
   void write_gravity(h5::File& file, const Bodies& bodies) const;
   void write_trajectory() const;
@@ -55,6 +60,7 @@ class SnapshotWriter {
   std::string folder_;
   std::string case_text_;
   std::string title_;
+  std::vector<Material> materials_;
   GravitySettings gravity_;
   std::optional<Grid> map_;
   std::vector<Written> written_;  // the same on all ranks
