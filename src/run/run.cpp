@@ -2,20 +2,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "spall/run/run.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <csignal>
 #include <filesystem>
-#include <numeric>
 
-#include "spall/base/require.hpp"
-#include "spall/domain/migration.hpp"
+#include "methods.hpp"
+#include "phase_start.hpp"
+#include "signal_guard.hpp"
 #include "spall/domain/pack.hpp"
 #include "spall/motion/gravity_kick.hpp"
-#include "spall/motion/nonsmooth_step.hpp"
-#include "spall/motion/penalty_step.hpp"
-#include "spall/motion/potential_step.hpp"
 #include "spall/output/results.hpp"
 #include "spall/output/series.hpp"
 #include "spall/output/snapshot.hpp"
@@ -24,39 +22,11 @@
 #include "spall/run/progress.hpp"
 #include "spall/run/record.hpp"
 #include "spall/run/verdict.hpp"
-#include "spall/scene/impactor.hpp"
 #include "spall/scene/scene.hpp"
+#include "timetable.hpp"
 
 namespace spall {
 namespace {
-
-volatile std::sig_atomic_t signal_caught = 0;
-void catch_signal(int number) {
-  signal_caught = number;
-}
-
-/// A signal ends a run between two steps, after a restart file. mpirun hands on SIGUSR1 as it is,
-/// but kills a second after it handed on SIGINT or SIGTERM.
-class SignalGuard {
- public:
-  SignalGuard() {
-    signal_caught = 0;
-    for (int k = 0; k < 3; ++k) before_[k] = std::signal(numbers_[k], catch_signal);
-  }
-  ~SignalGuard() {
-    for (int k = 0; k < 3; ++k) std::signal(numbers_[k], before_[k]);
-  }
-
- private:
-  static constexpr int numbers_[3] = {SIGINT, SIGTERM, SIGUSR1};
-  void (*before_[3])(int);
-};
-
-/// Steps of `h` from `time` until the next multiple of `every`; at least 1.
-std::int64_t steps_to_multiple(double time, double h, double every) {
-  const double next = (std::floor((time + h / 2) / every) + 1) * every;
-  return std::max<std::int64_t>(1, std::llround((next - time) / h));
-}
 
 class Run {
  public:
@@ -75,7 +45,7 @@ class Run {
     world_ = make_world(comm, scene);
     if (from) {
       world_.bodies = from->bodies;
-      carried() = from->contacts;
+      carried_memory(world_, phase().method) = from->contacts;
       world_.near.bonds = from->bonds;
       load(from->scalars);
     } else {
@@ -86,41 +56,23 @@ class Run {
   }
 
   bool go() {
-    SignalGuard guard;
+    const SignalGuard signals;
     progress_.say(describe_phases(scene_));
     while (clock_.phase < static_cast<std::int64_t>(scene_.phases.size())) {
       if (clock_.step_in_phase == 0) begin_phase();
-      if (!run_phase()) return false;
+      if (!run_phase(signals)) return false;
       end_phase();
     }
     finish();
     return true;
   }
 
-  /// Beside bodies, contacts and clock.
+  /// Beside what its parts keep.
   template <class Self, class F>
   static void for_each_scalar(Self& self, F&& f) {
-    auto& kick = self.world_.kick;
-    f("kick.evaluated", kick.evaluated);
-    f("kick.steps_left", kick.steps_left);
-    f("kick.evaluations", kick.evaluations);
-    f("kick.interval", kick.interval);
-    f("kick.closed", kick.closed);
-    f("kick.remembered_load", kick.remembered_load);
-    f("kick.largest", kick.largest);
-    f("kick.fall", kick.fall);
-    f("kick.hold", kick.hold);
-    f("kick.may_hold", kick.may_hold);
-    f("kick.potential", kick.potential);
-    auto& ledger = self.world_.ledger;
-    f("ledger.dissipated", ledger.dissipated);
-    f("ledger.cohesion_work", ledger.cohesion_work);
-    f("ledger.corrections", ledger.corrections);
-    f("law.cohesion", self.world_.law.cohesion);
     f("run.cohesion_before", self.cohesion_before_);
     f("run.has_moved", self.has_moved_);
     f("run.seconds", self.seconds_before_);
-    for (auto& [stage, seconds] : self.world_.times) f("seconds." + stage, seconds);
   }
 
  private:
@@ -138,111 +90,43 @@ class Run {
                               readable_time(phase().step), phase().until_settled ? "at most " : "",
                               readable_time(phase().duration)));
     has_moved_ = false;
-    const double before = was_penalty() ? contact_energy(world_) : 0;
-    forget_pairs();
-    if (phase().remove_drift || phase().impactor) change_bodies();
+    const double energy_before = former() == Method::penalty ? elastic_energy(world_, former()) : 0;
+    forget_former_pairs();
+    if (phase().remove_drift || phase().impactor) begin_with_other_bodies();
     cohesion_before_ = world_.law.cohesion;
     if (phase().cohesion) world_.law.cohesion = *phase().cohesion;
-    if (by_potential()) check_potential_step();
-    if (by_penalty())
-      check_penalty_step(comm_, world_.bodies, world_.penalty, world_.law, phase().step,
-                         largest_relative_speed(world_),
-                         fmt::format("{}: phases.{}", scene_.file, phase().name));
-    if (by_penalty() || was_penalty()) book_springs(before);
+    check_phase_step(world_, phase(), fmt::format("{}: phases.{}", scene_.file, phase().name));
+    if (by_penalty() || former() == Method::penalty)
+      book_springs(world_, phase().method, former(), cohesion_before_, energy_before, account_);
   }
 
-  bool by_potential() const { return phase().method == Method::potential; }
   bool by_penalty() const { return phase().method == Method::penalty; }
-  bool was_penalty() const {
-    return clock_.phase > 0 && scene_.phases[clock_.phase - 1].method == Method::penalty;
-  }
-
-  /// The overlaps of a state become energy where phases of penalty contact begin, and are none any
-  /// more where they end; a change of cohesion gives or takes what the bonds hold.
-  void book_springs(double before) {
-    const auto energy_at = [&](double cohesion) {
-      const double kept = std::exchange(world_.law.cohesion, cohesion);
-      const double energy = contact_energy(world_);
-      world_.law.cohesion = kept;
-      return energy;
-    };
-    const double without = energy_at(0);
-    if (!by_penalty())
-      account_.book_energy(-without);
-    else
-      account_.book_energy(energy_at(world_.law.cohesion) -
-                           (was_penalty() ? before : energy_at(cohesion_before_) - without));
-  }
-
-  /// Where springs or impulses of a restart go.
-  ContactMemory& carried() {
-    return by_penalty() ? world_.touch.carried : world_.neighbours.carried;
-  }
-  ContactMemory contact_memory() const {
-    return by_penalty() ? remember(world_.bodies, world_.touch)
-                        : remember(world_.bodies, world_.neighbours.pairs, false);
-  }
-
-  void forget_near_pairs(std::optional<Bonds> bonds) {
-    world_.near = NearPairs{};
-    world_.near.bonds = std::move(bonds);
+  /// Before the first phase nothing is pressed together.
+  Method former() const {
+    return clock_.phase > 0 ? scene_.phases[clock_.phase - 1].method : Method::nonsmooth;
   }
 
   /// What the former phase's method knew of pairs and ghosts.
-  void forget_pairs() {
-    const bool same = clock_.phase == 0 || phase().method == scene_.phases[clock_.phase - 1].method;
-    forget_near_pairs(same ? bonds_of(world_.bodies, world_.near) : std::nullopt);
-    if (clock_.phase == 0 || same) return;
-    resize(world_.bodies, world_.bodies.owned);
-    world_.neighbours = Neighbours{};
-    world_.touch = TouchPairs{};
-  }
-
-  void check_potential_step() {
-    const auto& mass = world_.bodies.mass;
-    const double lightest =
-        std::accumulate(mass.begin(), mass.begin() + world_.bodies.owned, infinity,
-                        [](double a, double b) { return std::min(a, b); });
-    check_step(world_.potential, phase().step, comm_.min(lightest), largest_relative_speed(world_),
-               fmt::format("{}: phases.{}", scene_.file, phase().name));
-  }
-
-  /// Events that change bodies, with the sums before and after booked.
-  void change_bodies() {
-    evaluate_field(world_);
-    const Diagnostics before = diagnose(world_);
-    const double potential_before = world_.kick.potential;
-    std::optional<Bonds> bonds = bonds_of(world_.bodies, world_.near);
-    resize(world_.bodies, world_.bodies.owned);
-    ContactMemory memory = contact_memory();
-    if (phase().remove_drift) {
-      const Vec3 velocity = before.momentum / before.mass;
-      for (Index b = 0; b < world_.bodies.owned; ++b) {
-        world_.bodies.position[b] -= before.centre;
-        world_.bodies.velocity[b] -= velocity;
-      }
+  void forget_former_pairs() {
+    const bool same = clock_.phase == 0 || phase().method == former();
+    if (same) {
+      forget_near_pairs(world_, bonds_of(world_.bodies, world_.near));
+    } else {
+      resize(world_.bodies, world_.bodies.owned);
+      forget_pairs(world_, std::nullopt);
     }
-    if (phase().impactor) {
-      verdict_.look_at_pile(world_);
-      const auto id =
-          static_cast<BodyId>(comm_.sum(static_cast<std::int64_t>(world_.bodies.owned)));
-      const Aim aim = add_impactor(comm_, scene_, *phase().impactor, world_.bodies);
-      verdict_.impactor_added(world_, id, world_.law.restitution);
-      clock_.since_impact = 0;
-      progress_.say(fmt::format("impactor: {:.4g} kg at {:.4g} m/s, aimed at body {}",
-                                phase().impactor->mass, phase().impactor->speed, aim.struck));
-    }
-    world_.neighbours = Neighbours{};
-    forget_near_pairs(std::move(bonds));
-    world_.touch = TouchPairs{};
-    carried() = std::move(memory);
-    world_.kick.interval = 0;
-    world_.kick.evaluated = false;
-    evaluate_field(world_);
-    account_.book_event(before, potential_before, diagnose(world_), world_.kick.potential);
   }
 
-  bool run_phase() {
+  void begin_with_other_bodies() {
+    const auto aim = change_bodies(world_, scene_, phase(), account_, verdict_);
+    if (!aim) return;
+    clock_.since_impact = 0;
+    progress_.say(fmt::format("impactor: {:.4g} kg at {:.4g} m/s, aimed at body {}",
+                              phase().impactor->mass, phase().impactor->speed, aim->struck));
+  }
+
+  /// False where a signal ended it.
+  bool run_phase(const SignalGuard& signals) {
     const std::int64_t steps = steps_of_phase();
     while (clock_.step_in_phase < steps) {
       const bool fresh = world_.kick.steps_left == 0;
@@ -251,8 +135,7 @@ class Run {
       double elastic = 0;
       if (row) {
         evaluate_field(world_);
-        if (by_potential()) elastic = potential_energy(world_);
-        if (by_penalty()) elastic = contact_energy(world_);
+        elastic = elastic_energy(world_, phase().method);
         sums = diagnose(world_);
         if (is_settled(sums)) {
           progress_.say(fmt::format("settled after {}: rms speed {:.3g} m/s",
@@ -260,14 +143,15 @@ class Run {
           break;
         }
       }
-      const auto limit = std::min<std::int64_t>(steps - clock_.step_in_phase, steps_to_event());
+      const auto limit = std::min<std::int64_t>(steps - clock_.step_in_phase,
+                                                steps_to_event(scene_, clock_, phase().step));
       const Clock start = clock_;
       const StepReport report = step(static_cast<int>(std::min<std::int64_t>(limit, 1 << 30)));
       book(report);
       if (row) write_row(start, sums, elastic, report);
       if (progress_.due()) progress_.show(clock_, shown_);
       if (world_.kick.steps_left == 0) at_instant();
-      if (comm_.any(signal_caught != 0)) {
+      if (comm_.any(signals.caught())) {
         save(restart_file());
         progress_.say(
             fmt::format("stopped by a signal; go on with: spall resume {}", restart_file()));
@@ -279,28 +163,12 @@ class Run {
     return true;
   }
 
-  /// One step, or as many of a pair potential as may pass before somebody asks for something.
+  /// One step, or as many without impulses as may pass before somebody asks for something.
   StepReport step(int most) {
-    if (!by_potential() && !by_penalty()) {
-      const StepReport report = nonsmooth_step(world_, phase().step, solver(), most);
-      tick();
-      return report;
-    }
-    constexpr int most_at_once = 100;  // signals, progress and restarts wait no longer
-    const bool each = scene_.output.series_every == 0;
-    const int steps = each ? 1 : std::min(most, most_at_once);
-    StepReport report{.solver = {.converged = true}};
-    const auto take = [&](const auto& done) {
-      for (int k = 0; k < done.steps; ++k) tick();
-      report.gravity_work = done.gravity_work;
-    };
-    if (by_potential()) {
-      take(potential_steps(world_, phase().step, steps));
-    } else {
-      take(penalty_steps(world_, phase().step, steps));
-      report.contacts = count_touching(world_.bodies, world_.touch);
-    }
-    return report;
+    const StepsTaken taken =
+        take_steps(world_, phase(), solver(), most, scene_.output.series_every == 0);
+    for (int k = 0; k < taken.steps; ++k) tick();
+    return taken.report;
   }
 
   void tick() {
@@ -311,24 +179,8 @@ class Run {
     if (clock_.since_impact >= 0) clock_.since_impact += phase().step;
   }
 
-  /// Steps that may pass until something must be seen at its own instant.
-  std::int64_t steps_to_event() const {
-    const double h = phase().step;
-    std::int64_t steps = std::numeric_limits<std::int64_t>::max();
-    for (double every : {scene_.output.series_every, scene_.output.snapshot_every, debris_.every()})
-      if (every > 0) steps = std::min(steps, steps_to_multiple(clock_.time, h, every));
-    if (clock_.since_impact >= 0)
-      for (double at : scene_.read_out)
-        if (at > clock_.since_impact + h / 2)
-          steps = std::min<std::int64_t>(
-              steps, std::max<std::int64_t>(1, std::llround((at - clock_.since_impact) / h)));
-    return steps;
-  }
-
   bool passed_multiple(double every) const {
-    const double h = phase().step;
-    return every > 0 &&
-           std::floor((clock_.time + h / 2) / every) > std::floor((clock_.time - h / 2) / every);
+    return spall::passed_multiple(clock_, phase().step, every);
   }
   bool row_due() const { return clock_.step == 0 || passed_multiple(scene_.output.series_every); }
 
@@ -424,25 +276,25 @@ class Run {
                        .clock = clock_,
                        .scalars = {},
                        .bodies = world_.bodies,
-                       .contacts = contact_memory(),
+                       .contacts = contact_memory(world_, phase().method),
                        .bonds = bonds_of(world_.bodies, world_.near)};
     resize(state.bodies, state.bodies.owned);
     save_scalars(*this, state.scalars);
+    save_scalars(world_, state.scalars);
     record_.save(state.scalars);
     account_.save(state.scalars);
     verdict_.save(state.scalars);
     debris_.save(state.scalars);
     write_restart(comm_, file, state);
     world_.bodies = std::move(state.bodies);
-    world_.neighbours = Neighbours{};
-    forget_near_pairs(std::move(state.bonds));
-    world_.touch = TouchPairs{};
-    carried() = std::move(state.contacts);
+    forget_pairs(world_, std::move(state.bonds));
+    carried_memory(world_, phase().method) = std::move(state.contacts);
     last_restart_ = MPI_Wtime();
   }
 
   void load(const Scalars& scalars) {
     load_scalars(*this, scalars);
+    load_scalars(world_, scalars);
     if (comm_.rank > 0) world_.ledger = {};
     record_.load(scalars);
     account_.load(scalars);
@@ -457,7 +309,7 @@ class Run {
     ResultTable table;
     add_case(table);
     verdict_.add_to(table, scene_.binary);
-    debris_.conclude(world_, by_potential(), clock_.time, table);
+    debris_.conclude(world_, phase().method == Method::potential, clock_.time, table);
     add_conservation(table, sums);
     record_.add_to(table, clock_.step);
     table.add("gravity", "evaluations", world_.kick.evaluations);

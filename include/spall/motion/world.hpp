@@ -69,6 +69,29 @@ struct World {
   bool has_gravity() const {
     return gravity.method != GravityMethod::none || !uniform_gravity.isZero(0);
   }
+
+  /// f(name, value) for what must go on after a restart beside bodies and contacts.
+  template <class Self, class F>
+  static void for_each_scalar(Self& self, F&& f) {
+    auto& kick = self.kick;
+    f("kick.evaluated", kick.evaluated);
+    f("kick.steps_left", kick.steps_left);
+    f("kick.evaluations", kick.evaluations);
+    f("kick.interval", kick.interval);
+    f("kick.closed", kick.closed);
+    f("kick.remembered_load", kick.remembered_load);
+    f("kick.largest", kick.largest);
+    f("kick.fall", kick.fall);
+    f("kick.hold", kick.hold);
+    f("kick.may_hold", kick.may_hold);
+    f("kick.potential", kick.potential);
+    auto& ledger = self.ledger;
+    f("ledger.dissipated", ledger.dissipated);
+    f("ledger.cohesion_work", ledger.cohesion_work);
+    f("ledger.corrections", ledger.corrections);
+    f("law.cohesion", self.law.cohesion);
+    for (auto& [stage, seconds] : self.times) f("seconds." + stage, seconds);
+  }
 };
 
 /// A world with a case's laws and no bodies yet.

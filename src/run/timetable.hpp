@@ -1,0 +1,16 @@
+// Instants at which a run looks at its bodies: multiples of an interval, and times after an impact.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "spall/output/restart.hpp"
+#include "spall/scene/case.hpp"
+
+namespace spall {
+
+/// Steps of `h` (s) that may pass until something must be seen at its own instant; at least 1.
+std::int64_t steps_to_event(const Case& scene, const Clock& clock, double h);
+
+/// Whether the last step, of `h` (s), reached a multiple of `every` (s); never where that is 0.
+bool passed_multiple(const Clock& clock, double h, double every);
+
+}  // namespace spall
