@@ -71,7 +71,9 @@ std::vector<double> Record::row(std::int64_t phase, std::int64_t contacts, const
   return values;
 }
 
-void Record::add_to(ResultTable& table, std::int64_t steps) const {
+void Record::add_to(ResultTable& table, std::int64_t steps, bool solves) const {
+  table.add("solver", "steps", steps);
+  if (!solves) return;
   const double count = static_cast<double>(std::max<std::int64_t>(steps, 1));
   table.add("solver", "residual_max", residual_max_, "m/s", "largest of all contacts and steps");
   table.add("solver", "residual_rms", std::sqrt(squares_ / count), "m/s",
@@ -79,7 +81,6 @@ void Record::add_to(ResultTable& table, std::int64_t steps) const {
   table.add("solver", "residual_relative", worst_relative_, "", "largest E of a step");
   table.add("solver", "products", static_cast<std::int64_t>(products_));
   table.add("solver", "products_a_step", products_ / count);
-  table.add("solver", "steps", steps);
   table.add("solver", "steps_not_converged", static_cast<std::int64_t>(unconverged_));
   table.add("solver", "correction_products", static_cast<std::int64_t>(correction_products_));
 }

@@ -311,7 +311,9 @@ class Run {
     verdict_.add_to(table, scene_.binary);
     debris_.conclude(world_, phase().method == Method::potential, clock_.time, table);
     add_conservation(table, sums);
-    record_.add_to(table, clock_.step);
+    const bool solves = std::ranges::any_of(
+        scene_.phases, [](const Phase& one) { return one.method == Method::nonsmooth; });
+    record_.add_to(table, clock_.step, solves);
     table.add("gravity", "evaluations", world_.kick.evaluations);
     const double total = MPI_Wtime() - seconds_at_start_ + seconds_before_;
     table.add("time", "total_s", comm_.max(total), "s");

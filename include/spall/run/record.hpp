@@ -25,7 +25,8 @@ class Record {
   static std::vector<double> row(std::int64_t phase, std::int64_t contacts, const Balance& balance,
                                  const StepReport& report, double overlap, const StageTimes& times);
 
-  void add_to(ResultTable& table, std::int64_t steps) const;
+  /// Adds [solver]; without solved contacts it holds the number of steps alone.
+  void add_to(ResultTable& table, std::int64_t steps, bool solves) const;
 
   void save(Scalars& scalars) const { save_scalars(*this, scalars); }
   void load(const Scalars& scalars) { load_scalars(*this, scalars); }
