@@ -14,6 +14,7 @@
 #include "signal_guard.hpp"
 #include "spall/domain/pack.hpp"
 #include "spall/motion/gravity_kick.hpp"
+#include "spall/output/restart.hpp"
 #include "spall/output/results.hpp"
 #include "spall/output/series.hpp"
 #include "spall/output/snapshot.hpp"
@@ -281,8 +282,8 @@ class Run {
     resize(state.bodies, state.bodies.owned);
     save_scalars(*this, state.scalars);
     save_scalars(world_, state.scalars);
-    record_.save(state.scalars);
-    account_.save(state.scalars);
+    save_scalars(record_, state.scalars);
+    save_scalars(account_, state.scalars);
     verdict_.save(state.scalars);
     debris_.save(state.scalars);
     write_restart(comm_, file, state);
@@ -296,8 +297,8 @@ class Run {
     load_scalars(*this, scalars);
     load_scalars(world_, scalars);
     if (comm_.rank > 0) world_.ledger = {};
-    record_.load(scalars);
-    account_.load(scalars);
+    load_scalars(record_, scalars);
+    load_scalars(account_, scalars);
     verdict_.load(scalars);
     debris_.load(scalars);
   }

@@ -2,8 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <string>
+
 #include "spall/output/diagnostics.hpp"
-#include "spall/output/restart.hpp"
 #include "spall/output/results.hpp"
 
 namespace spall {
@@ -35,8 +36,7 @@ class Account {
   void add_drifts(ResultTable& table, double momentum, double angular_momentum) const;
   void add_energies(ResultTable& table, const Diagnostics& sums, double gravitational) const;
 
-  void save(Scalars& scalars) const { save_scalars(*this, scalars); }
-  void load(const Scalars& scalars) { load_scalars(*this, scalars); }
+  /// What a restart file keeps.
   template <class Self, class F>
   static void for_each_scalar(Self& self, F&& f) {
     f("account.opened", self.opened_);

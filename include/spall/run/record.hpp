@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "spall/motion/nonsmooth_step.hpp"
-#include "spall/output/restart.hpp"
 #include "spall/output/results.hpp"
 #include "spall/run/account.hpp"
 
@@ -28,8 +27,7 @@ class Record {
   /// Adds [solver]; without solved contacts it holds the number of steps alone.
   void add_to(ResultTable& table, std::int64_t steps, bool solves) const;
 
-  void save(Scalars& scalars) const { save_scalars(*this, scalars); }
-  void load(const Scalars& scalars) { load_scalars(*this, scalars); }
+  /// What a restart file keeps.
   template <class Self, class F>
   static void for_each_scalar(Self& self, F&& f) {
     f("record.products", self.products_);
