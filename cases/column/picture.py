@@ -7,15 +7,11 @@ usage: cases/column/picture.py ROLLING_FRICTION=FOLDER …; the first is drawn
 import pathlib
 import sys
 
-import h5py
-import matplotlib
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt
 import numpy as np
 
 here = pathlib.Path(__file__).resolve().parent
-sys.path.insert(0, str(here.parent.parent / "bench"))
+sys.path[:0] = [str(here.parent), str(here.parent.parent / "bench")]
+from grains import draw, read  # noqa: E402
 from readme import replace_section  # noqa: E402
 
 RADIUS = 0.03  # m, of the column: its height over it is a = 1
@@ -35,36 +31,13 @@ def extent(x, grain):
     return edges[np.argmin(covered)] if not covered.all() else edges[-1]
 
 
-def read(folder):
-    with h5py.File(pathlib.Path(folder) / "trajectory.h5") as file:
-        return (
-            file["particles/all/position/value"][:],
-            file["particles/all/position/time"][:],
-            float(np.ravel(file["particles/all/radius"])[0]),
-        )
-
-
-def draw(all_x, times, grain):
-    figure, axes = plt.subplots(4, 1, figsize=(8, 7), sharex=True, sharey=True)
-    for axis, k in zip(axes, [0, len(times) // 4, len(times) // 2, len(times) - 1]):
-        x = 1e3 * all_x[k]
-        slab = x[np.abs(x[:, 1]) < 6e3 * grain]
-        slab = slab[np.argsort(-slab[:, 1])]
-        axis.scatter(slab[:, 0], slab[:, 2], s=9, c=slab[:, 1], cmap="copper", linewidths=0)
-        axis.set_aspect("equal")
-        axis.set_title(f"{1e3 * times[k]:.0f} ms", loc="right", fontsize=9, y=0.7)
-        axis.set_ylim(0, 36)
-    axes[-1].set_xlabel("mm")
-    figure.tight_layout()
-    figure.savefig(here / "collapse.png", dpi=90)
-
-
 def main(runs):
     rows = ["| rolling friction | runout (r - r0)/r0 | against 1.24 a, sand (Lube et al. 2004) | height, mm |", "|--:|--:|--:|--:|"]
     for k, (friction, folder) in enumerate(runs):
         all_x, times, grain = read(folder)
         if k == 0:
-            draw(all_x, times, grain)
+            frames = [0, len(times) // 4, len(times) // 2, len(times) - 1]
+            draw(here / "collapse.png", all_x, times, grain, frames, height=7, top=36)
         runout = extent(all_x[-1], grain) / RADIUS - 1
         # The highest grains that are not alone.
         height = np.quantile(all_x[-1][:, 2], 0.999) + grain

@@ -7,27 +7,14 @@ usage: cases/repose/picture.py "LABEL"=FOLDER[,FOLDER …] …; folders of one l
 import pathlib
 import sys
 
-import h5py
-import matplotlib
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt
 import numpy as np
 
 here = pathlib.Path(__file__).resolve().parent
-sys.path.insert(0, str(here.parent.parent / "bench"))
+sys.path[:0] = [str(here.parent), str(here.parent.parent / "bench")]
+from grains import draw, read  # noqa: E402
 from readme import replace_section  # noqa: E402
 
 TABLE = 0.048  # m, its radius
-
-
-def read(folder):
-    with h5py.File(pathlib.Path(folder) / "trajectory.h5") as file:
-        return (
-            file["particles/all/position/value"][:],
-            file["particles/all/position/time"][:],
-            float(np.ravel(file["particles/all/radius"])[0]),
-        )
 
 
 def surface(x, grain):
@@ -54,20 +41,6 @@ def slope(x, grain):
     return -np.degrees(np.arctan(np.polyfit(radii[flank], heights[flank], 1)[0]))
 
 
-def draw(all_x, times, grain):
-    figure, axes = plt.subplots(3, 1, figsize=(8, 6), sharex=True, sharey=True)
-    for axis, k in zip(axes, [0, 3, len(all_x) - 1]):
-        x = 1e3 * all_x[k]
-        slab = x[np.abs(x[:, 1]) < 6e3 * grain]
-        slab = slab[np.argsort(-slab[:, 1])]
-        axis.scatter(slab[:, 0], slab[:, 2], s=9, c=slab[:, 1], cmap="copper", linewidths=0)
-        axis.set_aspect("equal")
-        axis.set_title(f"{1e3 * times[k]:.0f} ms", loc="right", fontsize=9, y=0.7)
-    axes[-1].set_xlabel("mm")
-    figure.tight_layout()
-    figure.savefig(here / "heap.png", dpi=90)
-
-
 def main(runs):
     rows = ["| grains | angle of repose | grains left |", "|---|--:|--:|"]
     for k, (label, folders) in enumerate(runs):
@@ -75,7 +48,7 @@ def main(runs):
         for folder in folders.split(","):
             all_x, times, grain = read(folder)
             if k == 0 and not angles:
-                draw(all_x, times, grain)
+                draw(here / "heap.png", all_x, times, grain, [0, 3, len(times) - 1], height=6)
             angles.append(slope(all_x[-1], grain))
             left.append(int((all_x[-1][:, 2] > 0).sum()))
         spread = f" ({min(angles):.1f}–{max(angles):.1f}, {len(angles)} seeds)" if len(angles) > 1 else ""
