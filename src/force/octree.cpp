@@ -1,4 +1,4 @@
-// Keys, sorting, the cells that all ranks know, and the cells below them.
+// The cells that all ranks know, bodies to the ranks of their part of the curve, cells below.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "spall/force/octree.hpp"
 
@@ -7,20 +7,17 @@
 #include <cmath>
 #include <numeric>
 
+#include "curve.hpp"
+#include "rough_field.hpp"
 #include "spall/base/require.hpp"
 
 namespace spall {
 namespace {
 
-constexpr int key_bits_per_axis = 21;
-constexpr int key_bits = 3 * key_bits_per_axis;
-constexpr std::uint64_t key_end = std::uint64_t{1} << key_bits;
-
-/// The cube that the curve fills. Bodies beyond it, ejecta, lie on its faces as far as the curve is
-/// concerned; cells know their true sizes.
+/// The cube that the curve fills; cells know their true sizes.
 struct Cube {
-  Vec3 center;
-  double half;
+  Vec3 center;  // m
+  double half;  // m, of an edge
 };
 
 Cube bounding_cube(const Comm& comm, std::span<const double> mass, std::span<const Vec3> position) {
@@ -43,117 +40,6 @@ Cube bounding_cube(const Comm& comm, std::span<const double> mass, std::span<con
   // 2^21 steps across 2000 rms distances still part neighbours in a pile of a million bodies.
   if (squares > 0) cube.half = std::min(cube.half, 1000 * std::sqrt(squares / first[0]));
   return cube;
-}
-
-/// Bit k of `v` to bit 3k.
-std::uint64_t every_third_bit(std::uint64_t v) {
-  v = (v | v << 32) & 0x001f00000000ffff;
-  v = (v | v << 16) & 0x001f0000ff0000ff;
-  v = (v | v << 8) & 0x100f00f00f00f00f;
-  v = (v | v << 4) & 0x10c30c30c30c30c3;
-  return (v | v << 2) & 0x1249249249249249;
-}
-
-/// Place along the Morton curve; `x` is relative to the cube's centre.
-std::uint64_t morton_key(const Vec3& x, double half) {
-  constexpr double steps = 1 << key_bits_per_axis;
-  std::uint64_t key = 0;
-  for (int k = 0; k < 3; ++k) {
-    const double q = half > 0 ? (x[k] + half) / (2 * half) * steps : 0;
-    key |= every_third_bit(static_cast<std::uint64_t>(std::clamp(q, 0.0, steps - 1))) << (2 - k);
-  }
-  return key;
-}
-
-struct KeyedRow {
-  std::uint64_t key;
-  Index row;
-};
-
-/// Stable, so that equal keys keep their order.
-void radix_sort(std::vector<KeyedRow>& rows) {
-  constexpr int digit_bits = 11;
-  constexpr std::uint64_t mask = (1 << digit_bits) - 1;
-  std::vector<KeyedRow> other(rows.size());
-  for (int shift = 0; shift < key_bits; shift += digit_bits) {
-    std::array<std::size_t, mask + 1> start{};
-    for (const KeyedRow& r : rows) ++start[r.key >> shift & mask];
-    if (std::ranges::max(start) == rows.size()) continue;
-    std::exclusive_scan(start.begin(), start.end(), start.begin(), std::size_t{0});
-    for (const KeyedRow& r : rows) other[start[r.key >> shift & mask]++] = r;
-    rows.swap(other);
-  }
-}
-
-std::vector<KeyedRow> sorted_keys(std::size_t count, auto&& position_of, double half) {
-  std::vector<KeyedRow> rows(count);
-  for (std::size_t b = 0; b < count; ++b)
-    rows[b] = {morton_key(position_of(b), half), static_cast<Index>(b)};
-  // Bodies that came from one rank only are in order.
-  if (!std::ranges::is_sorted(rows, {}, &KeyedRow::key)) radix_sort(rows);
-  return rows;
-}
-
-std::size_t first_at(std::span<const KeyedRow> rows, std::uint64_t key) {
-  return std::ranges::lower_bound(rows, key, {}, &KeyedRow::key) - rows.begin();
-}
-
-/// Keys [low, high) whose bits above `bit` agree.
-struct Stretch {
-  std::uint64_t low = 0, high = key_end;
-  int bit = key_bits - 1;
-  double bodies = 0;  // over all ranks
-  std::array<Index, 2> children = {Cell::none, Cell::none};
-  std::uint64_t middle() const { return low + (std::uint64_t{1} << bit); }
-};
-
-/// Halves the curve until no stretch holds more than `grain` bodies: the same on every rank.
-std::vector<Stretch> divide_curve(const Comm& comm, std::span<const KeyedRow> rows, double bodies,
-                                  double grain) {
-  std::vector<Stretch> all(1);
-  all[0].bodies = bodies;
-  for (std::vector<Index> large{0}; !large.empty();) {
-    std::erase_if(large, [&](Index s) { return all[s].bodies <= grain || all[s].bit < 0; });
-    std::vector<double> lower(large.size());
-    for (std::size_t k = 0; k < large.size(); ++k)
-      lower[k] = static_cast<double>(first_at(rows, all[large[k]].middle()) -
-                                     first_at(rows, all[large[k]].low));
-    comm.sum(lower);
-    std::vector<Index> next;
-    for (std::size_t k = 0; k < large.size(); ++k) {
-      Stretch& s = all[large[k]];
-      Stretch low{s.low, s.middle(), s.bit - 1, lower[k]};
-      Stretch high{s.middle(), s.high, s.bit - 1, s.bodies - lower[k]};
-      if (low.bodies == 0 || high.bodies == 0) {
-        s = low.bodies == 0 ? high : low;
-        next.push_back(large[k]);
-        continue;
-      }
-      const auto at = static_cast<Index>(all.size());
-      s.children = {at, at + 1};
-      next.insert(next.end(), {at, at + 1});
-      all.push_back(low);
-      all.push_back(high);
-    }
-    large = std::move(next);
-  }
-  return all;
-}
-
-/// Equal numbers of bodies to each rank, along the curve.
-std::vector<int> deal_out(const Comm& comm, std::span<const Stretch> all) {
-  std::vector<int> owner(all.size(), -1);
-  double before = 0;
-  const auto deal = [&](auto&& self, Index s) -> void {
-    if (all[s].children[0] == Cell::none) {
-      owner[s] = static_cast<int>((before + all[s].bodies / 2) / all[0].bodies * comm.size);
-      before += all[s].bodies;
-    } else {
-      for (Index child : all[s].children) self(self, child);
-    }
-  };
-  deal(deal, 0);
-  return owner;
 }
 
 /// Rows of `width` doubles, `counts[r]` of them to rank r; returns those that come.
@@ -179,83 +65,6 @@ std::vector<double> exchange_rows(const Comm& comm, std::vector<double> rows,
             "MPI_Alltoallv");
   return result;
 }
-
-/// A rough field, without G, enough to tell which errors are small: that of the stretches of the
-/// curve, as points softened by their radii.
-class RoughField {
- public:
-  RoughField(const Comm& comm, std::span<const Stretch> stretches, std::span<const KeyedRow> rows,
-             std::span<const double> mass, std::span<const Vec3> position, const Vec3& origin) {
-    std::vector<std::array<double, 4>> sums;  // m x, m
-    std::vector<double> radii;
-    const auto for_each = [&](auto&& visit) {
-      std::size_t at = 0;
-      for (const Stretch& s : stretches) {
-        if (s.children[0] != Cell::none) continue;
-        for (std::size_t k = first_at(rows, s.low); k < rows.size() && rows[k].key < s.high; ++k)
-          visit(at, position[rows[k].row] - origin, mass[rows[k].row]);
-        ++at;
-      }
-      return at;
-    };
-    sums.resize(stretches.size());
-    const std::size_t count = for_each([&](std::size_t s, const Vec3& x, double m) {
-      for (int k = 0; k < 3; ++k) sums[s][k] += m * x[k];
-      sums[s][3] += m;
-    });
-    comm.sum(std::span(sums[0].data(), 4 * count));
-    for (std::size_t s = 0; s < count; ++s)
-      if (sums[s][3] > 0)
-        for (int k = 0; k < 3; ++k) sums[s][k] /= sums[s][3];
-    radii.resize(count);
-    for_each([&](std::size_t s, const Vec3& x, double) {
-      radii[s] = std::max(radii[s], (x - Vec3::Map(sums[s].data())).squaredNorm());
-    });
-    check_mpi(MPI_Allreduce(MPI_IN_PLACE, radii.data(), static_cast<int>(count), MPI_DOUBLE,
-                            MPI_MAX, comm.raw),
-              "MPI_Allreduce");
-    pullers_.resize((count + lane_count - 1) / lane_count);
-    for (std::size_t s = 0; s < count; ++s) {
-      Puller& p = pullers_[s / lane_count];
-      const std::size_t lane = s % lane_count;
-      p.x[lane] = sums[s][0];
-      p.y[lane] = sums[s][1];
-      p.z[lane] = sums[s][2];
-      p.mass[lane] = sums[s][3];
-      p.softening[lane] = radii[s];
-    }
-  }
-
-  struct Sample {
-    double pull;      ///< where pulls cancel, a tenth of their sum, or all would be opened there
-    double gradient;  ///< sum of mass / distance^3
-  };
-  /// Without stretch `own`, counted among those that are not divided: it would pull itself.
-  Sample at(const Vec3& place, std::size_t own) const {
-    Lanes x{}, y{}, z{}, sum{}, gradient{};
-    for (std::size_t k = 0; k < pullers_.size(); ++k) {
-      Puller p = pullers_[k];
-      if (k == own / lane_count) p.mass[own % lane_count] = 0;
-      const Lanes dx = p.x - place.x(), dy = p.y - place.y(), dz = p.z - place.z();
-      const Lanes inverse = inverse_sqrt(dx * dx + (dy * dy + (dz * dz + p.softening)));
-      const Lanes weight = p.mass * inverse * inverse;
-      sum += weight;
-      const Lanes cubed = weight * inverse;
-      gradient += cubed;
-      x += cubed * dx;
-      y += cubed * dy;
-      z += cubed * dz;
-    }
-    const Vec3 total(sum_of_lanes(x), sum_of_lanes(y), sum_of_lanes(z));
-    return {std::max(total.norm(), 0.1 * sum_of_lanes(sum)), sum_of_lanes(gradient)};
-  }
-
- private:
-  struct Puller {
-    Lanes x{}, y{}, z{}, mass{}, softening{};  // softening: m^2
-  };
-  std::vector<Puller> pullers_;
-};
 
 /// Cells below one stretch of the curve.
 struct Builder {
