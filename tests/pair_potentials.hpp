@@ -1,0 +1,47 @@
+// A potential of each law, and what the textbooks say of its force.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cmath>
+
+#include "spall/force/pair_potential.hpp"
+
+namespace spall {
+
+inline const PairPotential lennard_jones{.depth = 0.7, .distance = 1.1, .cutoff = 1.75};
+inline const PairPotential mie{.law = PairLaw::mie,
+                               .depth = 0.7,
+                               .distance = 1.1,
+                               .repulsive = 9,
+                               .attractive = 5,
+                               .cutoff = 1.75};
+inline const PairPotential morse{
+    .law = PairLaw::morse, .depth = 0.7, .distance = 1.1, .steepness = 3.36, .cutoff = 1.75};
+inline const PairPotential steinhauser{
+    .law = PairLaw::steinhauser, .depth = 0.7, .distance = 1.1, .tension = 30, .cutoff = 1.3};
+inline const PairPotential breaking{.law = PairLaw::morse,
+                                    .depth = 0.7,
+                                    .distance = 1.1,
+                                    .steepness = 3.36,
+                                    .cutoff = 1.1 * 1.1,
+                                    .breaking_strain = 0.05};
+
+/// N, as written in the textbooks.
+inline double textbook_force(const PairPotential& p, double r) {
+  const double d = p.distance, eps = p.breaking_strain;
+  if (r >= p.cutoff) return 0;
+  if (eps > 0 && r > (1 + eps) * d) {
+    PairPotential whole = p;
+    whole.breaking_strain = 0;
+    return textbook_force(whole, (1 + eps) * d) * ((1 + 2 * eps) * d - r) / (eps * d);
+  }
+  if (p.law == PairLaw::morse) {
+    const double e = std::exp(-p.steepness * (r / d - 1));
+    return 2 * p.depth * p.steepness / d * e * (e - 1);
+  }
+  if (p.law == PairLaw::steinhauser && r > d) return -p.tension * (r - d);
+  const double m = p.repulsive, n = p.attractive;
+  return p.depth * m * n / (m - n) / r * (std::pow(d / r, m) - std::pow(d / r, n));
+}
+
+}  // namespace spall
