@@ -202,7 +202,7 @@ TEST(Neighbours, impulses_stay_with_their_pairs_over_cuts) {
   };
   for (Index p = 0; p < neighbours.pairs.size(); ++p) neighbours.pairs.impulse[p] = value(p);
   neighbours.valid = false;
-  neighbours.balance = 0;  // asks for a cut
+  neighbours.last_cut = {};  // asks for a cut
   update_neighbours(comm, mine, {}, 0.01, 0.1, neighbours);
   ASSERT_GT(comm.sum(static_cast<std::int64_t>(neighbours.pairs.size())), 0);
   for (Index p = 0; p < neighbours.pairs.size(); ++p)

@@ -314,7 +314,7 @@ TEST(Penalty, springs_survive_searches_and_migration) {
   expect_same(run([](World& world) { world.touch.skin = 0; }));
   expect_same(run([](World& world) {
     world.touch.skin = 0;
-    world.touch.balance = 0;  // never cut: the next search cuts
+    world.touch.last_cut = {};  // never cut: the next search cuts
   }));
   expect_same(run([](World& world) {
     ContactMemory memory = remember(world.bodies, world.touch);

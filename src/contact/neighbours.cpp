@@ -4,20 +4,15 @@
 
 #include <algorithm>
 #include <array>
-#include <numeric>
 
 #include "spall/contact/narrow_phase.hpp"
 #include "spall/domain/halo.hpp"
 #include "spall/domain/migration.hpp"
-#include "spall/domain/partition.hpp"
 
 namespace spall {
 namespace {
 
-constexpr double imbalance_limit = 1.1;   // against the state just after the last cut
-constexpr double ghost_limit = 1.5;       // beyond it the bodies of two ranks have mixed
-constexpr int longest_without_cut = 100;  // searches: bodies' order in memory ages as they move
-constexpr double steps_ahead = 8;         // for which a moving body's reach is meant to last
+constexpr double steps_ahead = 8;  // for which a moving body's reach is meant to last
 constexpr double least_skin = 0.02, most_skin = 0.3;  // of the radius
 
 /// What a body needs this step beyond its motion since the pairs were found: see `find_contacts`.
@@ -67,18 +62,6 @@ std::vector<double> work_of(const Bodies& bodies, const Pairs& pairs) {
   return work;
 }
 
-double total(const std::vector<double>& work) {
-  return std::accumulate(work.begin(), work.end(), 0.0);
-}
-
-bool needs_cut(const Comm& comm, double work, const Neighbours& neighbours) {
-  const bool mixed = neighbours.ghosts.ghosts() >
-                     ghost_limit * neighbours.ghosts_after_cut + 0.1 * neighbours.ghosts.owned();
-  const double now = imbalance(comm, work);
-  return neighbours.balance == 0 || now > imbalance_limit * neighbours.balance || comm.any(mixed) ||
-         neighbours.searches_since_cut >= longest_without_cut;
-}
-
 }  // namespace
 
 void update_neighbours(const Comm& comm, Bodies& bodies, const std::vector<Plane>& planes, double h,
@@ -89,7 +72,7 @@ void update_neighbours(const Comm& comm, Bodies& bodies, const std::vector<Plane
     return;
   }
   const auto work = work_of(bodies, neighbours.pairs);
-  const bool cut = needs_cut(comm, total(work), neighbours);
+  const bool cut = needs_cut(comm, work, neighbours.ghosts, neighbours.last_cut);
   ContactMemory memory = remember(bodies, neighbours.pairs, cut);
   const ContactMemory& carried = neighbours.carried;
   for (std::size_t m = 0; m < carried.i.size(); ++m)
@@ -117,14 +100,8 @@ void update_neighbours(const Comm& comm, Bodies& bodies, const std::vector<Plane
   neighbours.pairs = find_pairs(bodies, neighbours.reach, planes);
   recall(bodies, memory, neighbours.pairs);
   neighbours.valid = true;
-  ++neighbours.searches_since_cut;
-  if (cut) {
-    // The first cut knows bodies only; its contacts may call for a second one.
-    const bool first = neighbours.balance == 0;
-    neighbours.balance = first ? 1 : imbalance(comm, total(work_of(bodies, neighbours.pairs)));
-    neighbours.ghosts_after_cut = neighbours.ghosts.ghosts();
-    neighbours.searches_since_cut = 0;
-  }
+  const auto work_now = cut ? work_of(bodies, neighbours.pairs) : std::vector<double>();
+  book_search(comm, cut, work_now, neighbours.ghosts, neighbours.last_cut);
 }
 
 }  // namespace spall

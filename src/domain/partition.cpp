@@ -18,6 +18,9 @@ namespace {
 
 constexpr double cells_a_rank = 64;
 constexpr std::int64_t most_cells_a_rank = 512;
+constexpr double imbalance_limit = 1.1;   // against the state just after the last cut
+constexpr double ghost_limit = 1.5;       // beyond it the bodies of two ranks have mixed
+constexpr int longest_without_cut = 100;  // searches: bodies' order in memory ages as they move
 
 using CellIndex = std::array<std::int64_t, 3>;
 
@@ -159,6 +162,10 @@ std::vector<int> deal(const Comm& comm, const Bodies& bodies) {
   return owner;
 }
 
+double sum(std::span<const double> work) {
+  return std::accumulate(work.begin(), work.end(), 0.0);
+}
+
 }  // namespace
 
 std::vector<int> partition(const Comm& comm, const Bodies& bodies, std::span<const double> work) {
@@ -179,6 +186,23 @@ std::vector<int> partition(const Comm& comm, const Bodies& bodies, std::span<con
 double imbalance(const Comm& comm, double work) {
   const double total = comm.sum(work);
   return total > 0 ? comm.max(work) * comm.size / total : 1;
+}
+
+bool needs_cut(const Comm& comm, std::span<const double> work, const Ghosts& ghosts,
+               const LastCut& last) {
+  const bool mixed = ghosts.ghosts() > ghost_limit * last.ghosts + 0.1 * ghosts.owned();
+  const double now = imbalance(comm, sum(work));
+  return last.imbalance == 0 || now > imbalance_limit * last.imbalance || comm.any(mixed) ||
+         last.searches >= longest_without_cut;
+}
+
+void book_search(const Comm& comm, bool cut, std::span<const double> work, const Ghosts& ghosts,
+                 LastCut& last) {
+  ++last.searches;
+  if (!cut) return;
+  // The first cut knows bodies only; its pairs may call for a second one.
+  const bool first = last.imbalance == 0;
+  last = {first ? 1 : imbalance(comm, sum(work)), ghosts.ghosts(), 0};
 }
 
 }  // namespace spall

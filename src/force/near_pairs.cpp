@@ -11,7 +11,6 @@
 #include "spall/domain/halo.hpp"
 #include "spall/domain/migration.hpp"
 #include "spall/domain/morton.hpp"
-#include "spall/domain/partition.hpp"
 #include "spall/force/lanes.hpp"
 
 namespace spall {
@@ -308,17 +307,8 @@ void find_near_pairs(const Bodies& bodies, double range, const Giants& giants,
 }
 
 namespace {
-
-constexpr double imbalance_limit = 1.1;   // against the state just after the last cut
-constexpr double ghost_limit = 1.5;       // beyond it the bodies of two ranks have mixed
-constexpr int longest_without_cut = 100;  // searches: bodies' order in memory ages as they move
-constexpr double slot_work = 0.1;         // of a pair, beside that of a body
-
-double imbalance_of(const Comm& comm, const std::vector<double>& work) {
-  return imbalance(comm, std::accumulate(work.begin(), work.end(), 0.0));
+constexpr double slot_work = 0.1;  // of a pair, beside that of a body
 }
-
-}  // namespace
 
 std::vector<double> work_of(const Bodies& bodies, const NearPairs& near, double slot) {
   std::vector<double> work(bodies.owned, 1.0);
@@ -329,14 +319,6 @@ std::vector<double> work_of(const Bodies& bodies, const NearPairs& near, double 
   return work;
 }
 
-bool needs_cut(const Comm& comm, const std::vector<double>& work, const NearPairs& near) {
-  const bool mixed =
-      near.ghosts.ghosts() > ghost_limit * near.ghosts_after_cut + 0.1 * near.ghosts.owned();
-  const double now = imbalance_of(comm, work);
-  return near.balance == 0 || now > imbalance_limit * near.balance || comm.any(mixed) ||
-         near.searches_since_cut >= longest_without_cut;
-}
-
 void book_search(const Comm& comm, const Bodies& bodies, bool cut, double slot, NearPairs& near) {
   near.moved = 0;
   near.steps = 0;
@@ -345,18 +327,14 @@ void book_search(const Comm& comm, const Bodies& bodies, bool cut, double slot, 
     pairs += static_cast<double>(window.partners.size());
   near.pairs = comm.sum(pairs);
   ++near.searches;
-  ++near.searches_since_cut;
-  if (!cut) return;
-  // The first cut knows bodies only; its pairs may call for a second one.
-  near.balance = near.balance == 0 ? 1 : imbalance_of(comm, work_of(bodies, near, slot));
-  near.ghosts_after_cut = near.ghosts.ghosts();
-  near.searches_since_cut = 0;
+  const auto work = cut ? work_of(bodies, near, slot) : std::vector<double>();
+  book_search(comm, cut, work, near.ghosts, near.last_cut);
 }
 
 void search_near_pairs(const Comm& comm, Bodies& bodies, double reach, double skin,
                        bool bonds_break, NearPairs& near) {
   const auto work = work_of(bodies, near, slot_work);
-  const bool cut = needs_cut(comm, work, near);
+  const bool cut = needs_cut(comm, work, near.ghosts, near.last_cut);
   std::optional<Bonds> bonds;
   if (bonds_break) bonds = bonds_of(bodies, near);
   if (cut) {

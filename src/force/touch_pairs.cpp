@@ -178,7 +178,7 @@ std::int64_t count_touching(const Bodies& bodies, const TouchPairs& touch) {
 void search_touch_pairs(const Comm& comm, Bodies& bodies, const Walls& walls, const Period& period,
                         const TouchRange& range, TouchPairs& touch) {
   const auto work = work_of(bodies, touch, slot_work);
-  const bool cut = needs_cut(comm, work, touch);
+  const bool cut = needs_cut(comm, work, touch.ghosts, touch.last_cut);
   const Kept kept = [&] {
     if (!cut) return Kept(bodies, touch, range.rolling);
     ContactMemory memory = remember(bodies, touch);

@@ -7,6 +7,7 @@
 #include "spall/base/comm.hpp"
 #include "spall/contact/broad_phase.hpp"
 #include "spall/domain/ghosts.hpp"
+#include "spall/domain/partition.hpp"
 #include "spall/scene/bodies.hpp"
 
 namespace spall {
@@ -20,9 +21,7 @@ struct Neighbours {
   std::vector<double> reach;    ///< m: how far a body may come from there, a step's motion included
   Vec3 drift = Vec3::Zero();    ///< m/s: motion that all share, on top of that
   Vec3 drifted = Vec3::Zero();  ///< m: by which places have moved with it since
-  double balance = 0;           ///< largest over mean work after the last cut; 0: never cut
-  Index ghosts_after_cut = 0;
-  int searches_since_cut = 0;
+  LastCut last_cut;
 };
 
 /// Makes ghosts and pairs current for a step `h` (s): copies the ghosts' new state, and where a

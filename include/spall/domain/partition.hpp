@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "spall/base/comm.hpp"
+#include "spall/domain/ghosts.hpp"
 #include "spall/scene/bodies.hpp"
 
 namespace spall {
@@ -17,5 +18,22 @@ std::vector<int> partition(const Comm& comm, const Bodies& bodies, std::span<con
 
 /// Largest over mean work of the ranks; 1 where there is none. Collective.
 double imbalance(const Comm& comm, double work);
+
+/// The state just after the last cut, and how old it is.
+struct LastCut {
+  double imbalance = 0;  ///< 0: never cut
+  Index ghosts = 0;
+  int searches = 0;  ///< of pairs since then
+};
+
+/// Whether the domain should be cut anew: the ranks' work differs by a tenth more than after the
+/// last cut, the bodies of two ranks have mixed, or their order in memory is old. Collective.
+bool needs_cut(const Comm& comm, std::span<const double> work, const Ghosts& ghosts,
+               const LastCut& last);
+
+/// Pairs were found; where the domain was cut before, `work` and `ghosts` are those since.
+/// Collective.
+void book_search(const Comm& comm, bool cut, std::span<const double> work, const Ghosts& ghosts,
+                 LastCut& last);
 
 }  // namespace spall

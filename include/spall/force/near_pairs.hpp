@@ -7,6 +7,7 @@
 
 #include "spall/base/comm.hpp"
 #include "spall/domain/ghosts.hpp"
+#include "spall/domain/partition.hpp"
 #include "spall/force/bonds.hpp"
 #include "spall/scene/bodies.hpp"
 
@@ -41,10 +42,8 @@ struct NearPairs {
   double reach = 0;            ///< m, between centres, up to which bodies may act on each other
   double skin = 0;             ///< m, beyond it, up to which pairs are listed; 0: search now
   std::vector<Vec3> found_at;  ///< m, owned rows
-  double moved = 0;    ///< m: no two bodies have come nearer to each other by more since then
-  double balance = 0;  ///< largest over mean work after the last cut; 0: never cut
-  Index ghosts_after_cut = 0;
-  int searches_since_cut = 0;
+  double moved = 0;  ///< m: no two bodies have come nearer to each other by more since then
+  LastCut last_cut;
   std::int64_t searches = 0;
   int steps = 0;     ///< that the pairs have served
   double pairs = 0;  ///< over all ranks, of the last search
@@ -85,9 +84,6 @@ void for_each_pair(const std::vector<NearWindow>& windows, F&& f) {
 
 /// Of owned bodies: 1 each, and `slot` for each place for a partner.
 std::vector<double> work_of(const Bodies& bodies, const NearPairs& near, double slot);
-/// Whether the ranks' work differs so much, or bodies have mixed so much, that the domain should be
-/// cut anew. Collective.
-bool needs_cut(const Comm& comm, const std::vector<double>& work, const NearPairs& near);
 /// Pairs are found. Collective.
 void book_search(const Comm& comm, const Bodies& bodies, bool cut, double slot, NearPairs& near);
 
