@@ -14,10 +14,6 @@ namespace spall {
 namespace {
 
 /// Where many steps of few bodies would mean many messages, every rank computes them by itself.
-Comm alone() {
-  return Comm(MPI_COMM_SELF);
-}
-
 // Extreme numbers ----------------------------------------------------------------------------
 
 /// No contact slides in these, so that the convex problem's solution is Coulomb's.

@@ -272,12 +272,7 @@ TEST(Restart, a_killed_writer_leaves_the_former_file) {
 }
 
 std::string error_of(const Comm& comm, const std::string& path) {
-  try {
-    read_restart(comm, path);
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
+  return complaint_of([&] { read_restart(comm, path); });
 }
 
 TEST(Restart, a_damaged_file_is_one_clear_error) {

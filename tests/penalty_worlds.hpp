@@ -12,10 +12,6 @@
 namespace spall {
 
 /// As large as a world with MPI may be: of one rank.
-inline Comm alone() {
-  return Comm(MPI_COMM_SELF);
-}
-
 inline World penalty_world(const Comm& comm, const std::vector<Sphere>& spheres,
                            const PenaltySettings& settings, const ContactLaw& contact) {
   World world = make_world(comm, spheres, contact);

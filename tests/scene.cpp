@@ -48,12 +48,7 @@ Bodies all_on_this_rank(const Case& scene) {
 }
 
 std::string complaint(const Case& scene, const Comm& comm) {
-  try {
-    make_bodies(scene, comm);
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
+  return complaint_of([&] { make_bodies(scene, comm); });
 }
 
 TEST(Scene, ranks_share_the_very_bodies_that_one_rank_makes) {

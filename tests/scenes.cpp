@@ -173,17 +173,14 @@ TEST(StoredPile, is_placed_spun_carved_and_weighed_as_asked) {
 
 TEST(StoredPile, that_is_not_there_or_none_is_told_with_its_group) {
   const auto complaint = [](const std::string& file) -> std::string {
-    try {
+    return complaint_of([&] {
       with_stored_bodies(
           parse_case(std::string(rock) +
                          "[[groups]]\nname = \"a\"\nmaterial = \"rock\"\nvolume = {radius = 1}"
                          "\npacking = {kind = \"file\", file = \"" +
                          file + "\"}\n[[phases]]\nname = \"x\"\nstep = 1\nduration = 1\n",
                      "x.toml"));
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return "";
+    });
   };
   EXPECT_EQ(complaint("nowhere.h5"), "x.toml:10:1: groups.a: there is no file 'nowhere.h5'");
   settled_pile();

@@ -13,11 +13,6 @@ namespace {
 
 const Plane floor_plane{.point = Vec3::Zero(), .normal = Vec3::UnitZ()};
 
-/// One or two bodies over many steps: every rank computes them by itself.
-Comm alone() {
-  return Comm(MPI_COMM_SELF);
-}
-
 // Impacts ------------------------------------------------------------------------------------
 
 TEST(Impact, equal_spheres_head_on_part_as_restitution_says) {

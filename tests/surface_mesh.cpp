@@ -109,12 +109,7 @@ std::vector<Vec3> points_around(const SurfaceMesh& mesh, int count) {
 }
 
 std::string complaint(const Surface& surface) {
-  try {
-    surface.mesh();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
+  return complaint_of([&] { surface.mesh(); });
 }
 
 TEST(SurfaceMesh, volumes_are_those_of_the_solids) {

@@ -10,12 +10,7 @@ namespace spall {
 namespace {
 
 std::string complaint(std::string_view text, Dimension wanted) {
-  try {
-    parse_quantity(text, wanted);
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
+  return complaint_of([&] { parse_quantity(text, wanted); });
 }
 
 TEST(Units, powers_of_ten_are_rounded_once) {

@@ -62,24 +62,28 @@ inline LaneVectors gather_vectors(const double* vectors, const Index* places) {
 #endif
 }
 
-/// Adds lane l to the force of row l, one after another: two lanes may name the same row.
-inline void add_forces(const Lanes& x, const Lanes& y, const Lanes& z, const Lanes& power,
-                       const Index* places, PairRow* rows) {
-  const Lanes xy = __builtin_shufflevector(x, y, 0, 8, 2, 10, 4, 12, 6, 14);
-  const Lanes xy_odd = __builtin_shufflevector(x, y, 1, 9, 3, 11, 5, 13, 7, 15);
-  const Lanes zw = __builtin_shufflevector(z, power, 0, 8, 2, 10, 4, 12, 6, 14);
-  const Lanes zw_odd = __builtin_shufflevector(z, power, 1, 9, 3, 11, 5, 13, 7, 15);
-  double* const all = reinterpret_cast<double*>(rows) + 4;
+/// Adds lane l to the half row that begins at `half` + places[l], one after another: two lanes may
+/// name the same row.
+inline void add_lanes(const LaneVectors& v, const Lanes& last, const Index* places, double* half) {
+  const Lanes xy = __builtin_shufflevector(v.x, v.y, 0, 8, 2, 10, 4, 12, 6, 14);
+  const Lanes xy_odd = __builtin_shufflevector(v.x, v.y, 1, 9, 3, 11, 5, 13, 7, 15);
+  const Lanes zw = __builtin_shufflevector(v.z, last, 0, 8, 2, 10, 4, 12, 6, 14);
+  const Lanes zw_odd = __builtin_shufflevector(v.z, last, 1, 9, 3, 11, 5, 13, 7, 15);
   const auto add = [&](int low, int high, const Lanes& pair) {
-    *reinterpret_cast<RowHalf*>(all + places[low]) +=
+    *reinterpret_cast<RowHalf*>(half + places[low]) +=
         __builtin_shufflevector(pair, pair, 0, 1, 2, 3);
-    *reinterpret_cast<RowHalf*>(all + places[high]) +=
+    *reinterpret_cast<RowHalf*>(half + places[high]) +=
         __builtin_shufflevector(pair, pair, 4, 5, 6, 7);
   };
   add(0, 2, __builtin_shufflevector(xy, zw, 0, 1, 8, 9, 2, 3, 10, 11));
   add(1, 3, __builtin_shufflevector(xy_odd, zw_odd, 0, 1, 8, 9, 2, 3, 10, 11));
   add(4, 6, __builtin_shufflevector(xy, zw, 4, 5, 12, 13, 6, 7, 14, 15));
   add(5, 7, __builtin_shufflevector(xy_odd, zw_odd, 4, 5, 12, 13, 6, 7, 14, 15));
+}
+
+inline void add_forces(const Lanes& x, const Lanes& y, const Lanes& z, const Lanes& power,
+                       const Index* places, PairRow* rows) {
+  add_lanes({x, y, z}, power, places, reinterpret_cast<double*>(rows) + 4);
 }
 
 /// Asks for the rows of the next window, a slot of them with each slot of this one: the processor

@@ -76,25 +76,6 @@ inline unsigned bits_of(const LaneMask& mask) {
 #endif
 }
 
-/// Adds lane l to the half rows that begin at `half` + places[l], one after another: two lanes may
-/// name the same row.
-inline void add_lanes(const LaneVectors& v, const Lanes& last, const Index* places, double* half) {
-  const Lanes xy = __builtin_shufflevector(v.x, v.y, 0, 8, 2, 10, 4, 12, 6, 14);
-  const Lanes xy_odd = __builtin_shufflevector(v.x, v.y, 1, 9, 3, 11, 5, 13, 7, 15);
-  const Lanes zw = __builtin_shufflevector(v.z, last, 0, 8, 2, 10, 4, 12, 6, 14);
-  const Lanes zw_odd = __builtin_shufflevector(v.z, last, 1, 9, 3, 11, 5, 13, 7, 15);
-  const auto add = [&](int low, int high, const Lanes& pair) {
-    *reinterpret_cast<RowHalf*>(half + places[low]) +=
-        __builtin_shufflevector(pair, pair, 0, 1, 2, 3);
-    *reinterpret_cast<RowHalf*>(half + places[high]) +=
-        __builtin_shufflevector(pair, pair, 4, 5, 6, 7);
-  };
-  add(0, 2, __builtin_shufflevector(xy, zw, 0, 1, 8, 9, 2, 3, 10, 11));
-  add(1, 3, __builtin_shufflevector(xy_odd, zw_odd, 0, 1, 8, 9, 2, 3, 10, 11));
-  add(4, 6, __builtin_shufflevector(xy, zw, 4, 5, 12, 13, 6, 7, 14, 15));
-  add(5, 7, __builtin_shufflevector(xy_odd, zw_odd, 4, 5, 12, 13, 6, 7, 14, 15));
-}
-
 inline LaneVectors load_springs(const std::vector<double>& springs, std::size_t slot) {
   Lanes v[3];
   __builtin_memcpy(v, &springs[3 * lane_count * slot], sizeof v);
