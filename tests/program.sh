@@ -126,6 +126,10 @@ on_ranks "$ranks" run small.toml --out whole || fail "a small run: $(cat stderr)
 on_ranks "$ranks" resume whole/after_aggregation.h5 --out resumed || fail "resume: $(cat stderr)"
 diff <(results_of whole) <(results_of resumed) || fail "a resumed run ends otherwise"
 
+# What a run took before its restart file counts, also where nothing is left to do.
+on_ranks "$ranks" resume whole/after_evolution.h5 --out ended || fail "resume at the end: $(cat stderr)"
+grep -q "^solver_s = 0.0 " ended/results.toml && fail "a resumed run forgets the seconds of its stages"
+
 # The same in penalty contact, whose springs go on too.
 sed 's/"30 mm"/"8 mm"/g; s/"16.5 mm"/"6 mm"/; s/duration = ".*"/duration = "2 ms"/' \
   "$cases/column/case.toml" >grains.toml

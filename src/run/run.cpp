@@ -44,6 +44,7 @@ class Run {
         last_restart_(seconds_at_start_) {
     keep_reference(comm, folder, scene.reference);
     world_ = make_world(comm, scene);
+    for (const auto& stage : stages) world_.times[stage] = 0;
     if (from) {
       world_.bodies = from->bodies;
       carried_memory(world_, phase().method) = from->contacts;
@@ -53,7 +54,6 @@ class Run {
       progress_.say(describe_bodies(scene));
       world_.bodies = make_bodies(scene, comm);
     }
-    for (const auto& stage : stages) world_.times[stage] += 0;
   }
 
   bool go() {
