@@ -35,10 +35,14 @@ struct Options {
 
 /// What a user may choose, by name.
 template <class Enum, std::size_t n>
-std::map<std::string, Enum> by_name(const Choice<Enum> (&choices)[n]) {
+CLI::Validator choice_of(const Choice<Enum> (&choices)[n]) {
   std::map<std::string, Enum> map;
-  for (const auto& [name, value] : choices) map.emplace(name, value);
-  return map;
+  std::string names;
+  for (const auto& [name, value] : choices) {
+    map.emplace(name, value);
+    names += (names.empty() ? "" : " | ") + std::string(name);
+  }
+  return CLI::CheckedTransformer(map).description(names);
 }
 
 /// The folder of a run without --out: out/ and the name of the case's file or folder.
@@ -49,6 +53,7 @@ std::string default_folder(const std::string& file) {
 }
 
 void list_cases() {
+  require(std::filesystem::is_directory("cases"), "there is no folder 'cases' here");
   for (const std::string& file : find_cases("cases"))
     fmt::print("{:<36} {}\n", file, read_case(file).title);
 }
@@ -66,38 +71,49 @@ int report(const std::string& folder) {
 int dispatch(const Comm& comm, int argc, char** argv) {
   CLI::App app{
       "Spall simulates hypervelocity impacts of bodies made of many spheres, on MPI ranks.\n"
-      "  mpirun -n 2 spall run cases/didymoon/case.toml --out out/didymoon"};
+      "  spall check cases/hello/case.toml\n"
+      "  mpirun -n 2 spall run cases/hello/case.toml --set contact.friction=0.3\n"
+      "  spall report out/hello"};
+  app.footer(
+      "What a case may ask for (pair potentials, bonds, materials, penalty contact, gravity ...):\n"
+      "  spall keys, and README.md. `spall SUBCOMMAND --help` tells the options of each.\n"
+      "Exit codes: 0: done; 3: stopped by a signal, `spall resume` goes on; others: an error.");
   app.require_subcommand(1);
   app.set_version_flag("--version", std::string("spall ") + SPALL_VERSION);
   Options options;
 
-  auto* run = app.add_subcommand("run", "run a case; results go to --out");
+  auto* run = app.add_subcommand(
+      "run", "run a case, on any number of ranks by mpirun; results go to --out");
   run->add_option("case", options.file, "case file (TOML)")->required();
   run->add_option("--out", options.out, "folder for results; default: out/<case>");
-  run->add_option("--set", options.overrides, "change one key, as in --set phases.impact.step=50us")
+  run->add_option("--set", options.overrides, "change keys, as in --set phases.impact.step=50us")
       ->take_all();
   auto* resume = app.add_subcommand("resume", "go on with a run from its restart file");
   resume->add_option("restart", options.file, "<out>/restart.h5 or <out>/after_<phase>.h5")
       ->required();
   resume->add_option("--out", options.out, "another folder for results");
-  resume->add_option("--set", options.overrides, "change one key for what lies ahead")->take_all();
+  resume->add_option("--set", options.overrides, "change keys for what lies ahead")->take_all();
   auto* check =
       app.add_subcommand("check", "read a case, print bodies, memory, steps; run nothing");
   check->add_option("case", options.file, "case file (TOML)")->required();
-  check->add_option("--set", options.overrides, "change one key")->take_all();
-  auto* page = app.add_subcommand("report", "make a page with pictures of a run");
+  check->add_option("--set", options.overrides, "change keys")->take_all();
+  auto* page = app.add_subcommand("report",
+                                  "make report.html, a page with pictures, in the folder of a run");
   page->add_option("folder", options.file, "folder that a run wrote")->required();
-  auto* solve = app.add_subcommand("solve", "solve a contact problem from an FCLIB file");
+  auto* solve = app.add_subcommand(
+      "solve", "solve a contact problem from an FCLIB file, on any number of ranks");
   solve->add_option("problem", options.file, "local frictional-contact problem (HDF5)")->required();
-  solve->add_option("--method", options.solver.method, "the default is accelerated")
-      ->transform(CLI::CheckedTransformer(by_name(solver_methods)));
+  solve->add_option("--method", options.solver.method, "default: accelerated")
+      ->transform(choice_of(solver_methods));
   solve
       ->add_option("--friction", options.solver.friction,
-                   "the default is coulomb; apgd and bb need convex")
-      ->transform(CLI::CheckedTransformer(by_name(friction_models)));
-  solve->add_option("--tol", options.solver.tolerance, "on E")->capture_default_str();
-  solve->add_option("--max-products", options.solver.max_products, "with W")->capture_default_str();
-  solve->add_option("--prox", options.solver.prox, "eps of the proximal problem")
+                   "default: coulomb; apgd and bb need convex")
+      ->transform(choice_of(friction_models));
+  solve->add_option("--tol", options.solver.tolerance, "on E, the residual relative to no impulses")
+      ->capture_default_str();
+  solve->add_option("--max-products", options.solver.max_products, "with the Delassus operator")
+      ->capture_default_str();
+  solve->add_option("--prox", options.solver.prox, "eps of the proximal problem; 0: none")
       ->capture_default_str();
   solve->add_flag("--evaluate", options.evaluate, "solve nothing: E of the file's own /solution/r");
   auto* list = app.add_subcommand("list", "list the cases under ./cases");

@@ -294,7 +294,7 @@ breaking_strain = "5 %"
   EXPECT_EQ(complaint(bodies + law + "cutoff = 3\n").substr(0, 49),
             "x.toml:18:1: pair_potential.cutoff is not a key h");
   EXPECT_EQ(complaint(bodies + law + "[[planes]]\n"),
-            "x.toml: [[planes]] act in phases of method = \"nonsmooth\" only, not in phases.hit");
+            "x.toml: [[planes]] do not act in phases of method = \"potential\", as phases.hit");
 }
 
 TEST(Case, the_reference_lists_every_key) {

@@ -85,8 +85,8 @@ void check_potential(const Case& scene, const Phase& phase) {
           "{}: phases.{}.method = \"potential\" needs [pair_potential]: the law between two bodies",
           scene.file, phase.name);
   require(scene.planes.empty(),
-          "{}: [[planes]] act in phases of method = \"nonsmooth\" only, not in phases.{}",
-          scene.file, phase.name);
+          "{}: [[planes]] do not act in phases of method = \"potential\", as phases.{}", scene.file,
+          phase.name);
   require(scene.read_out.empty(),
           "{}: read_out is for phases of method = \"nonsmooth\" only, not for phases.{}",
           scene.file, phase.name);

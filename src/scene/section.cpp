@@ -162,8 +162,8 @@ const toml::node* Section::find(const Key& key, const std::string& kind,
   if (reference_) {
     const std::size_t depth = path_.empty() ? 0 : 1 + std::ranges::count(path_, '.');
     *reference_ +=
-        fmt::format("{:<22}{:<15}{:<12}{}\n", fmt::format("{:{}}{}", "", 2 * depth, key.name), kind,
-                    key.required ? "required" : by_default, key.meaning);
+        fmt::format("{:<22} {:<14} {:<11} {}\n", fmt::format("{:{}}{}", "", 2 * depth, key.name),
+                    kind, key.required ? "required" : by_default, key.meaning);
     return nullptr;
   }
   known_.emplace_back(key.name);

@@ -30,7 +30,7 @@ void check_shapes(const ContactProblem& problem, const Ghosts& ghosts,
   const bool descends =
       settings.method == SolverMethod::apgd || settings.method == SolverMethod::barzilai_borwein;
   require(!descends || problem.dimension == 1 || settings.friction == FrictionModel::convex,
-          "solver methods apgd and barzilai_borwein minimise: they need friction \"convex\"");
+          "solver methods apgd and bb minimise: they need friction \"convex\"");
   require(settings.relaxation > 0 && settings.relaxation < 2,
           "solver's relaxation is {}, must lie between 0 and 2", settings.relaxation);
   require(settings.prox >= 0 && settings.prox < infinity, "solver's prox is {}, must be 0 or more",
