@@ -75,6 +75,7 @@ class Run {
     world_ = make_world(comm, scene);
     if (from) {
       world_.bodies = from->bodies;
+      set_fields(world_.bodies, fields_of(scene));
       carried() = from->contacts;
       world_.near.bonds = from->bonds;
       load(from->scalars);
