@@ -53,6 +53,7 @@ void read_data(const Comm& comm, const std::string& path, World& world) {
   }
   const BodyId begin = all * comm.rank / comm.size, end = all * (comm.rank + 1) / comm.size;
   Bodies& bodies = world.bodies;
+  bodies.has = {.acceleration = false, .kick = false, .bonds = false};
   for_each_field(bodies, [&](const char*, auto& field) { field.reserve(end - begin); });
   for (std::int64_t k = 0; k < all; ++k) {
     double id, type, diameter, density, x, y, z;

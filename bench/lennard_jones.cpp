@@ -40,6 +40,7 @@ Bodies make_impact(const Comm& comm, double scale) {
   place_bodies(scale, [&](const Vec3&, double) { ++all; });
   const BodyId first = all * comm.rank / comm.size, end = all * (comm.rank + 1) / comm.size;
   Bodies bodies;
+  bodies.has = {false, false, false, false, false};
   bodies.owned = static_cast<Index>(end - first);
   for_each_field(bodies, [&](const char*, auto& field) { field.reserve(bodies.owned); });
   resize(bodies, bodies.owned);
@@ -52,7 +53,6 @@ Bodies make_impact(const Comm& comm, double scale) {
       bodies.mass[b] = 1;
       bodies.position[b] = x;
       bodies.velocity[b] = {0, 0, v};
-      bodies.angular_velocity[b] = bodies.acceleration[b] = bodies.kick[b] = Vec3::Zero();
     }
     ++id;
   });

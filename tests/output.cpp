@@ -67,7 +67,8 @@ void expect_same_bits(const Bodies& a, const Bodies& b) {
   std::vector<bool> same;
   const auto fields = [](const Bodies& bodies) {
     return std::tie(bodies.id, bodies.group, bodies.material, bodies.radius, bodies.mass,
-                    bodies.position, bodies.velocity, bodies.angular_velocity, bodies.acceleration);
+                    bodies.position, bodies.velocity, bodies.angular_velocity, bodies.acceleration,
+                    bodies.heat, bodies.kick);
   };
   std::apply(
       [&](const auto&... field_a) {
@@ -227,6 +228,36 @@ TEST(Restart, the_same_ranks_get_the_same_rows_with_the_same_bits) {
   ASSERT_EQ(in.scalars.size(), out.scalars.size());
   for (const auto& [name, value] : out.scalars)
     EXPECT_EQ(std::bit_cast<std::int64_t>(in.scalars.at(name)), std::bit_cast<std::int64_t>(value));
+}
+
+TEST(Restart, fields_that_bodies_do_not_have_are_in_no_file_and_come_back_as_zeros) {
+  const Comm comm = testing_world();
+  const std::string folder = fresh_folder(comm);
+  const OptionalFields few{.angular_velocity = false,
+                           .acceleration = false,
+                           .heat = true,
+                           .kick = false,
+                           .bonds = false};
+  RestartState out = some_state(comm, 50);
+  set_fields(out.bodies, few);
+  for (Index b = 0; b < out.bodies.owned; ++b) out.bodies.heat[b] = 1.5 + b;
+  write_restart(comm, folder + "/restart.h5", out);
+  RestartState in = read_restart(comm, folder + "/restart.h5");
+  expect_same_bits(in.bodies, out.bodies);
+  set_fields(in.bodies, {.heat = false});
+  EXPECT_TRUE(in.bodies.heat.empty());
+  EXPECT_EQ(in.bodies.kick, std::vector<Vec3>(in.bodies.owned, Vec3::Zero()));
+
+  SnapshotWriter writer(comm, folder, Case{});
+  writer.write(out.bodies, 1, 0.5);
+  writer.write_index();
+  if (comm.rank != 0) return;
+  for (const char* name : {"/snapshots/000000.h5", "/trajectory.h5"}) {
+    const auto file = h5::File::open(folder + name);
+    EXPECT_TRUE(file.exists("/particles/all/heat/value"));
+    EXPECT_FALSE(file.exists("/particles/all/kick"));
+    EXPECT_FALSE(file.exists("/particles/all/angular_velocity"));
+  }
 }
 
 TEST(Restart, another_number_of_ranks_gets_every_body_and_contact_once) {

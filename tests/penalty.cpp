@@ -294,6 +294,22 @@ TEST(Penalty, motion_is_the_same_on_any_number_of_ranks) {
   }
 }
 
+TEST(Penalty, needs_neither_the_field_of_gravity_nor_that_of_potentials) {
+  const auto spheres = crowd(200, 0.3, 1.0);
+  World full = penalty_world(testing_world(), spheres, hertz, contact_law(0.5, 0.6));
+  World lean = penalty_world(testing_world(), spheres, hertz, contact_law(0.5, 0.6));
+  set_fields(lean.bodies, {.acceleration = false, .kick = false, .bonds = false});
+  penalty_steps(full, 2e-4, 100);
+  penalty_steps(lean, 2e-4, 100);
+  const auto a = spheres_of(full), b = spheres_of(lean);
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    EXPECT_EQ(a[k].position, b[k].position) << k;
+    EXPECT_EQ(a[k].spin, b[k].spin) << k;
+  }
+  lean.uniform_gravity = {0, 0, -1};
+  EXPECT_THROW(penalty_steps(lean, 2e-4, 1), Error);
+}
+
 TEST(Penalty, springs_survive_searches_and_migration) {
   PenaltySettings s = sticky(Adhesion::jkr);
   s.rolling_friction = 0.1;

@@ -217,6 +217,23 @@ TEST(PairPotential, motion_is_the_same_on_any_number_of_ranks) {
   EXPECT_NEAR(heat_of(one), heat_of(many), 1e-11 * heat_of(one));
 }
 
+TEST(PairPotential, needs_no_spins_and_without_damping_no_heat) {
+  const auto spheres = crystal(morse.distance, 3.1, 0.3);
+  World full = potential_world(testing_world(), spheres, morse);
+  World lean = potential_world(testing_world(), spheres, morse);
+  const OptionalFields none{false, false, false, false, false};
+  set_fields(lean.bodies, none);
+  potential_steps(full, 0.02, 100);
+  potential_steps(lean, 0.02, 100);
+  EXPECT_GT(lean.near.searches, 1);
+  set_fields(lean.bodies, {});  // as tests gather them
+  const auto a = spheres_of(full), b = spheres_of(lean);
+  for (std::size_t k = 0; k < a.size(); ++k) EXPECT_EQ(a[k].position, b[k].position) << k;
+  set_fields(lean.bodies, none);
+  lean.potential.damping = 0.1;
+  EXPECT_THROW(potential_steps(lean, 0.02, 1), Error);
+}
+
 TEST(PairPotential, steps_in_one_call_equal_steps_in_many_bit_for_bit) {
   const auto spheres = crystal(morse.distance, 2.1, 0.05);
   World one = potential_world(alone(), spheres, morse);

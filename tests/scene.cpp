@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 
@@ -49,6 +50,31 @@ Bodies all_on_this_rank(const Case& scene) {
 
 std::string complaint(const Case& scene, const Comm& comm) {
   return complaint_of([&] { make_bodies(scene, comm); });
+}
+
+TEST(Scene, bodies_have_the_fields_that_the_case_s_methods_need) {
+  const auto fields = [](const std::string& method, const std::string& more) {
+    const OptionalFields has = fields_of(parse_case(
+        "materials.rock.density = 1600\n[[groups]]\nname = \"a\"\nmaterial = \"rock\"\n"
+        "volume = {radius = 1}\n" +
+            more + "[[phases]]\nname = \"only\"\nstep = 1e-5\nduration = 1\nmethod = \"" + method +
+            "\"\n",
+        "x.toml"));
+    return std::array{has.angular_velocity, has.acceleration, has.heat, has.kick, has.bonds};
+  };
+  using Has = std::array<bool, 5>;
+  const std::string bonds =
+      "[pair_potential]\nlaw = \"lennard_jones\"\ndepth = 1\ndistance = 1\nbreaking_strain = 0.1\n";
+  const std::string springs = "[contact]\nrestitution = 0.5\n[penalty]\nyoung_modulus = 1e8\n";
+  const std::string field = "[gravity]\nuniform = [0, 0, -1]\n";
+  EXPECT_EQ(fields("nonsmooth", ""), (Has{true, true, false, false, false}));
+  EXPECT_EQ(fields("penalty", springs), (Has{true, false, true, false, false}));
+  EXPECT_EQ(fields("penalty", springs + field), (Has{true, true, true, false, false}));
+  EXPECT_EQ(fields("potential", bonds), (Has{false, false, false, false, true}));
+  EXPECT_EQ(fields("potential", "spin = [0, 0, 1]\n" + bonds),
+            (Has{true, false, false, false, true}));
+  EXPECT_EQ(fields("potential", bonds + "damping = 0.1\n" + field),
+            (Has{false, true, true, true, true}));
 }
 
 TEST(Scene, ranks_share_the_very_bodies_that_one_rank_makes) {

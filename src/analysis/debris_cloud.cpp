@@ -239,7 +239,8 @@ Cloud measure_cloud(const Comm& comm, const Bodies& bodies, const Target& target
       double* const origin = &sums[of_plate ? 3 : 0];
       origin[0] += m;
       origin[1] += m * f.axial;
-      if (target.melt_energy > 0 && bodies.heat[b] > target.melt_energy * m) origin[2] += m;
+      if (target.melt_energy > 0 && bodies.has.heat && bodies.heat[b] > target.melt_energy * m)
+        origin[2] += m;
     } else if (f.depth < -target.thickness - target.diameter / 4 && f.axial < 0) {
       sums[6] += m;
       sums[7] += m * f.axial;

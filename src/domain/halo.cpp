@@ -134,19 +134,16 @@ Ghosts make_halo(const Comm& comm, Bodies& bodies, std::vector<double>& reach, c
   }
 
   const auto incoming = comm.exchange(outgoing);
-  std::vector<double> one_row;
-  if (bodies.owned > 0) pack_row(bodies, 0, one_row);
+  const std::size_t width = 5 + packed_row_width(bodies);
   // Fields grow once, and by no more than they need.
   std::size_t arriving = 0;
   for (const auto& rows : incoming) arriving += rows.size();
-  const std::size_t size = bodies.owned + arriving / (5 + packed_row_width());
+  const std::size_t size = bodies.owned + arriving / width;
   for_each_field(bodies, [&](const char*, auto& field) { field.reserve(size); });
   std::vector<Origin> origins;
   shifts.clear();
   for (int rank = 0; rank < comm.size; ++rank) {
     const auto& rows = incoming[rank];
-    const std::size_t width = 5 + one_row.size();
-    require(one_row.size() > 0 || rows.empty(), "a rank without bodies was sent ghosts");
     for (std::size_t k = 0; k < rows.size(); k += width) {
       shifts.emplace_back(rows[k], rows[k + 1], rows[k + 2]);
       origins.push_back({rank, static_cast<Index>(rows[k + 3])});

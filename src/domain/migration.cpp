@@ -93,8 +93,14 @@ void sort_bodies(const Comm& comm, Bodies& bodies) {
 
 void migrate(const Comm& comm, Bodies& bodies, ContactMemory& memory,
              const std::vector<int>& owner) {
-  // Most bodies stay: only those that leave are packed.
+  // Most bodies stay: only those that leave are packed. They may be half of all: nothing here grows
+  // by more than it needs.
+  const std::size_t width = packed_row_width(bodies);
+  std::vector<std::size_t> leave(comm.size, 0);
+  for (Index b = 0; b < bodies.owned; ++b) ++leave[owner[b]];
   std::vector<std::vector<double>> outgoing(comm.size);
+  for (int r = 0; r < comm.size; ++r)
+    if (r != comm.rank) outgoing[r].reserve(width * leave[r]);
   std::vector<Index> stays;
   for (Index b = 0; b < bodies.owned; ++b)
     if (owner[b] == comm.rank)
@@ -105,7 +111,14 @@ void migrate(const Comm& comm, Bodies& bodies, ContactMemory& memory,
     for (std::size_t k = 0; k < stays.size(); ++k) field[k] = field[stays[k]];
   });
   resize(bodies, static_cast<Index>(stays.size()));
-  for (const auto& rows : comm.exchange(outgoing)) unpack_rows(bodies, rows);
+  stays = std::vector<Index>();
+  auto incoming = comm.exchange(outgoing);
+  outgoing.clear();
+  std::size_t arriving = 0;
+  for (const auto& rows : incoming) arriving += rows.size() / width;
+  for_each_field(bodies, [&](const char*, auto& field) { field.reserve(field.size() + arriving); });
+  for (const auto& rows : incoming) unpack_rows(bodies, rows);
+  incoming.clear();
   bodies.owned = bodies.size();
   sort_bodies(comm, bodies);
   send_memory(comm, bodies, memory);

@@ -113,7 +113,7 @@ Bonds arrange_bonds(const Bodies& bodies, const SentBonds& sent) {
 
 void measure_damage(Bodies& bodies, const NearPairs& near) {
   const std::optional<Bonds> now = bonds_of(bodies, near);
-  if (!now) return;
+  if (!now || !bodies.has.bonds) return;
   for (Index b = 0; b < bodies.owned; ++b) {
     const double made = bodies.bonds[b];
     bodies.damage[b] = made > 0 ? 1 - now->count(b) / made : 0;

@@ -195,6 +195,7 @@ class WindowMaker {
       window.slots.push_back(rows_[r].count);
       slots += rows_[r].count;
     }
+    window.partners.clear();  // or it would grow to twice what it needs
     window.partners.resize(static_cast<std::size_t>(slots) * lane_rows);
     Index* at = window.partners.data();
     for (std::size_t r = 0; r < rows_.size(); r += lane_rows) {
@@ -333,10 +334,13 @@ void book_search(const Comm& comm, const Bodies& bodies, bool cut, double slot, 
 
 void search_near_pairs(const Comm& comm, Bodies& bodies, double reach, double skin,
                        bool bonds_break, NearPairs& near) {
-  const auto work = work_of(bodies, near, slot_work);
+  require(!bonds_break || bodies.has.bonds,
+          "bonds that break need fields that the bodies were made without");
+  auto work = work_of(bodies, near, slot_work);
   const bool cut = needs_cut(comm, work, near.ghosts, near.last_cut);
   std::optional<Bonds> bonds;
   if (bonds_break) bonds = bonds_of(bodies, near);
+  near.found_at = std::vector<Vec3>();  // what comes needs the memory
   if (cut) {
     const std::vector<int> owner = partition(comm, bodies, work);
     SentBonds sent;
@@ -345,14 +349,17 @@ void search_near_pairs(const Comm& comm, Bodies& bodies, double reach, double sk
     migrate(comm, bodies, none, owner);
     if (bonds) bonds = arrange_bonds(bodies, sent);
   }
+  work = std::vector<double>();
   near.bonds = {};
   near.bonds_break = bonds_break;
   near.reach = reach;
   near.skin = skin;
-  std::vector<double> halo(bodies.owned);
-  for (Index b = 0; b < bodies.owned; ++b) halo[b] = (reach + skin) / 2 - bodies.radius[b];
+  {
+    std::vector<double> halo(bodies.owned);
+    for (Index b = 0; b < bodies.owned; ++b) halo[b] = (reach + skin) / 2 - bodies.radius[b];
+    near.ghosts = make_halo(comm, bodies, halo);
+  }
   near.found_at.assign(bodies.position.begin(), bodies.position.begin() + bodies.owned);
-  near.ghosts = make_halo(comm, bodies, halo);
   find_near_pairs(bodies, reach + skin, {}, near.windows);
   if (bonds)
     recall_bonds(bodies, *bonds, near);

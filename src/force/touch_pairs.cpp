@@ -3,6 +3,8 @@
 #include "spall/force/touch_pairs.hpp"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <functional>
 #include <numeric>
 
@@ -17,25 +19,41 @@ namespace {
 
 constexpr double slot_work = 0.3;  // of a pair, beside that of a body
 
-Vec3 lane_of(const std::vector<double>& springs, std::size_t slot, std::size_t lane) {
-  if (springs.empty()) return Vec3::Zero();
-  const double* const at = &springs[3 * lane_count * slot + lane];
-  return {at[0], at[lane_count], at[2 * lane_count]};
+Index row_of(Index place) {
+  return place / doubles_a_row;
 }
 
-void set_lane(std::vector<double>& springs, std::size_t slot, std::size_t lane, const Vec3& v) {
-  for (std::size_t k = 0; k < 3; ++k) springs[(3 * slot + k) * lane_count + lane] = v[k];
+/// Calls `f(slot, own, partners)` for every slot of a window, with the places of eight pairs.
+template <class F>
+void for_each_slot(const NearWindow& window, F&& f) {
+  std::size_t slot = 0;
+  for (std::size_t g = 0; g < window.slots.size(); ++g)
+    for (const std::size_t end = slot + window.slots[g]; slot < end; ++slot)
+      f(slot, &window.rows[g * lane_count], &window.partners[slot * lane_count]);
 }
 
-/// Calls `f(row, partner, sliding, rolling)` for every touching pair.
+/// Calls `f(row, partner, sliding, rolling)` for every touching pair of a window.
+template <class F>
+void for_each_touching(const NearWindow& window, const WindowSprings& springs, F&& f) {
+  std::size_t at = 0;
+  for_each_slot(window, [&](std::size_t slot, const Index* own, const Index* partners) {
+    const unsigned lanes = springs.touching[slot];
+    const int count = std::popcount(lanes);
+    for (unsigned left = lanes; left != 0; left &= left - 1, ++at) {
+      const int l = std::countr_zero(left);
+      const auto spring = [&](const std::vector<double>& of) -> Vec3 {
+        if (of.empty()) return Vec3::Zero();
+        return {of[at], of[at + count], of[at + 2 * count]};
+      };
+      f(row_of(own[l]), row_of(partners[l]), spring(springs.sliding), spring(springs.rolling));
+    }
+    at += 2 * count;
+  });
+}
 template <class F>
 void for_each_touching(const TouchPairs& touch, F&& f) {
-  for_each_pair(touch.windows,
-                [&](std::size_t w, std::size_t slot, std::size_t l, Index i, Index j) {
-                  const WindowSprings& springs = touch.springs[w];
-                  if (springs.touching[slot] >> l & 1)
-                    f(i, j, lane_of(springs.sliding, slot, l), lane_of(springs.rolling, slot, l));
-                });
+  for (std::size_t w = 0; w < touch.windows.size(); ++w)
+    for_each_touching(touch.windows[w], touch.springs[w], f);
 }
 
 /// The springs of each row's contacts by the other body's id, or by -1 - wall.
@@ -115,22 +133,31 @@ class Kept {
 
 void recall_springs(const Bodies& bodies, const Kept& kept, bool rolling, TouchPairs& touch) {
   touch.springs.resize(touch.windows.size());
+  std::vector<double> slides, rolls;
   for (std::size_t w = 0; w < touch.windows.size(); ++w) {
-    const std::size_t slots = touch.windows[w].partners.size() / lane_count;
     WindowSprings& springs = touch.springs[w];
-    springs.touching.assign(slots, 0);
-    springs.sliding.assign(3 * lane_count * slots, 0);
-    springs.rolling.assign(rolling ? 3 * lane_count * slots : 0, 0);
+    springs.touching.reserve(touch.windows[w].partners.size() / lane_count);
+    slides.clear();
+    rolls.clear();
+    for_each_slot(touch.windows[w], [&](std::size_t, const Index* own, const Index* partners) {
+      std::array<Kept::Found, lane_count> found;
+      unsigned lanes = 0;
+      for (std::size_t l = 0; l < lane_count; ++l) {
+        if (partners[l] == own[l]) continue;
+        found[l] = kept.find(bodies, row_of(own[l]), row_of(partners[l]));
+        if (found[l].touching) lanes |= 1u << l;
+      }
+      springs.touching.push_back(static_cast<std::uint8_t>(lanes));
+      for (int k = 0; k < 3; ++k)
+        for (const Kept::Found& one : found) {
+          if (!one.touching) continue;
+          slides.push_back(one.sliding[k]);
+          if (rolling) rolls.push_back(one.rolling[k]);
+        }
+    });
+    springs.sliding = slides;
+    springs.rolling = rolls;
   }
-  for_each_pair(touch.windows,
-                [&](std::size_t w, std::size_t slot, std::size_t l, Index i, Index j) {
-                  const Kept::Found found = kept.find(bodies, i, j);
-                  if (!found.touching) return;
-                  WindowSprings& springs = touch.springs[w];
-                  springs.touching[slot] |= 1 << l;
-                  set_lane(springs.sliding, slot, l, found.sliding);
-                  if (rolling) set_lane(springs.rolling, slot, l, found.rolling);
-                });
 }
 
 void find_walls(const Bodies& bodies, const Walls& walls, double reach, const Kept& kept,
@@ -148,6 +175,26 @@ void find_walls(const Bodies& bodies, const Walls& walls, double reach, const Ke
 }
 
 }  // namespace
+
+void set_touching(WindowSprings& springs, std::size_t slot, std::size_t at, unsigned touching,
+                  bool rolling) {
+  const int before = 3 * std::popcount(unsigned{springs.touching[slot]});
+  const int now = 3 * std::popcount(touching);
+  const auto make_room = [&](std::vector<double>& of) {
+    const auto place = of.begin() + static_cast<std::ptrdiff_t>(at);
+    if (now <= before) {
+      of.erase(place, place + (before - now));
+      return;
+    }
+    const std::size_t size = of.size() + (now - before);
+    // A vector's own growth would take twice the memory.
+    if (size > of.capacity()) of.reserve(size + size / 16);
+    of.insert(of.begin() + static_cast<std::ptrdiff_t>(at), now - before, 0.0);
+  };
+  make_room(springs.sliding);
+  if (rolling) make_room(springs.rolling);
+  springs.touching[slot] = static_cast<std::uint8_t>(touching);
+}
 
 ContactMemory remember(const Bodies& bodies, const TouchPairs& touch) {
   ContactMemory memory;
@@ -177,17 +224,25 @@ std::int64_t count_touching(const Bodies& bodies, const TouchPairs& touch) {
 
 void search_touch_pairs(const Comm& comm, Bodies& bodies, const Walls& walls, const Period& period,
                         const TouchRange& range, TouchPairs& touch) {
-  const auto work = work_of(bodies, touch, slot_work);
+  auto work = work_of(bodies, touch, slot_work);
   const bool cut = needs_cut(comm, work, touch.ghosts, touch.last_cut);
+  // What comes needs the memory.
+  touch.found_at = std::vector<Vec3>();
+  const auto forget = [&] {
+    touch.springs.clear();
+    touch.windows.clear();
+    work = std::vector<double>();
+  };
   const Kept kept = [&] {
     if (!cut) return Kept(bodies, touch, range.rolling);
     ContactMemory memory = remember(bodies, touch);
     touch.carried = {};
-    touch.springs.clear();
-    migrate(comm, bodies, memory, partition(comm, bodies, work));
+    const std::vector<int> owner = partition(comm, bodies, work);
+    forget();
+    migrate(comm, bodies, memory, owner);
     return Kept(bodies, memory, range.rolling);
   }();
-  touch.springs.clear();  // pairs that are found need the memory
+  forget();
 
   const double slack = range.gap + range.skin;
   double largest = 0;
@@ -202,9 +257,11 @@ void search_touch_pairs(const Comm& comm, Bodies& bodies, const Walls& walls, co
   if (period.any())
     for (Index b = 0; b < bodies.owned; ++b)
       bodies.position[b] = period.wrapped(bodies.position[b]);
-  std::vector<double> reaches(bodies.owned, slack / 2);
+  {
+    std::vector<double> reaches(bodies.owned, slack / 2);
+    touch.ghosts = make_halo(comm, bodies, reaches, period, touch.shifts);
+  }
   touch.found_at.assign(bodies.position.begin(), bodies.position.begin() + bodies.owned);
-  touch.ghosts = make_halo(comm, bodies, reaches, period, touch.shifts);
   find_near_pairs(bodies, 2 * range.ordinary + slack, {.above = range.ordinary, .slack = slack},
                   touch.windows);
   recall_springs(bodies, kept, range.rolling, touch);

@@ -6,6 +6,8 @@
 #include <array>
 #include <cmath>
 
+#include "spall/base/require.hpp"
+
 namespace spall {
 namespace {
 
@@ -35,6 +37,7 @@ void evaluate_field(World& world) {
   if (!world.has_gravity()) return;
   StageTimer timer(world.times, "gravity");
   Bodies& bodies = world.bodies;
+  require(bodies.has.acceleration, "gravity needs a field that the bodies were made without");
   const auto owned = static_cast<std::size_t>(bodies.owned);
   const auto mass = std::span(bodies.mass).first(owned);
   const auto velocity = std::span(bodies.velocity).first(kick.may_hold ? owned : 0);

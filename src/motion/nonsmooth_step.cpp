@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "spall/base/require.hpp"
 #include "spall/contact/narrow_phase.hpp"
 #include "spall/motion/gravity_kick.hpp"
 #include "spall/motion/overlap_correction.hpp"
@@ -142,6 +143,8 @@ StepReport nonsmooth_step(World& world, double h, const SolverSettings& solver, 
   StepReport report;
   Bodies& bodies = world.bodies;
   GravityKick& kick = world.kick;
+  require(bodies.has.angular_velocity && bodies.has.acceleration,
+          "steps of rigid spheres need fields that the bodies were made without");
 
   if (kick.steps_left == 0) {
     evaluate_field(world);

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "flight.hpp"
+#include "spall/base/require.hpp"
 #include "spall/force/penalty_walls.hpp"
 #include "spall/motion/gravity_kick.hpp"
 
@@ -71,7 +72,7 @@ void update_pairs(World& world, const PenaltyLaw& law) {
                      {.gap = widest_gap(law, radii.largest),
                       .skin = best_skin(world.comm, bodies, touch, skins),
                       .ordinary = radii.ordinary,
-                      .rolling = law.rolling_friction > 0},
+                      .rolling = law.friction > 0 && law.rolling_friction > 0},
                      touch);
   world.loads.assign(bodies.size(), ForceRow{});
 }
@@ -114,6 +115,8 @@ Box kick_and_drift(World& world, const PenaltyLaw& law, double h, int drifts) {
 
 SmoothReport penalty_steps(World& world, double h, int most_steps) {
   Bodies& bodies = world.bodies;
+  require(bodies.has.angular_velocity && bodies.has.heat,
+          "steps of penalty contact need fields that the bodies were made without");
   const SmoothReport report = begin_smooth_steps(world, h, most_steps);
 
   const PenaltyLaw law = penalty_law(world.penalty, world.law);

@@ -11,6 +11,7 @@
 #endif
 
 #include "flight.hpp"
+#include "spall/base/require.hpp"
 #include "spall/force/pair_laws.hpp"
 #include "spall/motion/gravity_kick.hpp"
 
@@ -78,6 +79,8 @@ void update_pairs(World& world, bool velocities) {
 PairDamping damping_of(const World& world) {
   const PairPotential& p = world.potential;
   if (p.damping == 0) return {};
+  require(world.bodies.has.heat && world.bodies.has.kick,
+          "damping needs fields that the bodies were made without");
   double lightest = infinity;
   for (Index b = 0; b < world.bodies.owned; ++b)
     lightest = std::min(lightest, world.bodies.mass[b]);

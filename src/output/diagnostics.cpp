@@ -17,15 +17,17 @@ Diagnostics diagnose(const World& world) {
     const double m = bodies.mass[b];
     if (!std::isfinite(m)) continue;
     const Vec3 &x = bodies.position[b], &v = bodies.velocity[b];
-    const double inertia = 0.4 * m * bodies.radius[b] * bodies.radius[b];
     d.mass += m;
     moment += m * x;
     squares += m * x.squaredNorm();
     d.momentum += m * v;
-    d.angular_momentum += m * x.cross(v) + inertia * bodies.angular_velocity[b];
+    d.angular_momentum += m * x.cross(v);
     d.momentum_scale += m * v.norm();
     d.angular_momentum_scale += m * x.norm() * v.norm();
     translation += m * v.squaredNorm() / 2;
+    if (!bodies.has.angular_velocity) continue;
+    const double inertia = 0.4 * m * bodies.radius[b] * bodies.radius[b];
+    d.angular_momentum += inertia * bodies.angular_velocity[b];
     rotation += inertia * bodies.angular_velocity[b].squaredNorm() / 2;
   }
   std::array<double, 18> sums{d.mass,

@@ -17,8 +17,10 @@ class Inside:
     def __init__(self, path, reach):
         with h5py.File(path) as file:
             order = np.argsort(file["bodies/id"][:])
-            self.position, self.acceleration, self.radius, self.mass = (
-                file[f"bodies/{key}"][:][order] for key in ("position", "acceleration", "radius", "mass"))
+            bodies = file["bodies"]
+            self.position, self.radius, self.mass = (bodies[key][:][order] for key in ("position", "radius", "mass"))
+            # Smooth methods without gravity have no such field.
+            self.acceleration = bodies["acceleration"][:][order] if "acceleration" in bodies else np.zeros_like(self.position)
             i, j, impulse = (file[f"contacts/{key}"][:] for key in ("i", "j", "impulse"))
         self.mass = np.where(np.isfinite(self.mass), self.mass, 0)  # what is fixed belongs to no pile
         pair = (j >= 0) & (i < len(order)) & (j < len(order))

@@ -135,6 +135,11 @@ RestartState read_state(const Comm& comm, const std::string& path) {
 
   auto rows = rows_to_read(comm, file.read<std::int64_t>("/layout/bodies"));
   state.bodies.owned = static_cast<Index>(rows.count);
+  state.bodies.has = {.angular_velocity = file.exists("/bodies/angular_velocity"),
+                      .acceleration = file.exists("/bodies/acceleration"),
+                      .heat = file.exists("/bodies/heat"),
+                      .kick = file.exists("/bodies/kick"),
+                      .bonds = file.exists("/bodies/bonds")};
   for_each_field(state.bodies, [&](const std::string& name, auto& field) {
     read_checked(file, comm, "/bodies/" + name, field, rows);
   });

@@ -15,6 +15,7 @@
 #include "spall/base/require.hpp"
 #include "spall/domain/pack.hpp"
 #include "spall/force/constitutive.hpp"
+#include "spall/scene/scene.hpp"
 
 namespace spall {
 
@@ -53,12 +54,13 @@ Bodies in_order_of_id(const Comm& comm, const Bodies& bodies, const h5::Rows& ro
     pack_row(bodies, b, outgoing[std::upper_bound(end.begin(), end.end(), id) - end.begin()]);
   }
   const auto incoming = comm.exchange(outgoing);
-  const std::size_t width = packed_row_width();
+  const std::size_t width = packed_row_width(bodies);
   std::vector<const double*> row_of(rows.count, nullptr);
   for (const auto& packed : incoming)
     for (std::size_t at = 0; at < packed.size(); at += width)  // the id is the first field
       row_of[std::bit_cast<BodyId>(packed[at]) - static_cast<BodyId>(rows.begin)] = &packed[at];
   Bodies block;
+  block.has = bodies.has;
   for (std::size_t k = 0; k < row_of.size(); ++k) {
     require(row_of[k] != nullptr, "no body has id {}: ids must be 0 … N-1", rows.begin + k);
     unpack_rows(block, {row_of[k], width});
@@ -102,7 +104,8 @@ SnapshotWriter::SnapshotWriter(Comm comm, std::string folder, const Case& scene,
       title_(scene.title),
       materials_(scene.materials),
       gravity_(scene.gravity),
-      map_(scene.gravity_map) {
+      map_(scene.gravity_map),
+      fields_(fields_of(scene)) {
   make_folder(comm_, folder_ + "/snapshots");
   find_written(resume_step);
 }
@@ -140,7 +143,7 @@ template <class F>
 void SnapshotWriter::for_each_output(const Bodies& bodies, F&& f) const {
   for_each_field(bodies, f);
   const auto warms = [](const Material& m) { return m.solid && m.solid->specific_heat > 0; };
-  if (std::none_of(materials_.begin(), materials_.end(), warms)) return;
+  if (!bodies.has.heat || std::none_of(materials_.begin(), materials_.end(), warms)) return;
   std::vector<double> temperatures;
   for (Index b = 0; b < bodies.size(); ++b) {
     const Material& material = materials_[bodies.material[b]];
@@ -155,6 +158,7 @@ void SnapshotWriter::write(const Bodies& bodies, std::int64_t step, double time)
   const auto rows =
       h5::equal_rows(comm_.rank, comm_.size, comm_.sum(static_cast<std::int64_t>(bodies.owned)));
   const Bodies block = in_order_of_id(comm_, bodies, rows);
+  fields_ = bodies.has;
 
   const std::string path = folder_ + "/" + snapshot_name(written_.size());
   auto file = h5::File::create(unfinished(path), comm_);
@@ -212,6 +216,7 @@ void SnapshotWriter::write_trajectory() const {
   write_metadata(file, case_text_, comm_.size);
   std::string first;
   Bodies none;
+  none.has = fields_;
   for_each_output(none, [&](const std::string& field, const auto& values) {
     using Value = typename std::decay_t<decltype(values)>::value_type;
     const bool fixed = fixed_fields.contains(field);
@@ -238,6 +243,7 @@ void SnapshotWriter::write_xdmf() const {
         "  <Topology TopologyType=\"Polyvertex\" NumberOfElements=\"{}\" NodesPerElement=\"1\"/>\n",
         written_[k].time, rows);
     Bodies none;
+    none.has = fields_;
     for_each_output(none, [&](const std::string& field, const auto& values) {
       using Value = typename std::decay_t<decltype(values)>::value_type;
       constexpr bool is_vector = std::is_same_v<Value, Vec3>;

@@ -47,6 +47,7 @@ class Run {
     for (const auto& stage : stages) world_.times[stage] = 0;
     if (from) {
       world_.bodies = from->bodies;
+      set_fields(world_.bodies, fields_of(scene));
       carried_memory(world_, phase().method) = from->contacts;
       world_.near.bonds = from->bonds;
       load(from->scalars);

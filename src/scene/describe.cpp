@@ -15,9 +15,10 @@ namespace {
 /// Bytes that a body needs while a pile of them is solved: its row, its share of contacts (at most
 /// six, in a close packing) with the solver's copies of them, its row of the field and of the
 /// velocity changes.
-std::size_t bytes_of_a_body() {
+std::size_t bytes_of_a_body(const Case& scene) {
   std::size_t row = 0;
   Bodies none;
+  none.has = fields_of(scene);
   for_each_field(none, [&](const char*, auto& field) {
     row += sizeof(typename std::remove_reference_t<decltype(field)>::value_type);
   });
@@ -110,7 +111,7 @@ std::string describe_bodies(const Case& scene) {
   }
   return text +
          fmt::format("\n  {} bodies, about {:.3g} MB over all ranks\n", all,
-                     1e-6 * static_cast<double>(all) * static_cast<double>(bytes_of_a_body()));
+                     1e-6 * static_cast<double>(all) * static_cast<double>(bytes_of_a_body(scene)));
 }
 
 std::string describe_phases(const Case& scene) {

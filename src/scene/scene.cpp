@@ -155,6 +155,24 @@ std::vector<GroupContent> measure_groups(const Case& scene) {
   return contents;
 }
 
+OptionalFields fields_of(const Case& scene) {
+  const auto uses = [&](Method method) {
+    return std::ranges::any_of(scene.phases, [&](const Phase& p) { return p.method == method; });
+  };
+  const bool nonsmooth = uses(Method::nonsmooth), penalty = uses(Method::penalty);
+  const bool potential = uses(Method::potential) && scene.potential;
+  const bool damped = potential && scene.potential->damping > 0;
+  const bool spins =
+      std::ranges::any_of(scene.groups, [](const Group& g) { return !g.spin.isZero(0); });
+  const bool gravity =
+      scene.gravity.method != GravityMethod::none || !scene.uniform_gravity.isZero(0);
+  return {.angular_velocity = nonsmooth || penalty || spins,
+          .acceleration = nonsmooth || gravity,
+          .heat = penalty || damped,
+          .kick = damped,
+          .bonds = potential && scene.potential->breaking_strain > 0};
+}
+
 Bodies make_bodies(const Case& scene, const Comm& comm) {
   const std::vector<GroupContent> contents = measure_groups(scene);
   std::int64_t all = 0;
@@ -166,6 +184,7 @@ Bodies make_bodies(const Case& scene, const Comm& comm) {
   const BodyId end_owned = all * (comm.rank + 1) / comm.size;
 
   Bodies bodies;
+  bodies.has = fields_of(scene);
   bodies.owned = static_cast<Index>(end_owned - first_owned);
   for_each_field(bodies, [&](const char*, auto& field) { field.reserve(bodies.owned); });
 
@@ -200,7 +219,7 @@ Bodies make_bodies(const Case& scene, const Comm& comm) {
         bodies.mass[row] = factor * mass;
         bodies.position[row] = center;
         bodies.velocity[row] = group.velocity + group.spin.cross(center - group.volume.center);
-        bodies.angular_velocity[row] = group.spin;
+        if (bodies.has.angular_velocity) bodies.angular_velocity[row] = group.spin;
       }
       ++id;
     };

@@ -14,11 +14,10 @@ namespace spall {
 template <class T>
 inline constexpr std::size_t packed_width = (sizeof(T) + sizeof(double) - 1) / sizeof(double);
 
-/// Doubles of a packed row.
-inline std::size_t packed_row_width() {
+/// Doubles of a packed row of such bodies.
+inline std::size_t packed_row_width(const Bodies& bodies) {
   std::size_t width = 0;
-  const Bodies none;
-  for_each_field(none, [&](const char*, const auto& field) {
+  for_each_field(bodies, [&](const char*, const auto& field) {
     width += packed_width<typename std::remove_cvref_t<decltype(field)>::value_type>;
   });
   return width;
@@ -34,7 +33,7 @@ inline void pack_row(const Bodies& bodies, Index b, std::vector<double>& out) {
   });
 }
 
-/// Appends packed rows to the bodies; `owned` is left to the caller.
+/// Appends packed rows of bodies with the same fields; `owned` is left to the caller.
 inline void unpack_rows(Bodies& bodies, std::span<const double> rows) {
   std::size_t at = 0;
   while (at < rows.size()) {

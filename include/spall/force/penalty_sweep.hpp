@@ -76,14 +76,37 @@ inline unsigned bits_of(const LaneMask& mask) {
 #endif
 }
 
-inline LaneVectors load_springs(const std::vector<double>& springs, std::size_t slot) {
-  Lanes v[3];
-  __builtin_memcpy(v, &springs[3 * lane_count * slot], sizeof v);
-  return {v[0], v[1], v[2]};
+/// Springs of some lanes, which stand at `from` one after another: all x, then y, then z. Zero in
+/// the other lanes.
+inline LaneVectors load_springs(const double* from, unsigned touching) {
+  const int count = std::popcount(touching);
+  const auto load = [touching](const double* numbers) -> Lanes {
+#ifdef __AVX512F__
+    return _mm512_maskz_expandloadu_pd(static_cast<__mmask8>(touching), numbers);
+#else
+    Lanes v{};
+    for (std::size_t l = 0; l < lane_count; ++l)
+      if (touching >> l & 1) v[l] = *numbers++;
+    return v;
+#endif
+  };
+  return {load(from), load(from + count), load(from + 2 * count)};
 }
-inline void store_springs(const LaneVectors& v, std::size_t slot, std::vector<double>& springs) {
-  const Lanes all[3] = {v.x, v.y, v.z};
-  __builtin_memcpy(&springs[3 * lane_count * slot], all, sizeof all);
+inline void store_springs(const LaneVectors& v, unsigned touching, double* to) {
+  const int count = std::popcount(touching);
+  const auto store = [=](const Lanes& one, double* numbers) {
+#ifdef __AVX512F__
+    const auto first = static_cast<__mmask8>((1u << count) - 1);
+    const auto mask = static_cast<__mmask8>(touching);
+    _mm512_mask_storeu_pd(numbers, first, _mm512_maskz_compress_pd(mask, (__m512d)one));
+#else
+    for (std::size_t l = 0; l < lane_count; ++l)
+      if (touching >> l & 1) *numbers++ = one[l];
+#endif
+  };
+  store(v.x, to);
+  store(v.y, to + count);
+  store(v.z, to + 2 * count);
 }
 
 /// A law with all that a sweep asks of it at once.
@@ -211,7 +234,7 @@ template <bool equal, class Model, class Finish>
     BodiesAhead ahead(windows[std::min(w + 1, windows.size() - 1)], bodies, rows);
     WindowSprings& kept = springs[w];
     const Index* partners = window.partners.data();
-    std::size_t slot = 0;
+    std::size_t slot = 0, at = 0;  // of the springs
     for (std::size_t g = 0; g < window.slots.size(); ++g) {
       const Index* own = window.rows.data() + g * lane_count;
       const LaneVectors xi = gather_body_vectors(bodies.position, own);
@@ -247,31 +270,33 @@ template <bool equal, class Model, class Finish>
           const LaneVectors spin_j = gather_body_vectors(bodies.angular_velocity, partners);
           c.surface = surface_i + rj * spin_j;
           c.twist = 0.5 * dot(spin_i + spin_j, c.normal);
-          spring.sliding = load_springs(kept.sliding, slot);
+          spring.sliding = load_springs(kept.sliding.data() + at, before);
           if constexpr (Model::rolling) {
             c.rolling = spin_j - spin_i;
-            spring.rolling = load_springs(kept.rolling, slot);
+            spring.rolling = load_springs(kept.rolling.data() + at, before);
           }
         }
         // Two bodies that never move do nothing to each other.
         const LaneMask touching =
             model.touches(c.overlap, c.radius, before) & (c.inverse_mass > 0.0);
         const ContactForce f = model(c, touching, before, spring);
-        kept.touching[slot] = static_cast<std::uint8_t>(bits_of(touching));
+        const unsigned now = bits_of(touching);
+        if (now != before) set_touching(kept, slot, at, now, Model::rolling);
         force = force + f.force;
         power += f.power;
         add_lanes(f.force, 0.5 * f.power, partners, forces);
         if constexpr (Model::frictional) {
-          store_springs(spring.sliding, slot, kept.sliding);
+          store_springs(spring.sliding, now, kept.sliding.data() + at);
           LaneVectors torque = rj * f.lever;
           lever = lever + f.lever;
           if constexpr (Model::rolling) {
-            store_springs(spring.rolling, slot, kept.rolling);
+            store_springs(spring.rolling, now, kept.rolling.data() + at);
             torque = torque + f.rolling;
             roll = roll + f.rolling;
           }
           add_lanes(torque, Lanes{}, partners, forces + 4);
         }
+        at += 3 * std::popcount(now);
       }
       add_lanes(spread(-1) * force, 0.5 * power, own, forces);
       if constexpr (Model::frictional) add_lanes(ri * lever - roll, Lanes{}, own, forces + 4);

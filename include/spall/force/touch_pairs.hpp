@@ -14,13 +14,18 @@
 
 namespace spall {
 
-/// What the pairs of a window keep from step to step: slot by slot x, y, z of eight lanes (m;
-/// sliding of the partner against the body, rolling the same from either side), zero where they do
-/// not touch.
+/// What the pairs of a window that touch keep from step to step: slot by slot x, then y, then z of
+/// the lanes that touch (m; sliding of the partner against the body, rolling the same from either
+/// side).
 struct WindowSprings {
   std::vector<double> sliding, rolling;  ///< `rolling` is empty without rolling friction
   std::vector<std::uint8_t> touching;    ///< of each slot, a bit a lane
 };
+
+/// Other lanes of a slot, whose springs begin at `at`, are `touching` from now on: those behind it
+/// make room or close up. What its own springs are is left to the caller.
+void set_touching(WindowSprings& springs, std::size_t slot, std::size_t at, unsigned touching,
+                  bool rolling);
 
 /// What a sweep adds up for a body; zero before it.
 struct alignas(64) ForceRow {

@@ -63,6 +63,7 @@ class SnapshotWriter {
   std::vector<Material> materials_;
   GravitySettings gravity_;
   std::optional<Grid> map_;
+  OptionalFields fields_;         // of the bodies, as last written
   std::vector<Written> written_;  // the same on all ranks
   std::size_t indexed_ = 0;       // how many of them the index has
 };

@@ -24,6 +24,9 @@ struct GroupContent {
 };
 std::vector<GroupContent> measure_groups(const Case& scene);
 
+/// The fields that a case's methods need.
+OptionalFields fields_of(const Case& scene);
+
 /// The bodies of all groups: ids 0 … N-1 in the order of the case, whatever the number of ranks;
 /// this rank gets a contiguous share of the ids. Random packings keep clear of earlier groups and
 /// of planes. Throws Error, the same on every rank, on no bodies, more ranks than bodies, bodies
