@@ -236,8 +236,7 @@ class WindowMaker {
 
 }  // namespace
 
-void find_near_pairs(const Bodies& bodies, double range, const Giants& giants,
-                     std::vector<NearWindow>& windows) {
+void find_near_pairs(const Bodies& bodies, double range, const Giants& giants, NearPairs& near) {
   Grid grid{.edge = range};
   for (const Vec3& x : bodies.position) grid.low = grid.low.cwiseMin(x);
   Order order;
@@ -270,7 +269,9 @@ void find_near_pairs(const Bodies& bodies, double range, const Giants& giants,
   const CellTable table(cells);
 
   Candidates candidates;
-  WindowMaker maker(windows);
+  WindowMaker maker(near.windows);
+  near.curve.clear();
+  near.curve.reserve(bodies.owned);
   for (const Cell& cell : cells) {
     if (cell.first == cell.ghosts) continue;
     candidates.count = 0;
@@ -283,8 +284,8 @@ void find_near_pairs(const Bodies& bodies, double range, const Giants& giants,
     for (int n = 0; n < 27; ++n) {
       const std::uint64_t key = part[0][n % 3] | part[1][n / 3 % 3] << 1 | part[2][n / 9] << 2;
       if (key == cell.key) continue;
-      if (const Cell* near = table.find(key))
-        candidates.add(bodies, order, key > cell.key ? near->first : near->ghosts, near->end);
+      if (const Cell* other = table.find(key))
+        candidates.add(bodies, order, key > cell.key ? other->first : other->ghosts, other->end);
     }
     candidates.close();
     for (Index k = cell.first; k < cell.ghosts; ++k) {
@@ -293,6 +294,7 @@ void find_near_pairs(const Bodies& bodies, double range, const Giants& giants,
       for (Index g : giant)
         if (meets_giant(g, row)) maker.partners().push_back(g);
       maker.end_row(row);
+      near.curve.push_back(row);
     }
   }
   // Giants come last, as partners of all others: theirs are giants after them, and ghosts.
@@ -303,6 +305,7 @@ void find_near_pairs(const Bodies& bodies, double range, const Giants& giants,
       if (bodies.radius[b] <= giants.above && meets_giant(giant[k], b))
         maker.partners().push_back(b);
     maker.end_row(giant[k]);
+    near.curve.push_back(giant[k]);
   }
   maker.finish();
 }
@@ -322,6 +325,7 @@ std::vector<double> work_of(const Bodies& bodies, const NearPairs& near, double 
 
 void book_search(const Comm& comm, const Bodies& bodies, bool cut, double slot, NearPairs& near) {
   near.moved = 0;
+  near.outlook = {};
   near.steps = 0;
   double pairs = 0;
   for (const NearWindow& window : near.windows)
@@ -360,7 +364,7 @@ void search_near_pairs(const Comm& comm, Bodies& bodies, double reach, double sk
     near.ghosts = make_halo(comm, bodies, halo);
   }
   near.found_at.assign(bodies.position.begin(), bodies.position.begin() + bodies.owned);
-  find_near_pairs(bodies, reach + skin, {}, near.windows);
+  find_near_pairs(bodies, reach + skin, {}, near);
   if (bonds)
     recall_bonds(bodies, *bonds, near);
   else if (bonds_break)

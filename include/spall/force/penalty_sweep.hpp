@@ -57,25 +57,6 @@ struct BodyLanes {
   Lanes radius, inverse_mass;
 };
 
-inline LaneMask mask_of(unsigned bits) {
-  LaneMask mask;
-#ifdef __AVX512F__
-  mask = (LaneMask)_mm512_movm_epi64(static_cast<__mmask8>(bits));
-#else
-  for (std::size_t l = 0; l < lane_count; ++l) mask[l] = bits >> l & 1 ? -1 : 0;
-#endif
-  return mask;
-}
-inline unsigned bits_of(const LaneMask& mask) {
-#ifdef __AVX512F__
-  return _mm512_movepi64_mask((__m512i)mask);
-#else
-  unsigned bits = 0;
-  for (std::size_t l = 0; l < lane_count; ++l) bits |= mask[l] ? 1u << l : 0;
-  return bits;
-#endif
-}
-
 /// Springs of some lanes, which stand at `from` one after another: all x, then y, then z. Zero in
 /// the other lanes.
 inline LaneVectors load_springs(const double* from, unsigned touching) {
@@ -121,7 +102,7 @@ struct ContactModel {
   LaneMask touches(const Lanes& overlap, const Lanes& radius, unsigned before) const {
     LaneMask mask = overlap > 0.0;
     if constexpr (Normal::sticks)
-      if (before != 0) mask |= mask_of(before) & (overlap > normal.end_overlap(radius));
+      if (before != 0) mask |= mask_of_bits(before) & (overlap > normal.end_overlap(radius));
     return mask;
   }
 
@@ -148,10 +129,10 @@ struct ContactModel {
     }
     if constexpr (Normal::sticks) {
       // A neck forms and parts at once: what the energy jumps by is lost.
-      const unsigned now = bits_of(touching);
+      const unsigned now = bits_of_mask(touching);
       if (now != before) {
-        const Lanes formed = mask_of(now & ~before) ? -normal.energy_at_start(c.radius) : Lanes{};
-        const Lanes parted = mask_of(before & ~now) ? normal.energy_at_end(c.radius) : Lanes{};
+        const Lanes formed = mask_of_bits(now & ~before) ? -normal.energy_at_start(c.radius) : Lanes{};
+        const Lanes parted = mask_of_bits(before & ~now) ? normal.energy_at_end(c.radius) : Lanes{};
         f.power += (formed + parted) / h;
       }
     }
@@ -165,7 +146,7 @@ struct ContactModel {
     Lanes elastic = touching ? normal.energy(touching ? overlap : Lanes{}, radius) : Lanes{};
     if constexpr (Normal::sticks) {
       // What the next force will book as lost is still there.
-      const LaneMask touched = mask_of(before);
+      const LaneMask touched = mask_of_bits(before);
       elastic -= touching & ~touched ? normal.energy_at_start(radius) : Lanes{};
       elastic += touched & ~touching ? normal.energy_at_end(radius) : Lanes{};
     }
@@ -280,7 +261,7 @@ template <bool equal, class Model, class Finish>
         const LaneMask touching =
             model.touches(c.overlap, c.radius, before) & (c.inverse_mass > 0.0);
         const ContactForce f = model(c, touching, before, spring);
-        const unsigned now = bits_of(touching);
+        const unsigned now = bits_of_mask(touching);
         if (now != before) set_touching(kept, slot, at, now, Model::rolling);
         force = force + f.force;
         power += f.power;
