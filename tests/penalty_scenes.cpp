@@ -236,6 +236,44 @@ TEST(PenaltyScene, a_pair_across_the_boundary_is_a_pair) {
   EXPECT_THROW(penalty_steps(there, 2e-4, 1), Error);
 }
 
+TEST(PenaltyScene, no_collision_of_a_gas_is_missed) {
+  // Free flights many skins long, images across every face, two sizes.
+  const int side = 6, count = side * side * side;
+  const double edge = 12;
+  std::mt19937 random(7);
+  std::normal_distribution<double> normal;
+  std::vector<Sphere> spheres;
+  for (int k = 0; k < count; ++k) {
+    const double x = normal(random), y = normal(random), z = normal(random);
+    spheres.push_back({.radius = k % 3 == 0 ? 0.6 : 0.5,
+                       .position = edge / side * Vec3(k % side, k / side % side, k / side / side),
+                       .velocity = {x, y, z}});
+  }
+  World world =
+      penalty_world(testing_world(), spheres, {.model = PenaltyModel::hooke, .stiffness = 5e4},
+                    {.restitution = 0.9});
+  world.period.size = Vec3::Constant(edge);
+  const double h = 4.5e-4;
+  std::int64_t seen = 0;
+  for (int k = 0; k < 40; ++k) {
+    penalty_steps(world, h, 300);
+    // Forces were those of the middle of the last step.
+    auto now = spheres_of(world);
+    for (Sphere& s : now) s.position -= h / 2 * s.velocity;
+    std::int64_t expected = 0;
+    for (int i = 0; i < count; ++i)
+      for (int j = 0; j < i; ++j) {
+        Vec3 x = now[i].position - now[j].position;
+        for (double& c : x) c = std::remainder(c, edge);
+        expected += x.norm() < now[i].radius + now[j].radius;
+      }
+    ASSERT_EQ(world.comm.sum(count_touching(world.bodies, world.touch)), expected) << k;
+    seen += expected;
+  }
+  EXPECT_GT(seen, 40);
+  EXPECT_GT(world.touch.searches, 3);
+}
+
 TEST(PenaltyScene, gas_of_inelastic_spheres_cools_as_haff_says) {
   const Comm& comm = testing_world();
   if (comm.rank != comm.size - 1) return;  // small and long: one rank does it

@@ -12,8 +12,6 @@
 
 namespace spall {
 
-using LaneMask = decltype(Lanes{} < Lanes{});
-
 inline Lanes root_of(const Lanes& v) {
   return v * inverse_sqrt(v);
 }

@@ -131,7 +131,8 @@ struct ContactModel {
       // A neck forms and parts at once: what the energy jumps by is lost.
       const unsigned now = bits_of_mask(touching);
       if (now != before) {
-        const Lanes formed = mask_of_bits(now & ~before) ? -normal.energy_at_start(c.radius) : Lanes{};
+        const Lanes formed =
+            mask_of_bits(now & ~before) ? -normal.energy_at_start(c.radius) : Lanes{};
         const Lanes parted = mask_of_bits(before & ~now) ? normal.energy_at_end(c.radius) : Lanes{};
         f.power += (formed + parted) / h;
       }
