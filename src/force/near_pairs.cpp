@@ -236,7 +236,8 @@ class WindowMaker {
 
 }  // namespace
 
-void find_near_pairs(const Bodies& bodies, double range, const Giants& giants, NearPairs& near) {
+void find_near_pairs(const Bodies& bodies, double range, const Giants& giants,
+                     std::vector<NearWindow>& windows) {
   Grid grid{.edge = range};
   for (const Vec3& x : bodies.position) grid.low = grid.low.cwiseMin(x);
   Order order;
@@ -269,9 +270,7 @@ void find_near_pairs(const Bodies& bodies, double range, const Giants& giants, N
   const CellTable table(cells);
 
   Candidates candidates;
-  WindowMaker maker(near.windows);
-  near.curve.clear();
-  near.curve.reserve(bodies.owned);
+  WindowMaker maker(windows);
   for (const Cell& cell : cells) {
     if (cell.first == cell.ghosts) continue;
     candidates.count = 0;
@@ -284,8 +283,8 @@ void find_near_pairs(const Bodies& bodies, double range, const Giants& giants, N
     for (int n = 0; n < 27; ++n) {
       const std::uint64_t key = part[0][n % 3] | part[1][n / 3 % 3] << 1 | part[2][n / 9] << 2;
       if (key == cell.key) continue;
-      if (const Cell* other = table.find(key))
-        candidates.add(bodies, order, key > cell.key ? other->first : other->ghosts, other->end);
+      if (const Cell* near = table.find(key))
+        candidates.add(bodies, order, key > cell.key ? near->first : near->ghosts, near->end);
     }
     candidates.close();
     for (Index k = cell.first; k < cell.ghosts; ++k) {
@@ -294,7 +293,6 @@ void find_near_pairs(const Bodies& bodies, double range, const Giants& giants, N
       for (Index g : giant)
         if (meets_giant(g, row)) maker.partners().push_back(g);
       maker.end_row(row);
-      near.curve.push_back(row);
     }
   }
   // Giants come last, as partners of all others: theirs are giants after them, and ghosts.
@@ -305,7 +303,6 @@ void find_near_pairs(const Bodies& bodies, double range, const Giants& giants, N
       if (bodies.radius[b] <= giants.above && meets_giant(giant[k], b))
         maker.partners().push_back(b);
     maker.end_row(giant[k]);
-    near.curve.push_back(giant[k]);
   }
   maker.finish();
 }
@@ -325,7 +322,6 @@ std::vector<double> work_of(const Bodies& bodies, const NearPairs& near, double 
 
 void book_search(const Comm& comm, const Bodies& bodies, bool cut, double slot, NearPairs& near) {
   near.moved = 0;
-  near.outlook = {};
   near.steps = 0;
   double pairs = 0;
   for (const NearWindow& window : near.windows)
@@ -364,7 +360,7 @@ void search_near_pairs(const Comm& comm, Bodies& bodies, double reach, double sk
     near.ghosts = make_halo(comm, bodies, halo);
   }
   near.found_at.assign(bodies.position.begin(), bodies.position.begin() + bodies.owned);
-  find_near_pairs(bodies, reach + skin, {}, near);
+  find_near_pairs(bodies, reach + skin, {}, near.windows);
   if (bonds)
     recall_bonds(bodies, *bonds, near);
   else if (bonds_break)

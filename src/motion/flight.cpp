@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "flight.hpp"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -10,32 +9,23 @@
 
 namespace spall {
 
-Motion Motion::united(const Comm& comm) const {
-  const RowHalf &low = velocities.low, &high = velocities.high;
-  std::array<double, 7> ends{-low[0], -low[1], -low[2], high[0], high[1], high[2], kick};
+Box Box::united(const Comm& comm) const {
+  std::array<double, 6> ends{-low[0], -low[1], -low[2], high[0], high[1], high[2]};
   comm.max(ends);
-  Motion all;
-  all.velocities.low = RowHalf{-ends[0], -ends[1], -ends[2], 0};
-  all.velocities.high = RowHalf{ends[3], ends[4], ends[5], 0};
-  all.kick = ends[6];
+  Box all;
+  all.low = RowHalf{-ends[0], -ends[1], -ends[2], 0};
+  all.high = RowHalf{ends[3], ends[4], ends[5], 0};
   return all;
 }
 
-Motion motion_of(const Bodies& bodies) {
-  Motion motion;
-  for (Index b = 0; b < bodies.owned; ++b) motion.velocities.add(bodies.velocity[b]);
-  return motion;
+Box velocities_of(const Bodies& bodies) {
+  Box box;
+  for (Index b = 0; b < bodies.owned; ++b) box.add(bodies.velocity[b]);
+  return box;
 }
 
-void book_motion(const Comm& comm, const Motion& motion, double h, NearPairs& near) {
-  const Motion all = motion.united(comm);
-  Outlook& o = near.outlook;
-  o.time += h;
-  o.ahead -= h;
-  o.by_speed += h * all.largest_difference();
-  o.kicks += all.kick;
-  o.by_kicks += 2 * h * o.kicks;  // of either body
-  near.moved = o.moved + (o.ahead >= 0 ? std::min(o.by_speed, o.by_kicks) : o.by_speed);
+void book_motion(const Comm& comm, const Box& velocities, double h, NearPairs& near) {
+  near.moved += h * velocities.united(comm).diagonal();
   require(std::isfinite(near.moved), "velocities are no longer finite: the step is too long");
 }
 

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "approach.hpp"
 #include "flight.hpp"
 #include "spall/base/require.hpp"
 #include "spall/force/penalty_walls.hpp"
@@ -16,10 +15,10 @@ namespace spall {
 namespace {
 
 /// Of all bodies, and of what stands still where there are walls.
-Motion motion_with_walls(const World& world) {
-  Motion motion = motion_of(world.bodies);
-  if (world.walls().size() > 0) motion.velocities.add(Vec3(Vec3::Zero()));
-  return motion;
+Box velocities_with_walls(const World& world) {
+  Box box = velocities_of(world.bodies);
+  if (world.walls().size() > 0) box.add(Vec3(Vec3::Zero()));
+  return box;
 }
 
 /// m: of all bodies, and of those that are searched by their size: not more than a few times as
@@ -48,10 +47,8 @@ void update_pairs(World& world, const PenaltyLaw& law) {
   Bodies& bodies = world.bodies;
   TouchPairs& touch = world.touch;
   if (touch.skin > 0 && touch.moved > touch.skin)
-    look_ahead(
-        world.comm, world.period, bodies.velocity, world.walls().size() > 0,
-        [&](Index b) { return bodies.position[b]; },
-        [&](Index b) { return bodies.radius[b] + (touch.gap + touch.skin) / 2; }, touch);
+    touch.moved = displacement(world.comm, touch, world.walls().size() > 0,
+                               [&](Index b) { return bodies.position[b]; });
   if (touch.skin > 0 && touch.moved <= touch.skin) {
     ++touch.steps;
     for (auto* field : {&bodies.position, &bodies.velocity, &bodies.angular_velocity})
@@ -81,23 +78,20 @@ void update_pairs(World& world, const PenaltyLaw& law) {
 }
 
 /// Forces at the present positions, the kick by them over `h`, and `drifts` drifts over h/2.
-Motion kick_and_drift(World& world, const PenaltyLaw& law, double h, int drifts) {
+Box kick_and_drift(World& world, const PenaltyLaw& law, double h, int drifts) {
   StageTimer timer(world.times, "forces");
   Bodies& bodies = world.bodies;
   ForceRow* const rows = world.loads.data();
-  Motion motion;
-  double kicks2 = 0;
+  Box box;
   double taken = 0;
   const auto finish = [&](Index b) {
     ForceRow& row = rows[b];
     const double scale = h / bodies.mass[b], r = bodies.radius[b];
     const double turn = scale / (0.4 * r * r);
-    const Vec3 kick = scale * Vec3(row.force[0], row.force[1], row.force[2]);
-    bodies.velocity[b] += kick;
+    bodies.velocity[b] += scale * Vec3(row.force[0], row.force[1], row.force[2]);
     bodies.angular_velocity[b] += turn * Vec3(row.torque[0], row.torque[1], row.torque[2]);
     for (int k = 0; k < drifts; ++k) bodies.position[b] += h / 2 * bodies.velocity[b];
-    motion.velocities.add(bodies.velocity[b]);
-    kicks2 = std::max(kicks2, kick.squaredNorm());
+    box.add(bodies.velocity[b]);
     bodies.heat[b] += h * row.force[3];
     taken += h * row.force[3];
     row = ForceRow{};
@@ -114,8 +108,7 @@ Motion kick_and_drift(World& world, const PenaltyLaw& law, double h, int drifts)
   });
   // Nobody reads a ghost's force, but its row belongs to another body after the next search.
   world.ledger.dissipated += taken;
-  motion.kick = std::sqrt(kicks2);
-  return motion;
+  return box;
 }
 
 }  // namespace
@@ -127,20 +120,19 @@ SmoothReport penalty_steps(World& world, double h, int most_steps) {
   const SmoothReport report = begin_smooth_steps(world, h, most_steps);
 
   const PenaltyLaw law = penalty_law(world.penalty, world.law);
-  Motion motion = motion_with_walls(world);
-  book_motion(world.comm, motion, h / 2, world.touch);
+  Box velocities = velocities_with_walls(world);
+  book_motion(world.comm, velocities, h / 2, world.touch);
   for (Index b = 0; b < bodies.owned; ++b) bodies.position[b] += h / 2 * bodies.velocity[b];
   for (int step = 1; step <= report.steps; ++step) {
     const auto searches = world.touch.searches;
     update_pairs(world, law);
     const int drifts = step < report.steps ? 2 : 1;
-    motion = kick_and_drift(world, law, h, drifts);
-    if (world.walls().size() > 0) motion.velocities.add(Vec3(Vec3::Zero()));
-    book_motion(world.comm, motion, drifts * h / 2, world.touch);
+    velocities = kick_and_drift(world, law, h, drifts);
+    if (world.walls().size() > 0) velocities.add(Vec3(Vec3::Zero()));
+    book_motion(world.comm, velocities, drifts * h / 2, world.touch);
     if (world.touch.searches != searches)
       check_penalty_step(world.comm, bodies, world.penalty, world.law, h,
-                         motion.united(world.comm).largest_difference(),
-                         "bodies have become faster");
+                         velocities.united(world.comm).diagonal(), "bodies have become faster");
   }
   end_smooth_steps(world, report.steps);
   return report;

@@ -10,7 +10,6 @@
 #include <immintrin.h>
 #endif
 
-#include "approach.hpp"
 #include "flight.hpp"
 #include "spall/base/require.hpp"
 #include "spall/force/pair_laws.hpp"
@@ -53,17 +52,15 @@ void update_pairs(World& world, bool velocities) {
   StageTimer timer(world.times, "neighbours");
   NearPairs& near = world.near;
   if (near.skin > 0 && near.moved > near.skin)
-    look_ahead(
-        world.comm, {}, world.bodies.velocity, false,
-        [&](Index b) { return vector_of(world.rows[b].place); },
-        [&](Index) { return (near.reach + near.skin) / 2; }, near);
+    near.moved = displacement(world.comm, near, false,
+                              [&](Index b) { return vector_of(world.rows[b].place); });
   if (near.skin == 0 || near.moved > near.skin) {
     const SkinRange skins{.length = world.potential.distance,
                           .first = 0.3,
                           .least = 0.1,
                           .step = 0.05,
                           .most = 1.5,
-                          .search = 200};
+                          .search = 120};
     const double skin = best_skin(world.comm, world.bodies, near, skins);
     take_rows(world);
     const PairPotential& p = world.potential;
@@ -91,14 +88,13 @@ PairDamping damping_of(const World& world) {
 }
 
 /// Forces at the present positions, the kick by them over `h`, and `drifts` drifts over h/2.
-Motion kick_and_drift(World& world, const PairDamping& damping, double h, int drifts) {
+Box kick_and_drift(World& world, const PairDamping& damping, double h, int drifts) {
   StageTimer timer(world.times, "forces");
   PairRow* const rows = world.rows.data();
   Vec3* const velocity = world.bodies.velocity.data();
   Vec3* const ahead = world.ahead.data();
   double* const heat = world.bodies.heat.data();
-  Motion motion;
-  double kicks2 = 0;
+  Box box;
   double taken = 0;
   const auto finish = [&, damped = damping.c > 0](Index b) {
     PairRow& row = rows[b];
@@ -106,9 +102,7 @@ Motion kick_and_drift(World& world, const PairDamping& damping, double h, int dr
     const RowHalf v = half_row(velocity[b], 0) + kick;
     velocity[b] = vector_of(v);
     for (int k = 0; k < drifts; ++k) drift(row, v, h / 2);
-    motion.velocities.add(v);
-    const RowHalf k2 = kick * kick;
-    kicks2 = std::max(kicks2, k2[0] + k2[1] + k2[2]);
+    box.add(v);
     if (damped) {
       ahead[b] = vector_of(v + 0.5 * kick);
       heat[b] += h * row.force[3];
@@ -126,8 +120,7 @@ Motion kick_and_drift(World& world, const PairDamping& damping, double h, int dr
       sweep_pairs<false>(windows, law, cutoff, damping, v, rows, finish);
   });
   world.ledger.dissipated += taken;
-  motion.kick = std::sqrt(kicks2);
-  return motion;
+  return box;
 }
 
 }  // namespace
@@ -137,15 +130,15 @@ SmoothReport potential_steps(World& world, double h, int most_steps) {
   const SmoothReport report = begin_smooth_steps(world, h, most_steps);
 
   const PairDamping damping = damping_of(world);
-  book_motion(world.comm, motion_of(bodies), h / 2, world.near);
+  book_motion(world.comm, velocities_of(bodies), h / 2, world.near);
   fill_rows(world);
   for (Index b = 0; b < bodies.owned; ++b)
     drift(world.rows[b], half_row(bodies.velocity[b], 0), h / 2);
   for (int step = 1; step <= report.steps; ++step) {
     update_pairs(world, damping.c > 0);
     const int drifts = step < report.steps ? 2 : 1;
-    const Motion motion = kick_and_drift(world, damping, h, drifts);
-    book_motion(world.comm, motion, drifts * h / 2, world.near);
+    const Box velocities = kick_and_drift(world, damping, h, drifts);
+    book_motion(world.comm, velocities, drifts * h / 2, world.near);
   }
   take_rows(world);
   end_smooth_steps(world, report.steps);
@@ -174,7 +167,7 @@ void for_each_near_pair(World& world, double distance,
 }
 
 double largest_relative_speed(const World& world) {
-  return motion_of(world.bodies).united(world.comm).largest_difference();
+  return velocities_of(world.bodies).united(world.comm).diagonal();
 }
 
 }  // namespace spall

@@ -30,16 +30,6 @@ struct NearWindow {
   std::vector<std::uint8_t> bound;  ///< of each slot, a bit a lane; empty where bonds do not break
 };
 
-/// What bounds how much nearer bodies come until one looks again (motion/approach.hpp).
-struct Outlook {
-  double time = 0;      ///< s, since the pairs were found
-  double moved = 0;     ///< m, when one looked, and for `ahead` if velocities stayed as they were
-  double ahead = 0;     ///< s, from now
-  double by_speed = 0;  ///< m, since one looked, by the largest difference of velocities
-  double kicks = 0;     ///< m/s, the largest of each step since one looked, added up
-  double by_kicks = 0;  ///< m, since one looked, by what these kicks changed
-};
-
 /// A body is partner in no window after its own: once a window is done, nothing later in the same
 /// sweep changes the forces on its bodies or looks at their positions, so that they may move on at
 /// once while they are in the cache. A pair with a ghost is on both ranks, each time with the owned
@@ -52,9 +42,7 @@ struct NearPairs {
   double reach = 0;            ///< m, between centres, up to which bodies may act on each other
   double skin = 0;             ///< m, beyond it, up to which pairs are listed; 0: search now
   std::vector<Vec3> found_at;  ///< m, owned rows
-  std::vector<Index> curve;    ///< owned rows along the space-filling curve of that search
-  double moved = 0;  ///< m: no two bodies that are no pair have come nearer by more since then
-  Outlook outlook;
+  double moved = 0;  ///< m: no two bodies have come nearer to each other by more since then
   LastCut last_cut;
   std::int64_t searches = 0;
   int steps = 0;     ///< that the pairs have served
@@ -68,9 +56,9 @@ struct Giants {
   double slack = 0;         ///< m, gap between the surfaces up to which they have partners
 };
 
-/// Finds all pairs nearer than `range` (m) with an owned body, and those of giants: windows and
-/// curve; ghosts current.
-void find_near_pairs(const Bodies& bodies, double range, const Giants& giants, NearPairs& near);
+/// Finds all pairs nearer than `range` (m) with an owned body, and those of giants; ghosts current.
+void find_near_pairs(const Bodies& bodies, double range, const Giants& giants,
+                     std::vector<NearWindow>& windows);
 
 /// Finds ghosts and pairs up to `reach` + `skin` (m) anew; cuts the domain before where the ranks'
 /// work differs by more than a tenth. Where bonds break they stay with their pairs; the first
