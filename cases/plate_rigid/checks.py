@@ -42,10 +42,15 @@ def run(options, part):
     subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
     results = tomllib.loads((folder / "results.toml").read_text())
     with (folder / "series.csv").open() as file:
-        kinetic = np.array([float(row["kinetic"]) for row in csv.DictReader(file)])
+        series = list(csv.DictReader(file))
+    kinetic, bonds, unexplained = (np.array([float(row[key]) for row in series])
+                                   for key in ("kinetic", "bonds", "unexplained"))
     with h5py.File(folder / "after_impact.h5") as file:
         fastest = np.linalg.norm(file["bodies/velocity"], axis=1).max()
         bodies = len(file["bodies/mass"])
+        scalars = dict(zip(file["scalars/names"][()].decode().split(), file["scalars/values"][:]))
+    # What cohesion's impulses did to the bodies, beside what the bonds gave for it within their range.
+    beyond = scalars["ledger.cohesion_work"] + bonds[-1] - bonds[0]
     commit = subprocess.run(["git", "describe", "--always", "--dirty"], cwd=ROOT, text=True,
                             capture_output=True).stdout.strip()
     return {"across": f"{options.across:g}", "tolerance": f"{options.tolerance:g}", "part": f"{part:g}",
@@ -53,18 +58,19 @@ def run(options, part):
             "radial": f"{results['debris']['radial_over_speed']:.4f}",
             "hole": f"{results['debris']['hole_over_diameter']:.3f}", "fastest": f"{fastest / SPEED:.4f}",
             "rise": f"{max(0, np.diff(kinetic).max()) / kinetic[0]:.1e}", "left": f"{kinetic[-1] / kinetic[0]:.4f}",
+            "beyond": f"{beyond / kinetic[0]:.4f}", "unexplained": f"{(unexplained[-1] - beyond) / kinetic[0]:.1e}",
             "momentum": f"{results['conservation']['linear']:.1e}", "seconds": f"{results['time']['total_s']:.0f}",
             "commit": commit}
 
 
 def table(rows):
     lines = ["| across | bodies | residual asked | step, r/v | steps | front / V | radial / V | hole / D | fastest body / V "
-             "| largest rise of kinetic energy in a step | kinetic energy left | momentum drift | s |",
-             "|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|"]
+             "| largest rise of kinetic energy in a step | kinetic energy left | cohesion beyond its range | energy unexplained beside | momentum drift | s |",
+             "|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|"]
     for r in sorted(rows, key=lambda r: [float(r[key]) for key in KEY]):
         lines.append(f"| {r['across']} | {int(r['bodies']):,} | {r['tolerance']} | {r['part']} | {r['steps']} | "
                      f"{float(r['front']):.3f} | {float(r['radial']):.3f} | {float(r['hole']):.2f} | "
-                     f"{float(r['fastest']):.2f} | {r['rise']} | {float(r['left']):.3f} | {r['momentum']} | "
+                     f"{float(r['fastest']):.2f} | {r['rise']} | {float(r['left']):.3f} | {float(r['beyond']):.2f} | {r['unexplained']} | {r['momentum']} | "
                      f"{r['seconds']} |")
     commits = ", ".join(sorted({row["commit"] for row in rows}))
     return "\n".join([*lines, "", f"Shares of the impact's speed V, energy and momentum. Commits {commits}."])

@@ -55,6 +55,8 @@ void update_pairs(World& world, bool velocities) {
     near.moved = displacement(world.comm, near, false,
                               [&](Index b) { return vector_of(world.rows[b].place); });
   if (near.skin == 0 || near.moved > near.skin) {
+    const PairPotential& p = world.potential;
+    const bool bonds_break = p.breaking_strain > 0;
     const SkinRange skins{.length = world.potential.distance,
                           .first = 0.3,
                           .least = 0.1,
@@ -63,8 +65,7 @@ void update_pairs(World& world, bool velocities) {
                           .search = 120};
     const double skin = best_skin(world.comm, world.bodies, near, skins);
     take_rows(world);
-    const PairPotential& p = world.potential;
-    search_near_pairs(world.comm, world.bodies, p.cutoff, skin, p.breaking_strain > 0, near);
+    search_near_pairs(world.comm, world.bodies, p.cutoff, skin, bonds_break, near);
     fill_rows(world);
     return;
   }

@@ -123,9 +123,11 @@ concept BreakingLaw = requires(const Law& law) {
 /// body of a window once nothing will be added to its row and neither its position nor its velocity
 /// will be asked for again. The forces of ghosts mean nothing. `velocity` is what is damped.
 template <bool damped, class Law, class Finish>
-void sweep_pairs(std::vector<NearWindow>& windows, const Law& law, double cutoff,
+void sweep_pairs(std::vector<NearWindow>& windows, const Law& of_pairs, double cutoff,
                  const PairDamping& damping, const double* velocity, PairRow* rows,
                  Finish&& finish) {
+  const Law law = of_pairs;  // its own: a bit that is written could else be one of its constants
+  const double c = damping.c;
   const double cutoff2 = cutoff * cutoff, damped2 = damping.distance * damping.distance;
   const Lanes zero{};
   for (std::size_t w = 0; w < windows.size(); ++w) {
@@ -149,7 +151,8 @@ void sweep_pairs(std::vector<NearWindow>& windows, const Law& law, double cutoff
         LaneMask acts = (r2 < cutoff2) & (r2 > 0.0);
         if constexpr (BreakingLaw<Law>) {
           const LaneMask holds = acts & mask_of_bits(*bound);
-          *bound++ = bits_of_mask(holds);
+          if (const std::uint8_t now = bits_of_mask(holds); now != *bound) *bound = now;
+          ++bound;
           acts &= holds | (r2 < law.rest2);
         }
         Lanes f = law.force_over_distance(r2);
@@ -157,10 +160,10 @@ void sweep_pairs(std::vector<NearWindow>& windows, const Law& law, double cutoff
         if constexpr (damped) {
           const LaneVectors vj = gather_vectors(velocity, partners);
           const Lanes u = (vj.x - vi.x) * dx + (vj.y - vi.y) * dy + (vj.z - vi.z) * dz;
-          const Lanes c = damping.c * u / r2;
+          const Lanes pull = c * u / r2;
           const auto near = acts & (r2 < damped2);
-          f -= near ? c : zero;
-          taken = near ? 0.5 * c * u : zero;
+          f -= near ? pull : zero;
+          taken = near ? 0.5 * pull * u : zero;
           power += taken;
         }
         f = acts ? f : zero;
