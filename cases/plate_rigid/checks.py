@@ -70,7 +70,7 @@ def table(rows):
     for r in sorted(rows, key=lambda r: [float(r[key]) for key in KEY]):
         lines.append(f"| {r['across']} | {int(r['bodies']):,} | {r['tolerance']} | {r['part']} | {r['steps']} | "
                      f"{float(r['front']):.3f} | {float(r['radial']):.3f} | {float(r['hole']):.2f} | "
-                     f"{float(r['fastest']):.2f} | {r['rise']} | {float(r['left']):.3f} | {float(r['beyond']):.2f} | {r['unexplained']} | {r['momentum']} | "
+                     f"{float(r['fastest']):.2f} | {r['rise']} | {float(r['left']):.3f} | {float(r['beyond']):.3f} | {r['unexplained']} | {r['momentum']} | "
                      f"{r['seconds']} |")
     commits = ", ".join(sorted({row["commit"] for row in rows}))
     return "\n".join([*lines, "", f"Shares of the impact's speed V, energy and momentum. Commits {commits}."])
