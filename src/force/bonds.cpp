@@ -27,18 +27,15 @@ void bind_pairs(NearPairs& near, Holds&& holds) {
 /// ranks, as its pair is.
 template <class F>
 void for_each_end(const Bodies& bodies, const NearPairs& near, F&& f) {
-  for (const NearWindow& window : near.windows) {
-    std::size_t slot = 0;
-    for (std::size_t g = 0; g < window.slots.size(); ++g)
-      for (const std::size_t end = slot + window.slots[g]; slot < end; ++slot)
-        for (unsigned left = window.bound[slot]; left != 0; left &= left - 1) {
-          const int lane = std::countr_zero(left);
-          const Index i = window.rows[g * doubles_a_row + lane] / doubles_a_row;
-          const Index j = window.partners[slot * doubles_a_row + lane] / doubles_a_row;
-          f(i, j);
-          if (j < bodies.owned) f(j, i);
-        }
-  }
+  for (const NearWindow& window : near.windows)
+    for_each_slot(window, [&](std::size_t slot, const Index* own, const Index* partners) {
+      for (unsigned left = window.bound[slot]; left != 0; left &= left - 1) {
+        const int lane = std::countr_zero(left);
+        const Index i = own[lane] / doubles_a_row, j = partners[lane] / doubles_a_row;
+        f(i, j);
+        if (j < bodies.owned) f(j, i);
+      }
+    });
 }
 
 /// With room for `counts` of each row; row b's next place is start[b].

@@ -23,15 +23,6 @@ Index row_of(Index place) {
   return place / doubles_a_row;
 }
 
-/// Calls `f(slot, own, partners)` for every slot of a window, with the places of eight pairs.
-template <class F>
-void for_each_slot(const NearWindow& window, F&& f) {
-  std::size_t slot = 0;
-  for (std::size_t g = 0; g < window.slots.size(); ++g)
-    for (const std::size_t end = slot + window.slots[g]; slot < end; ++slot)
-      f(slot, &window.rows[g * lane_count], &window.partners[slot * lane_count]);
-}
-
 /// Calls `f(row, partner, sliding, rolling)` for every touching pair of a window.
 template <class F>
 void for_each_touching(const NearWindow& window, const WindowSprings& springs, F&& f) {

@@ -1,5 +1,6 @@
 # Pictures of a plate's impact: a film strip of radiographs, speeds, and what a wall would receive.
 # SPDX-License-Identifier: BSD-3-Clause
+import functools
 import os
 
 import h5py
@@ -41,6 +42,12 @@ class Flight:
         return (self.position[k] - self.origin) @ self.side
 
 
+@functools.cache
+def flight_of(run):
+    """Read once for all pictures: a trajectory may have gigabytes."""
+    return Flight(run)
+
+
 def column_map(flight, k, extent, pixels):
     """kg/m^2 seen from the side, and the picture's pixel (m)."""
     x = flight.depth(k)
@@ -55,7 +62,7 @@ def column_map(flight, k, extent, pixels):
 
 def radiographs(run):
     """Dark where much mass is in the way of the light, as on the film of a flash radiograph."""
-    flight = Flight(run)
+    flight = flight_of(run)
     # Snapshots next to six equal times: a phase's last one and one that was due may fall together.
     wanted = np.linspace(flight.time[0], flight.time[-1], 6)
     frames = np.unique([np.abs(np.asarray(flight.time) - t).argmin() for t in wanted])
@@ -90,7 +97,7 @@ def radiographs(run):
 
 def speeds(run):
     """Where the debris are and how fast, by origin, and the cloud against time."""
-    flight = Flight(run)
+    flight = flight_of(run)
     k = len(flight.time) - 1
     speed = flight.speed
     debris = flight.depth(k) > flight.diameter / 4
@@ -125,7 +132,7 @@ def speeds(run):
 
 def state(run):
     """A slice through the axis at the end: the share of broken bonds and the temperature. None where none can break."""
-    flight = Flight(run)
+    flight = flight_of(run)
     if flight.damage is None or not flight.damage.any():
         return None
     k = len(flight.time) - 1
@@ -150,7 +157,7 @@ def state(run):
 
 def wall(run, distance):
     """Momentum that debris flying on freely bring to each place of a wall."""
-    flight = Flight(run)
+    flight = flight_of(run)
     k = len(flight.time) - 1
     axial, depth = flight.axial(k), flight.depth(k)
     chosen = (depth > flight.diameter / 4) & (axial > 0)

@@ -9,6 +9,7 @@
 #include "spall/domain/ghosts.hpp"
 #include "spall/domain/partition.hpp"
 #include "spall/force/bonds.hpp"
+#include "spall/force/lanes.hpp"
 #include "spall/scene/bodies.hpp"
 
 namespace spall {
@@ -66,20 +67,24 @@ void find_near_pairs(const Bodies& bodies, double range, const Giants& giants,
 void search_near_pairs(const Comm& comm, Bodies& bodies, double reach, double skin,
                        bool bonds_break, NearPairs& near);
 
+/// Calls `f(slot, own, partners)` for every slot of a window, with the places of eight pairs.
+template <class F>
+void for_each_slot(const NearWindow& window, F&& f) {
+  std::size_t slot = 0;
+  for (std::size_t g = 0; g < window.slots.size(); ++g)
+    for (const std::size_t end = slot + window.slots[g]; slot < end; ++slot)
+      f(slot, &window.rows[g * lane_count], &window.partners[slot * lane_count]);
+}
+
 /// Calls `f(window, slot, lane, row, partner)` for every pair.
 template <class F>
 void for_each_pair(const std::vector<NearWindow>& windows, F&& f) {
-  for (std::size_t w = 0; w < windows.size(); ++w) {
-    const NearWindow& window = windows[w];
-    std::size_t slot = 0;
-    for (std::size_t g = 0; g < window.slots.size(); ++g)
-      for (const std::size_t end = slot + window.slots[g]; slot < end; ++slot)
-        for (std::size_t l = 0; l < doubles_a_row; ++l) {
-          const Index own = window.rows[g * doubles_a_row + l];
-          const Index partner = window.partners[slot * doubles_a_row + l];
-          if (partner != own) f(w, slot, l, own / doubles_a_row, partner / doubles_a_row);
-        }
-  }
+  for (std::size_t w = 0; w < windows.size(); ++w)
+    for_each_slot(windows[w], [&](std::size_t slot, const Index* own, const Index* partners) {
+      for (std::size_t l = 0; l < lane_count; ++l)
+        if (partners[l] != own[l])
+          f(w, slot, l, own[l] / doubles_a_row, partners[l] / doubles_a_row);
+    });
 }
 
 /// Of owned bodies: 1 each, and `slot` for each place for a partner.
