@@ -19,7 +19,7 @@ struct Sample {
   Solid solid;
   PairPotential law;
   double mass, d;
-  double step() const { return 0.04 * std::sqrt(mass / stiffness(law)); }
+  double step() const { return 0.4 * longest_step(law, mass); }
 };
 
 /// The turn that lays a direction of the crystal, "100", "110" or "111", along z; another number is

@@ -25,6 +25,11 @@ inline const PairPotential breaking{.law = PairLaw::morse,
                                     .steepness = 3.36,
                                     .cutoff = 1.1 * 1.1,
                                     .breaking_strain = 0.05};
+inline const PairPotential embedded = [] {
+  PairPotential p = breaking;
+  p.embedding = {.bulk_modulus = 40, .hugoniot_slope = 1.3, .gruneisen = 1.2, .density = 1.1};
+  return p;
+}();
 
 /// N, as written in the textbooks.
 inline double textbook_force(const PairPotential& p, double r) {

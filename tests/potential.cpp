@@ -68,10 +68,41 @@ double heat_of(const World& world) {
   return world.comm.sum(heat);
 }
 
+/// J, what each body presses with at these positions, by the sum over all pairs.
+std::vector<double> pushes_of(const std::vector<Sphere>& spheres, const std::vector<Vec3>& at,
+                              const PairPotential& p) {
+  std::vector<double> pushes(at.size(), 0.0);
+  if (p.embedding.bulk_modulus == 0) return pushes;
+  const EmbeddingLaw law(p);
+  for (std::size_t i = 0; i < at.size(); ++i) {
+    double crowding = 0;
+    for (std::size_t j = 0; j < at.size(); ++j)
+      if (j != i) crowding += std::pow(std::max(0.0, 1 - (at[j] - at[i]).norm() / law.reach()), 2);
+    pushes[i] = spheres[i].mass / p.embedding.density * law.push(crowding, 0).all;
+  }
+  return pushes;
+}
+
+double embedding_energy(const std::vector<Sphere>& spheres, const PairPotential& p) {
+  if (p.embedding.bulk_modulus == 0) return 0;
+  const EmbeddingLaw law(p);
+  double energy = 0;
+  for (const Sphere& a : spheres) {
+    double crowding = -1;  // of itself
+    for (const Sphere& b : spheres)
+      crowding += std::pow(std::max(0.0, 1 - (a.position - b.position).norm() / law.reach()), 2);
+    energy += a.mass / p.embedding.density * law.energy(crowding);
+  }
+  return energy;
+}
+
 /// The velocities after a step by the sum over all pairs.
 std::vector<Vec3> kicked(const std::vector<Sphere>& spheres, const PairPotential& p, double c,
                          double h) {
-  std::vector<Vec3> velocity;
+  std::vector<Vec3> velocity, middle;
+  for (const Sphere& s : spheres) middle.push_back(s.position + h / 2 * s.velocity);
+  const std::vector<double> push = pushes_of(spheres, middle, p);
+  const double reach = 1.3 * p.distance;
   for (std::size_t i = 0; i < spheres.size(); ++i) {
     const Sphere& a = spheres[i];
     Vec3 force = Vec3::Zero();
@@ -82,6 +113,7 @@ std::vector<Vec3> kicked(const std::vector<Sphere>& spheres, const PairPotential
       const double r = x.norm();
       const Vec3 n = x / r;
       force -= textbook_force(p, r) * n;
+      if (r < reach) force -= (push[i] + push[j]) * 2 / reach * (1 - r / reach) * n;
       if (r < p.distance) force += c * (b.velocity - a.velocity).dot(n) * n;
     }
     velocity.push_back(a.velocity + h / a.mass * force);
@@ -100,13 +132,13 @@ void expect_velocities(const std::vector<Sphere>& after, const std::vector<Vec3>
 }
 
 TEST(PairPotential, step_equals_the_sum_over_all_pairs) {
-  for (PairPotential p : {lennard_jones, mie, morse, steinhauser, breaking})
+  for (PairPotential p : {lennard_jones, mie, morse, steinhauser, breaking, embedded})
     for (double damping : {0.0, 0.4}) {
       p.damping = damping;
       // Compressed, so that pairs lie on both sides of the distance of rest.
       const auto spheres = crystal(0.98 * p.distance, 4.1, 1.5);
       World world = potential_world(testing_world(), spheres, p);
-      double energy = 0;
+      double energy = embedding_energy(spheres, p);
       for (std::size_t i = 0; i < spheres.size(); ++i)
         for (std::size_t j = 0; j < i; ++j)
           energy += pair_energy(p, (spheres[i].position - spheres[j].position).norm());
@@ -145,7 +177,9 @@ TEST(PairPotential, no_pair_is_lost_at_hypervelocity) {
 }
 
 TEST(PairPotential, energy_error_is_of_second_order) {
-  for (PairPotential p : {lennard_jones, morse}) {
+  PairPotential crowded = morse;
+  crowded.embedding = embedded.embedding;
+  for (PairPotential p : {lennard_jones, morse, crowded}) {
     p.cutoff = between_shells * p.distance;
     const auto spheres = crystal(p.distance, 2.6, 0.15);
     std::vector<double> errors;
@@ -184,7 +218,7 @@ TEST(PairPotential, energy_does_not_drift) {
 }
 
 TEST(PairPotential, momenta_are_kept_to_round_off) {
-  PairPotential p = breaking;
+  PairPotential p = embedded;
   p.damping = 0.3;
   auto spheres = crystal(p.distance, 3.1, 0.2);
   for (const Sphere& s : crystal(p.distance, 2.1, 0.2, {6.5, 0.5, 0.2}, {-4, 0, 0}))
@@ -203,8 +237,7 @@ TEST(PairPotential, momenta_are_kept_to_round_off) {
   EXPECT_GT(heat_of(world), 0.01 * before.kinetic);
 }
 
-TEST(PairPotential, motion_is_the_same_on_any_number_of_ranks) {
-  PairPotential p = morse;
+void expect_the_same_motion_on_any_number_of_ranks(PairPotential p) {
   p.damping = 0.2;
   const auto spheres = crystal(p.distance, 3.1, 0.3);
   World one = potential_world(alone(), spheres, p);
@@ -215,6 +248,16 @@ TEST(PairPotential, motion_is_the_same_on_any_number_of_ranks) {
   for (std::size_t k = 0; k < a.size(); ++k)
     EXPECT_LE((a[k].position - b[k].position).norm(), 1e-11 * p.distance) << k;
   EXPECT_NEAR(heat_of(one), heat_of(many), 1e-11 * heat_of(one));
+}
+
+TEST(PairPotential, motion_is_the_same_on_any_number_of_ranks) {
+  expect_the_same_motion_on_any_number_of_ranks(morse);
+}
+
+TEST(PairPotential, motion_with_an_embedding_is_the_same_on_any_number_of_ranks) {
+  PairPotential p = morse;
+  p.embedding = embedded.embedding;
+  expect_the_same_motion_on_any_number_of_ranks(p);
 }
 
 TEST(PairPotential, needs_no_spins_and_without_damping_no_heat) {
@@ -244,8 +287,7 @@ TEST(PairPotential, steps_in_one_call_equal_steps_in_many_bit_for_bit) {
   for (std::size_t k = 0; k < a.size(); ++k) EXPECT_EQ(a[k].position, b[k].position) << k;
 }
 
-TEST(PairPotential, heat_of_the_damping_closes_the_books) {
-  PairPotential p = morse;
+void expect_books_to_close(PairPotential p) {
   p.damping = 0.5;
   auto spheres = crystal(p.distance, 2.6, 0.05);
   for (const Sphere& s : crystal(p.distance, 1.6, 0.05, {5.6, 0.3, 0.2}, {-2, 0, 0}))
@@ -266,6 +308,16 @@ TEST(PairPotential, heat_of_the_damping_closes_the_books) {
   EXPECT_GT(heat, 0.1 * sums_of(spheres).kinetic);
   EXPECT_LT(errors[2], 2e-3 * heat);
   EXPECT_GT(std::log2(errors[0] / errors[2]) / 2, 1.6);
+}
+
+TEST(PairPotential, heat_of_the_damping_closes_the_books) {
+  expect_books_to_close(morse);
+}
+
+TEST(PairPotential, heat_that_presses_does_its_work_from_its_own) {
+  PairPotential p = morse;
+  p.embedding = embedded.embedding;
+  expect_books_to_close(p);
 }
 
 TEST(PairPotential, bond_breaks_at_its_strain) {

@@ -48,7 +48,7 @@ def run(options, name, seed):
     mass = DENSITY * thickness * width**2
     # Of the spacing over the fastest sound; a thin plate's bodies are lighter than those of its crystal. While the
     # sphere is stopped, the heat that dashpots book is wrong by the square of the step: half of it for 0.7.
-    step = min(0.04 * d / SOUND * min(1, thickness / (0.7 * d)) ** 0.5, 0.06 * d / speed)
+    step = min(0.04 * d / SOUND * min(1, thickness / (0.7 * d)) ** 0.5, 0.043 * d / speed)
     impact = 1.5 * diameter / speed
     changes = [f"seed={seed}",
                f"groups.plate.volume.size=[{width}, {width}, {depth}]",

@@ -332,8 +332,9 @@ void book_search(const Comm& comm, const Bodies& bodies, bool cut, double slot, 
   book_search(comm, cut, work, near.ghosts, near.last_cut);
 }
 
-void search_near_pairs(const Comm& comm, Bodies& bodies, double reach, double skin,
-                       bool bonds_break, NearPairs& near) {
+void search_near_pairs(const Comm& comm, Bodies& bodies, double reach, double skin, double bonded,
+                       NearPairs& near) {
+  const bool bonds_break = bonded > 0;
   require(!bonds_break || bodies.has.bonds,
           "bonds that break need fields that the bodies were made without");
   auto work = work_of(bodies, near, slot_work);
@@ -364,7 +365,7 @@ void search_near_pairs(const Comm& comm, Bodies& bodies, double reach, double sk
   if (bonds)
     recall_bonds(bodies, *bonds, near);
   else if (bonds_break)
-    make_bonds(bodies, near, reach);
+    make_bonds(bodies, near, bonded);
   book_search(comm, bodies, cut, slot_work, near);
 }
 

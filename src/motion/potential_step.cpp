@@ -47,6 +47,11 @@ void take_rows(World& world) {
     bodies.kick[b] = 2 * (world.ahead[b] - bodies.velocity[b]);
 }
 
+/// m, up to which two bodies may act on each other.
+double reach_of(const PairPotential& p) {
+  return p.embedding.bulk_modulus > 0 ? std::max(p.cutoff, EmbeddingLaw(p).reach()) : p.cutoff;
+}
+
 /// Makes pairs and ghosts current for forces at the present positions.
 void update_pairs(World& world, bool velocities) {
   StageTimer timer(world.times, "neighbours");
@@ -56,7 +61,6 @@ void update_pairs(World& world, bool velocities) {
                               [&](Index b) { return vector_of(world.rows[b].place); });
   if (near.skin == 0 || near.moved > near.skin) {
     const PairPotential& p = world.potential;
-    const bool bonds_break = p.breaking_strain > 0;
     const SkinRange skins{.length = world.potential.distance,
                           .first = 0.3,
                           .least = 0.1,
@@ -65,7 +69,8 @@ void update_pairs(World& world, bool velocities) {
                           .search = 120};
     const double skin = best_skin(world.comm, world.bodies, near, skins);
     take_rows(world);
-    search_near_pairs(world.comm, world.bodies, p.cutoff, skin, bonds_break, near);
+    search_near_pairs(world.comm, world.bodies, reach_of(p), skin,
+                      p.breaking_strain > 0 ? p.cutoff : 0, near);
     fill_rows(world);
     return;
   }
@@ -88,8 +93,30 @@ PairDamping damping_of(const World& world) {
   return {p.distance, p.damping * std::sqrt(2 * stiffness(p) * world.comm.min(lightest))};
 }
 
+/// The crowding of the owned bodies at the present positions.
+void measure_crowding(World& world, const EmbeddingLaw& law) {
+  world.crowding.assign(world.bodies.size(), 0.0);
+  sweep_crowding(world.near.windows, law, world.rows.data(), world.crowding.data());
+}
+
+/// What bodies press with at the present positions; ghosts learn it from their ranks.
+void update_pushes(World& world, const EmbeddingLaw& law) {
+  StageTimer timer(world.times, "forces");
+  measure_crowding(world, law);
+  const Bodies& bodies = world.bodies;
+  world.pushes.resize(bodies.size());
+  for (Index b = 0; b < bodies.owned; ++b) {
+    const double volume = bodies.mass[b] / world.potential.embedding.density;
+    const double heat = bodies.has.heat ? bodies.heat[b] / volume : 0;
+    const auto [all, hot] = law.push(world.crowding[b], heat);
+    world.pushes[b] = {volume * all, volume * hot};
+  }
+  world.near.ghosts.gather(reinterpret_cast<double*>(world.pushes.data()), doubles_a_push);
+}
+
 /// Forces at the present positions, the kick by them over `h`, and `drifts` drifts over h/2.
-Box kick_and_drift(World& world, const PairDamping& damping, double h, int drifts) {
+Box kick_and_drift(World& world, const PairDamping& damping, const PairEmbedding& embedding,
+                   double h, int drifts) {
   StageTimer timer(world.times, "forces");
   PairRow* const rows = world.rows.data();
   Vec3* const velocity = world.bodies.velocity.data();
@@ -115,10 +142,15 @@ Box kick_and_drift(World& world, const PairDamping& damping, double h, int drift
     const double* v = damping.c > 0 ? ahead->data() : velocity->data();
     auto& windows = world.near.windows;
     const double cutoff = world.potential.cutoff;
-    if (damping.c > 0)
-      sweep_pairs<true>(windows, law, cutoff, damping, v, rows, finish);
+    const auto sweep = [&]<bool damped, bool embedded>() {
+      sweep_pairs<damped, embedded>(windows, law, cutoff, damping, embedding, v, rows, finish);
+    };
+    if (embedding.law)
+      damping.c > 0 ? sweep.template operator()<true, true>()
+                    : sweep.template operator()<false, true>();
     else
-      sweep_pairs<false>(windows, law, cutoff, damping, v, rows, finish);
+      damping.c > 0 ? sweep.template operator()<true, false>()
+                    : sweep.template operator()<false, false>();
   });
   world.ledger.dissipated += taken;
   return box;
@@ -131,14 +163,18 @@ SmoothReport potential_steps(World& world, double h, int most_steps) {
   const SmoothReport report = begin_smooth_steps(world, h, most_steps);
 
   const PairDamping damping = damping_of(world);
+  std::optional<EmbeddingLaw> law;
+  if (world.potential.embedding.bulk_modulus > 0) law.emplace(world.potential);
+  const PairEmbedding embedding{law ? &*law : nullptr, &world.pushes};
   book_motion(world.comm, velocities_of(bodies), h / 2, world.near);
   fill_rows(world);
   for (Index b = 0; b < bodies.owned; ++b)
     drift(world.rows[b], half_row(bodies.velocity[b], 0), h / 2);
   for (int step = 1; step <= report.steps; ++step) {
     update_pairs(world, damping.c > 0);
+    if (law) update_pushes(world, *law);
     const int drifts = step < report.steps ? 2 : 1;
-    const Box velocities = kick_and_drift(world, damping, h, drifts);
+    const Box velocities = kick_and_drift(world, damping, embedding, h, drifts);
     book_motion(world.comm, velocities, drifts * h / 2, world.near);
   }
   take_rows(world);
@@ -149,10 +185,17 @@ SmoothReport potential_steps(World& world, double h, int most_steps) {
 double potential_energy(World& world) {
   fill_rows(world);
   update_pairs(world, false);
-  return world.comm.sum(with_law(world.potential, [&](const auto& law) {
+  double energy = with_law(world.potential, [&](const auto& law) {
     return sweep_energy(world.near.windows, law, world.potential.cutoff, world.rows.data(),
                         world.bodies.owned);
-  }));
+  });
+  if (const Embedding& e = world.potential.embedding; e.bulk_modulus > 0) {
+    const EmbeddingLaw law(world.potential);
+    measure_crowding(world, law);
+    for (Index b = 0; b < world.bodies.owned; ++b)
+      energy += world.bodies.mass[b] / e.density * law.energy(world.crowding[b]);
+  }
+  return world.comm.sum(energy);
 }
 
 void for_each_near_pair(World& world, double distance,

@@ -81,6 +81,11 @@ std::string describe_potential(const Case& scene) {
       name_of(p.law), stiffness(p), p.depth, p.distance,
       scene.potential_of ? ", from " + scene.potential_of->material : "");
   if (p.law == PairLaw::morse) text += fmt::format("    steepness a d = {:.4g}\n", p.steepness);
+  if (p.embedding.bulk_modulus > 0)
+    text += fmt::format(
+        "    embedded: bulk modulus {:.4g} Pa, Hugoniot slope {:.4g}, Gruneisen's parameter "
+        "{:.4g}\n",
+        p.embedding.bulk_modulus, p.embedding.hugoniot_slope, p.embedding.gruneisen);
   if (p.breaking_strain > 0)
     text += fmt::format("    bonds break at {:.3g} % of strain\n", 100 * p.breaking_strain);
   if (p.damping > 0)
@@ -91,8 +96,7 @@ std::string describe_potential(const Case& scene) {
     text += fmt::format(
         "    its lattice: bulk sound speed {:.4g} m/s; waves along [100] {:.4g}, [110] {:.4g}, "
         "[111] {:.4g} m/s;\n    tears at {:.3g} Pa in a plane wave\n",
-        c.along_100 / std::sqrt(1.5), c.along_100, c.along_110, c.along_111,
-        plane_strength(p, lattice));
+        c.bulk, c.along_100, c.along_110, c.along_111, plane_strength(p, lattice));
   }
   return text + fmt::format("    steps of at most {:.3g} s\n", longest_step(p, lightest));
 }

@@ -14,7 +14,7 @@ constexpr Choice<PairLaw> pair_laws[] = {{"lennard_jones", PairLaw::lennard_jone
                                          {"mie", PairLaw::mie},
                                          {"morse", PairLaw::morse},
                                          {"steinhauser", PairLaw::steinhauser}};
-constexpr Choice<Match> matches[] = {{"shocks", Match::shocks}, {"bulk", Match::bulk}};
+constexpr Choice<Match> matches[] = {{"solid", Match::solid}, {"bulk", Match::bulk}};
 
 void read_exponent(Section& in, std::string_view key, std::string_view meaning, int& exponent) {
   std::int64_t value = exponent;
@@ -45,8 +45,10 @@ void read_strength(Section& in, PairPotential& p) {
 void read_pair_potential(Section& in, PairPotential& p, std::optional<DerivedLaw>& derived) {
   read_derived_law(in, "the law is morse's and follows from its constants", derived);
   if (derived)
-    in.take("match", "bulk: the bulk modulus and its slope; shocks: their speeds", derived->match,
-            matches);
+    in.take(
+        "match",
+        "solid: moduli, shocks and pressure of heat; bulk: pairs alone, bulk modulus and its slope",
+        derived->match, matches);
   const auto by_hand = [&](bool asked) { return in.reads(!derived && asked); };
   if (by_hand(true)) {
     in.need("law", "", p.law, pair_laws);

@@ -63,9 +63,9 @@ void find_near_pairs(const Bodies& bodies, double range, const Giants& giants,
 
 /// Finds ghosts and pairs up to `reach` + `skin` (m) anew; cuts the domain before where the ranks'
 /// work differs by more than a tenth. Where bonds break they stay with their pairs; the first
-/// search binds bodies of one group nearer than `reach`. Collective.
-void search_near_pairs(const Comm& comm, Bodies& bodies, double reach, double skin,
-                       bool bonds_break, NearPairs& near);
+/// search binds bodies of one group nearer than `bonded` (m; 0: bonds do not break). Collective.
+void search_near_pairs(const Comm& comm, Bodies& bodies, double reach, double skin, double bonded,
+                       NearPairs& near);
 
 /// Calls `f(slot, own, partners)` for every slot of a window, with the places of eight pairs.
 template <class F>

@@ -10,6 +10,14 @@ namespace spall {
 
 enum class PairLaw { lennard_jones, mie, morse, steinhauser };
 
+/// What a solid's pressure is that its pairs alone do not give (force/embedding.hpp).
+struct Embedding {
+  double bulk_modulus = 0;    ///< Pa, K, with the pairs' share; 0: pairs are all there is
+  double hugoniot_slope = 0;  ///< s
+  double gruneisen = 0;       ///< Gamma
+  double density = 0;         ///< kg/m^3, of the solid at rest
+};
+
 /// A potential U(r) with its minimum -depth at r = distance, with d = distance, D = depth:
 ///
 ///   Mie:   U = D/(m - n) [n (d/r)^m - m (d/r)^n]; m, n = 12, 6 for Lennard-Jones, whose
@@ -33,6 +41,7 @@ struct PairPotential {
   double cutoff = 0;           ///< m
   double breaking_strain = 0;  ///< eps; 0: no break
   double damping = 0;          ///< of critical: c = damping * 2 sqrt(k m/2), m the lightest body's
+  Embedding embedding{};
 };
 
 /// N/m at the distance of rest: Mie m n D/d^2, Morse 2 D (s/d)^2; Steinhauser: the stiffer side's.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <span>
 
+#include "spall/force/embedding.hpp"
 #include "spall/force/lanes.hpp"
 #include "spall/force/near_pairs.hpp"
 
@@ -86,6 +87,35 @@ inline void add_forces(const Lanes& x, const Lanes& y, const Lanes& z, const Lan
   add_lanes({x, y, z}, power, places, reinterpret_cast<double*>(rows) + 4);
 }
 
+/// What a body presses with, by its crowding and its heat: J, all of it and the heat's.
+using Pushes = std::vector<EmbeddingLaw::Push>;
+inline constexpr Index doubles_a_push = 2;
+static_assert(sizeof(EmbeddingLaw::Push) == doubles_a_push * sizeof(double));
+
+/// Of the eight bodies whose rows begin at these places.
+struct PushLanes {
+  Lanes all, heat;
+};
+inline PushLanes gather_pushes(const Pushes& pushes, const Index* places) {
+#ifdef __AVX512F__
+  static_assert(doubles_a_row == 4 * doubles_a_push);
+  const __m256i at =
+      _mm256_srli_epi32(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(places)), 2);
+  const auto gather = [&](const double* from) {
+    return _mm512_mask_i32gather_pd(_mm512_setzero_pd(), 0xff, at, from, 8);
+  };
+  return {gather(&pushes.data()->all), gather(&pushes.data()->heat)};
+#else
+  PushLanes p;
+  for (std::size_t l = 0; l < lane_count; ++l) {
+    const EmbeddingLaw::Push& one = pushes[places[l] / doubles_a_row];
+    p.all[l] = one.all;
+    p.heat[l] = one.heat;
+  }
+  return p;
+#endif
+}
+
 /// Asks for the rows of the next window, a slot of them with each slot of this one: the processor
 /// itself looks ahead only a few slots, far less than memory takes to answer.
 class RowsAhead {
@@ -119,13 +149,42 @@ concept BreakingLaw = requires(const Law& law) {
   law.rest2;
 };
 
-/// Adds the forces of all pairs nearer than `cutoff` to the rows; calls `finish(body)` for each
-/// body of a window once nothing will be added to its row and neither its position nor its velocity
-/// will be asked for again. The forces of ghosts mean nothing. `velocity` is what is damped.
-template <bool damped, class Law, class Finish>
+/// Adds to the crowding of each owned body; that of ghosts means nothing.
+inline void sweep_crowding(const std::vector<NearWindow>& windows, const EmbeddingLaw& law,
+                           const PairRow* rows, double* crowding) {
+  for (const NearWindow& window : windows) {
+    const Index* partners = window.partners.data();
+    for (std::size_t g = 0; g < window.slots.size(); ++g) {
+      const Index* own = window.rows.data() + g * lane_count;
+      const LaneVectors xi = gather_positions(rows, own);
+      Lanes sum{};
+      for (Index s = 0; s < window.slots[g]; ++s, partners += lane_count) {
+        const LaneVectors xj = gather_positions(rows, partners);
+        const Lanes dx = xj.x - xi.x, dy = xj.y - xi.y, dz = xj.z - xi.z;
+        const Lanes r2 = dx * dx + dy * dy + dz * dz;
+        const Lanes w = r2 > 0.0 ? law.weight(r2) : Lanes{};
+        sum += w;
+        for (std::size_t l = 0; l < lane_count; ++l) crowding[partners[l] / doubles_a_row] += w[l];
+      }
+      for (std::size_t l = 0; l < lane_count; ++l) crowding[own[l] / doubles_a_row] += sum[l];
+    }
+  }
+}
+
+/// The embedding part of a sweep: what bodies press with, ghosts' too.
+struct PairEmbedding {
+  const EmbeddingLaw* law = nullptr;  ///< none: pairs are all there is
+  const Pushes* pushes = nullptr;
+};
+
+/// Adds the forces of all pairs nearer than `cutoff` to the rows, and those of the embedding;
+/// calls `finish(body)` for each body of a window once nothing will be added to its row and neither
+/// its position nor its velocity will be asked for again. The forces of ghosts mean nothing.
+/// `velocity` is what is damped, and what heat does work by.
+template <bool damped, bool embedded, class Law, class Finish>
 void sweep_pairs(std::vector<NearWindow>& windows, const Law& of_pairs, double cutoff,
-                 const PairDamping& damping, const double* velocity, PairRow* rows,
-                 Finish&& finish) {
+                 const PairDamping& damping, const PairEmbedding& embedding, const double* velocity,
+                 PairRow* rows, Finish&& finish) {
   const Law law = of_pairs;  // its own: a bit that is written could else be one of its constants
   const double c = damping.c;
   const double cutoff2 = cutoff * cutoff, damped2 = damping.distance * damping.distance;
@@ -141,6 +200,8 @@ void sweep_pairs(std::vector<NearWindow>& windows, const Law& of_pairs, double c
       const LaneVectors xi = gather_positions(rows, own);
       LaneVectors vi{}, sum{};
       if constexpr (damped) vi = gather_vectors(velocity, own);
+      PushLanes push_i{};
+      if constexpr (embedded) push_i = gather_pushes(*embedding.pushes, own);
       Lanes power{};
       for (Index s = 0; s < window.slots[g]; ++s, partners += lane_count) {
         ahead.ask_for_slot();
@@ -156,10 +217,10 @@ void sweep_pairs(std::vector<NearWindow>& windows, const Law& of_pairs, double c
           acts &= holds | (r2 < law.rest2);
         }
         Lanes f = law.force_over_distance(r2);
-        Lanes taken{};
+        Lanes taken{}, u{};
         if constexpr (damped) {
           const LaneVectors vj = gather_vectors(velocity, partners);
-          const Lanes u = (vj.x - vi.x) * dx + (vj.y - vi.y) * dy + (vj.z - vi.z) * dz;
+          u = (vj.x - vi.x) * dx + (vj.y - vi.y) * dy + (vj.z - vi.z) * dz;
           const Lanes pull = c * u / r2;
           const auto near = acts & (r2 < damped2);
           f -= near ? pull : zero;
@@ -167,6 +228,15 @@ void sweep_pairs(std::vector<NearWindow>& windows, const Law& of_pairs, double c
           power += taken;
         }
         f = acts ? f : zero;
+        if constexpr (embedded) {
+          const PushLanes push_j = gather_pushes(*embedding.pushes, partners);
+          const Lanes slope = embedding.law->slope_over_distance(r2);
+          f += (push_i.all + push_j.all) * slope;
+          if constexpr (damped) {
+            power -= push_i.heat * slope * u;
+            taken -= push_j.heat * slope * u;
+          }
+        }
         const Lanes fx = f * dx, fy = f * dy, fz = f * dz;
         sum.x += fx;
         sum.y += fy;

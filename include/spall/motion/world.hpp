@@ -55,7 +55,9 @@ struct World {
   Neighbours neighbours;
   PairPotential potential;
   NearPairs near;
-  std::vector<PairRow> rows;  ///< of the bodies, while steps of the pair potential go on
+  std::vector<PairRow> rows;     ///< of the bodies, while steps of the pair potential go on
+  std::vector<double> crowding;  ///< of the bodies, where the potential has an embedding part
+  Pushes pushes;                 ///< of the bodies, at the same time
   PenaltySettings penalty;
   TouchPairs touch;
   std::vector<ForceRow> loads;  ///< of the bodies, while steps of penalty contact go on

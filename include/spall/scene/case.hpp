@@ -167,7 +167,7 @@ struct Binary {
 struct DerivedLaw {
   std::string material;
   std::string place;  ///< where the case asks for it, for messages
-  Match match = Match::shocks;
+  Match match = Match::solid;
 };
 
 struct Case {
