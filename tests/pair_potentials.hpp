@@ -25,8 +25,14 @@ inline const PairPotential breaking{.law = PairLaw::morse,
                                     .steepness = 3.36,
                                     .cutoff = 1.1 * 1.1,
                                     .breaking_strain = 0.05};
+inline const PairPotential sprung = [] {
+  PairPotential p = morse;
+  p.tension = 30;
+  return p;
+}();
 inline const PairPotential embedded = [] {
   PairPotential p = breaking;
+  p.tension = 30;
   p.embedding = {.bulk_modulus = 40, .hugoniot_slope = 1.3, .gruneisen = 1.2, .density = 1.1};
   return p;
 }();
@@ -40,11 +46,11 @@ inline double textbook_force(const PairPotential& p, double r) {
     whole.breaking_strain = 0;
     return textbook_force(whole, (1 + eps) * d) * ((1 + 2 * eps) * d - r) / (eps * d);
   }
+  if (p.tension > 0 && r > d) return -p.tension * (r - d);
   if (p.law == PairLaw::morse) {
     const double e = std::exp(-p.steepness * (r / d - 1));
     return 2 * p.depth * p.steepness / d * e * (e - 1);
   }
-  if (p.law == PairLaw::steinhauser && r > d) return -p.tension * (r - d);
   const double m = p.repulsive, n = p.attractive;
   return p.depth * m * n / (m - n) / r * (std::pow(d / r, m) - std::pow(d / r, n));
 }

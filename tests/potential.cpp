@@ -132,7 +132,7 @@ void expect_velocities(const std::vector<Sphere>& after, const std::vector<Vec3>
 }
 
 TEST(PairPotential, step_equals_the_sum_over_all_pairs) {
-  for (PairPotential p : {lennard_jones, mie, morse, steinhauser, breaking, embedded})
+  for (PairPotential p : {lennard_jones, mie, morse, sprung, steinhauser, breaking, embedded})
     for (double damping : {0.0, 0.4}) {
       p.damping = damping;
       // Compressed, so that pairs lie on both sides of the distance of rest.

@@ -42,10 +42,14 @@ PairPotential without_end(PairPotential p) {
 
 }  // namespace
 
-double stiffness(const PairPotential& p) {
+double stiffness_pressed(const PairPotential& p) {
   const double curvature =
       p.law == PairLaw::morse ? 2 * p.steepness * p.steepness : p.repulsive * p.attractive;
-  return std::max(curvature * p.depth / (p.distance * p.distance), p.tension);
+  return curvature * p.depth / (p.distance * p.distance);
+}
+
+double stiffness(const PairPotential& p) {
+  return std::max(stiffness_pressed(p), p.tension);
 }
 
 double pair_force(const PairPotential& p, double r) {

@@ -51,9 +51,11 @@ enum class Match { solid, bulk };
 /// equal tension from all sides:
 ///
 ///   bulk:  k = 18 m c0^2 / (Z d^2),  a d = K' - 1 = 4 s - 2: bulk modulus and its slope
-///   solid: k = 0.45 * 1.25 sqrt(2) G d, 0.45 of what would give the lattice Voigt's mean of
-///          the shear modulus, but it does not yield; an embedding gives the rest of the pressure,
-///          bulk modulus, Hugoniot and heat's, with half of Gruneisen's parameter
+///   solid: below d k = 0.45 * 1.25 sqrt(2) G d, 0.45 of what would give the lattice Voigt's mean
+///          of the shear modulus, but it does not yield; an embedding gives the rest of the
+///          pressure: bulk modulus, Hugoniot and heat's, with half of Gruneisen's parameter.
+///          Above d bonds are springs with the k of `bulk`: so much energy breaks them as the
+///          solid's modulus says
 ///   D = k / (2 a^2),  bonds break at the force F_b = 6 V sigma / (0.725 Z d).
 ///
 /// `place` says in messages who asks. Throws Error where a constant is missing or a strength is
@@ -65,7 +67,8 @@ PairPotential morse_law(const Solid& solid, const Lattice& lattice, Match match,
 double plane_strength(const PairPotential& potential, const Lattice& lattice);
 
 /// m/s, of long waves in an fcc lattice of central bonds to the nearest neighbours, C11 = 2 C12 =
-/// 2 C44 = sqrt(2) k/d, where it is not in tension with what an embedding adds to C11 and C12.
+/// 2 C44 = sqrt(2) k/d, where it is pressed, with what an embedding adds to C11 and C12. In a shear
+/// wave half of the bonds are stretched.
 struct LatticeSpeeds {
   double bulk = 0;
   double along_100 = 0, along_110 = 0, along_111 = 0;  ///< longitudinal

@@ -86,9 +86,10 @@ struct MorseLanes {
   double d, a, depth, slope;
 };
 
-struct SteinhauserLanes {
-  explicit SteinhauserLanes(const PairPotential& p)
-      : repulsion(p), d(p.distance), tension(p.tension) {}
+/// `Repulsion` below the distance of rest, a spring above.
+template <class Repulsion>
+struct SpringBeyond {
+  explicit SpringBeyond(const PairPotential& p) : repulsion(p), d(p.distance), tension(p.tension) {}
   Lanes force_over_distance(const Lanes& r2) const {
     const Lanes pull = tension * (d * inverse_sqrt(r2) - 1.0);
     return r2 < d * d ? repulsion.force_over_distance(r2) : pull;
@@ -97,7 +98,7 @@ struct SteinhauserLanes {
     const Lanes stretch = r2 * inverse_sqrt(r2) - d;
     return r2 < d * d ? repulsion.energy(r2) + repulsion.depth : 0.5 * tension * stretch * stretch;
   }
-  LennardJonesLanes repulsion;
+  Repulsion repulsion;
   double d, tension;
 };
 
@@ -131,9 +132,10 @@ auto with_law(const PairPotential& p, F&& f) {
   const auto with = [&]<class Law>(const Law& law) {
     return p.breaking_strain > 0 ? f(Breaking<Law>(p)) : f(law);
   };
-  if (p.law == PairLaw::morse) return with(MorseLanes(p));
+  if (p.law == PairLaw::morse)
+    return p.tension > 0 ? with(SpringBeyond<MorseLanes>(p)) : with(MorseLanes(p));
   if (p.law == PairLaw::lennard_jones) return with(LennardJonesLanes(p));
-  if (p.law == PairLaw::steinhauser) return with(SteinhauserLanes(p));
+  if (p.law == PairLaw::steinhauser) return with(SpringBeyond<LennardJonesLanes>(p));
   return with(MieLanes(p));
 }
 

@@ -22,7 +22,8 @@ struct Embedding {
 ///
 ///   Mie:   U = D/(m - n) [n (d/r)^m - m (d/r)^n]; m, n = 12, 6 for Lennard-Jones, whose
 ///          sigma is d/2^(1/6)
-///   Morse: U = D [(1 - e)^2 - 1],  e = exp(-s (r/d - 1))
+///   Morse: U = D [(1 - e)^2 - 1],  e = exp(-s (r/d - 1)); with a tension k: D (1 - e)^2 below d,
+///          k/2 (r - d)^2 above
 ///   Steinhauser: U = D [(d/r)^12 - 2 (d/r)^6 + 1] below d, k/2 (r - d)^2 above, no force beyond
 ///          the cut-off (Steinhauser, Grass, Strassburger & Blumen, Int. J. Plasticity 25 (2009)
 ///          161: D = gamma R0^3, k = 2 lambda R0, cut-off alpha d)
@@ -37,14 +38,16 @@ struct PairPotential {
   int repulsive = 12;          ///< m of Mie
   int attractive = 6;          ///< n of Mie
   double steepness = 0;        ///< s of Morse, often written a d
-  double tension = 0;          ///< N/m, k of Steinhauser
+  double tension = 0;          ///< N/m, k of Steinhauser, and of Morse where not 0
   double cutoff = 0;           ///< m
   double breaking_strain = 0;  ///< eps; 0: no break
   double damping = 0;          ///< of critical: c = damping * 2 sqrt(k m/2), m the lightest body's
   Embedding embedding{};
 };
 
-/// N/m at the distance of rest: Mie m n D/d^2, Morse 2 D (s/d)^2; Steinhauser: the stiffer side's.
+/// N/m at the distance of rest, below it: Mie m n D/d^2, Morse 2 D (s/d)^2.
+double stiffness_pressed(const PairPotential& potential);
+/// N/m, of the stiffer side.
 double stiffness(const PairPotential& potential);
 
 /// N, of the repulsion -dU/dr, and J; the damping apart.
