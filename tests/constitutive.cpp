@@ -102,8 +102,7 @@ TEST(Constitutive, elastic_constants_are_those_of_central_bonds) {
 }
 
 TEST(Constitutive, solid_has_shear_stiffness_from_pairs_and_the_rest_of_its_bulk_modulus_embedded) {
-  Solid solid = aluminium;
-  solid.spall_strength = 0;
+  const Solid solid = aluminium;
   const PairPotential p = morse_law(solid, fcc, Match::solid, "here");
   const Eigen::Matrix3d one = Eigen::Matrix3d::Identity();
   // Crowding changes with the square of a shear, and at rest nothing presses: pairs are all, in a

@@ -16,7 +16,7 @@ struct Lattice {
 /// An fcc crystal of spacing s d, by the sum over a cube of it.
 Lattice lattice(const PairPotential& p, double s) {
   Lattice sums;
-  const double reach = 1.3 * p.distance;
+  const double reach = crowding_reach * p.distance;
   for (int i = -5; i <= 5; ++i)
     for (int j = -5; j <= 5; ++j)
       for (int k = -5; k <= 5; ++k) {
@@ -68,6 +68,23 @@ TEST(Embedding, push_is_the_slope_of_the_energy) {
   for (double n = 0.05; n < 5; n += 0.0377) {
     const double dn = 1e-6, slope = (law.energy(n + dn) - law.energy(n - dn)) / (2 * dn);
     EXPECT_NEAR(law.push(n, 0).all, slope, 1e-6 * (part.bulk_modulus + slope)) << n;
+  }
+}
+
+TEST(Embedding, materials_of_any_slope_have_a_table_that_ends_soundly) {
+  for (double slope : {0.55, 0.77, 1.0, 1.5, 3.0}) {
+    PairPotential p = solid;
+    p.embedding.hugoniot_slope = slope;
+    const EmbeddingLaw law(p);
+    double before = 0;
+    for (double n = lattice(p, 0.999).crowding; n < 20; n *= 1.01) {
+      const auto [all, heat] = law.push(n, 1);
+      ASSERT_TRUE(std::isfinite(all) && std::isfinite(law.energy(n))) << slope << " " << n;
+      ASSERT_GT(heat, 0) << slope << " " << n;
+      ASSERT_GE(all, heat) << slope << " " << n;
+      ASSERT_GE(law.energy(n), before) << slope << " " << n;
+      before = law.energy(n);
+    }
   }
 }
 

@@ -78,7 +78,7 @@ std::vector<double> pushes_of(const std::vector<Sphere>& spheres, const std::vec
     double crowding = 0;
     for (std::size_t j = 0; j < at.size(); ++j)
       if (j != i) crowding += std::pow(std::max(0.0, 1 - (at[j] - at[i]).norm() / law.reach()), 2);
-    pushes[i] = spheres[i].mass / p.embedding.density * law.push(crowding, 0).all;
+    pushes[i] = law.volume(spheres[i].mass) * law.push(crowding, 0).all;
   }
   return pushes;
 }
@@ -91,7 +91,7 @@ double embedding_energy(const std::vector<Sphere>& spheres, const PairPotential&
     double crowding = -1;  // of itself
     for (const Sphere& b : spheres)
       crowding += std::pow(std::max(0.0, 1 - (a.position - b.position).norm() / law.reach()), 2);
-    energy += a.mass / p.embedding.density * law.energy(crowding);
+    energy += law.volume(a.mass) * law.energy(crowding);
   }
   return energy;
 }
@@ -102,7 +102,7 @@ std::vector<Vec3> kicked(const std::vector<Sphere>& spheres, const PairPotential
   std::vector<Vec3> velocity, middle;
   for (const Sphere& s : spheres) middle.push_back(s.position + h / 2 * s.velocity);
   const std::vector<double> push = pushes_of(spheres, middle, p);
-  const double reach = 1.3 * p.distance;
+  const double reach = crowding_reach * p.distance;
   for (std::size_t i = 0; i < spheres.size(); ++i) {
     const Sphere& a = spheres[i];
     Vec3 force = Vec3::Zero();
@@ -215,6 +215,22 @@ TEST(PairPotential, energy_does_not_drift) {
   }
   // What an instant is off by is of second order; its mean stays where it was.
   EXPECT_NEAR(last, first, 1e-3);
+}
+
+TEST(PairPotential, fixed_bodies_press_like_a_crystal_s) {
+  PairPotential p = embedded;
+  p.damping = 0.3;
+  std::vector<Sphere> spheres = crystal(p.distance, 2.1, 0.1, {0, 0, 5.4}, {0, 0, -1});
+  for (const Sphere& s : crystal(p.distance, 2.1, 0)) {
+    spheres.push_back(s);
+    spheres.back().mass = infinity;
+  }
+  World world = potential_world(testing_world(), spheres, p);
+  const double before = potential_energy(world);
+  potential_steps(world, 0.01, 200);
+  EXPECT_TRUE(std::isfinite(before));
+  EXPECT_TRUE(std::isfinite(potential_energy(world)));
+  for (const Sphere& s : spheres_of(world)) EXPECT_LT(s.velocity.norm(), 2);
 }
 
 TEST(PairPotential, momenta_are_kept_to_round_off) {

@@ -50,15 +50,16 @@ PairPotential morse_law(const Solid& solid, const Lattice& lattice, Match match,
   double k = all_k;
   PairPotential p{.law = PairLaw::morse, .distance = d, .steepness = 4 * solid.hugoniot_slope - 2};
   if (match == Match::solid) {
-    require(solid.gruneisen > 0 && solid.youngs_modulus > 0,
-            "{} needs the material's gruneisen, youngs_modulus and poisson_ratio; match = "
-            "\"bulk\" does without",
+    require(solid.gruneisen > 0 && solid.youngs_modulus > 0 && solid.poisson_ratio != 0 &&
+                solid.spall_strength > 0,
+            "{} needs the material's gruneisen, youngs_modulus, poisson_ratio and spall_strength; "
+            "match = \"bulk\" does without",
             place);
     k = shear_share * 1.25 * std::sqrt(2.0) * solid.shear_modulus() * d;
     require(k < all_k,
-            "{}: pairs that give the material's shear modulus, {:.3g} Pa, give more than its bulk "
-            "modulus, {:.3g} Pa",
-            place, solid.shear_modulus(), solid.bulk_modulus());
+            "{}: pairs with {:g} of the material's shear modulus, {:.3g} Pa, give more than its "
+            "bulk modulus, {:.3g} Pa",
+            place, shear_share, solid.shear_modulus(), solid.bulk_modulus());
     p.tension = all_k;
     p.embedding = {.bulk_modulus = solid.bulk_modulus(),
                    .hugoniot_slope = solid.hugoniot_slope,
@@ -81,8 +82,10 @@ PairPotential morse_law(const Solid& solid, const Lattice& lattice, Match match,
 }
 
 double plane_strength(const PairPotential& p, const Lattice& lattice) {
-  // Without a break, where the whole law of Morse is strongest.
-  const double strongest = p.breaking_strain > 0 ? p.breaking_strain : std::log(2.0) / p.steepness;
+  // Without a break: where the whole law of Morse is strongest, or a spring as long as such a law,
+  // which ends before the second neighbours.
+  const double longest = p.tension > 0 ? (std::sqrt(2.0) - 1) / 2 : std::log(2.0) / p.steepness;
+  const double strongest = p.breaking_strain > 0 ? p.breaking_strain : longest;
   PairPotential whole = p;
   whole.breaking_strain = 0;
   whole.cutoff = infinity;

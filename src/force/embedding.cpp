@@ -11,9 +11,9 @@ namespace spall {
 namespace {
 
 constexpr int nodes_to_rest = 256;
-constexpr double most_expanded = 1.15;  // d
+constexpr double most_expanded = 1.15, most_compressed = 0.6;  // d
 /// Of 1/s, where the shock's pressure has no end.
-constexpr double most_compressed = 0.8;
+constexpr double strongest = 0.8;
 
 /// Of an fcc crystal of this spacing, with d = 1, and its slope.
 struct Crowding {
@@ -36,17 +36,22 @@ Crowding crowding_of_lattice(double spacing, double reach) {
 
 }  // namespace
 
-EmbeddingLaw::EmbeddingLaw(const PairPotential& p) : reach_(1.3 * p.distance) {
-  const double reach = reach_ / p.distance;
+EmbeddingLaw::EmbeddingLaw(const PairPotential& p)
+    : reach_(crowding_reach * p.distance),
+      density_(p.embedding.density),
+      cell_(p.distance * p.distance * p.distance / std::sqrt(2.0)) {
+  const double reach = crowding_reach;
   at_rest_ = crowding_of_lattice(1, reach).value;
   step_ = at_rest_ / nodes_to_rest;
   const Embedding& e = p.embedding;
-  const double K = e.bulk_modulus, end = std::cbrt(1 - most_compressed / e.hugoniot_slope);
+  const double K = e.bulk_modulus;
+  const double end =
+      std::max(most_compressed, std::cbrt(std::max(0.0, 1 - strongest / e.hugoniot_slope)));
   const double first = crowding_of_lattice(most_expanded, reach).value;
   const double last = crowding_of_lattice(end, reach).value;
   const auto pair_pressure = [&](double spacing) {
-    const double r = spacing * p.distance, cell = r * r * r / std::sqrt(2.0);
-    return 12 * r * pair_force(p, r) / (6 * cell);
+    const double s3 = spacing * spacing * spacing;
+    return 12 * spacing * p.distance * pair_force(p, spacing * p.distance) / (6 * s3 * cell_);
   };
   nodes_.resize(static_cast<std::size_t>(last / step_) + 1);
   double spacing = most_expanded, eta = 0, pressure = 0, energy = 0;  // of the isentrope
@@ -85,8 +90,9 @@ EmbeddingLaw::Place EmbeddingLaw::place(double crowding) const {
 EmbeddingLaw::Push EmbeddingLaw::push(double crowding, double heat) const {
   const auto [k, beyond] = place(crowding);
   const Node &low = nodes_[k], &high = nodes_[k + 1];
-  const double cold = low.cold + beyond * (high.cold - low.cold);
-  const double hot = (low.hot + beyond * (high.hot - low.hot)) * heat;
+  const double part = std::min(beyond, 1.0);  // after its end the table stays as it is there
+  const double cold = low.cold + part * (high.cold - low.cold);
+  const double hot = (low.hot + part * (high.hot - low.hot)) * heat;
   if (crowding >= at_rest_) return {cold + hot, hot};
   const double left = std::max(0.0, cold + hot);
   return {left, left};
@@ -96,7 +102,9 @@ double EmbeddingLaw::energy(double crowding) const {
   if (crowding <= at_rest_) return 0;
   const auto [k, beyond] = place(crowding);
   const Node &low = nodes_[k], &high = nodes_[k + 1];
-  return low.energy + step_ * beyond * (low.cold + beyond / 2 * (high.cold - low.cold));
+  const double part = std::min(beyond, 1.0);
+  return low.energy + step_ * (part * (low.cold + part / 2 * (high.cold - low.cold)) +
+                               (beyond - part) * high.cold);
 }
 
 }  // namespace spall

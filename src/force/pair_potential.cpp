@@ -80,10 +80,7 @@ double strain_of_energy(const PairPotential& p, double energy) {
 }
 
 double longest_step(const PairPotential& p, double mass) {
-  // Springs of a close-packed lattice that give the embedding's bulk modulus: 3 K d / (2 sqrt(2)).
-  const double k =
-      std::max(stiffness(p), 1.5 / std::sqrt(2.0) * p.embedding.bulk_modulus * p.distance);
-  return std::min(step_limit, damped_limit / p.damping) * std::sqrt(mass / k);
+  return std::min(step_limit, damped_limit / p.damping) * std::sqrt(mass / stiffness(p));
 }
 
 void check_step(const PairPotential& p, double h, double mass, double speed,

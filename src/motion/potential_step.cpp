@@ -49,7 +49,7 @@ void take_rows(World& world) {
 
 /// m, up to which two bodies may act on each other.
 double reach_of(const PairPotential& p) {
-  return p.embedding.bulk_modulus > 0 ? std::max(p.cutoff, EmbeddingLaw(p).reach()) : p.cutoff;
+  return p.embedding.bulk_modulus > 0 ? std::max(p.cutoff, crowding_reach * p.distance) : p.cutoff;
 }
 
 /// Makes pairs and ghosts current for forces at the present positions.
@@ -105,9 +105,10 @@ void update_pushes(World& world, const EmbeddingLaw& law) {
   measure_crowding(world, law);
   const Bodies& bodies = world.bodies;
   world.pushes.resize(bodies.size());
+  const bool damped = world.potential.damping > 0;  // or heat's work would not be booked
   for (Index b = 0; b < bodies.owned; ++b) {
-    const double volume = bodies.mass[b] / world.potential.embedding.density;
-    const double heat = bodies.has.heat ? bodies.heat[b] / volume : 0;
+    const double volume = law.volume(bodies.mass[b]);
+    const double heat = damped ? bodies.heat[b] / volume : 0;
     const auto [all, hot] = law.push(world.crowding[b], heat);
     world.pushes[b] = {volume * all, volume * hot};
   }
@@ -189,11 +190,11 @@ double potential_energy(World& world) {
     return sweep_energy(world.near.windows, law, world.potential.cutoff, world.rows.data(),
                         world.bodies.owned);
   });
-  if (const Embedding& e = world.potential.embedding; e.bulk_modulus > 0) {
+  if (world.potential.embedding.bulk_modulus > 0) {
     const EmbeddingLaw law(world.potential);
     measure_crowding(world, law);
     for (Index b = 0; b < world.bodies.owned; ++b)
-      energy += world.bodies.mass[b] / e.density * law.energy(world.crowding[b]);
+      energy += law.volume(world.bodies.mass[b]) * law.energy(world.crowding[b]);
   }
   return world.comm.sum(energy);
 }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "spall/force/lanes.hpp"
@@ -9,19 +10,24 @@
 
 namespace spall {
 
+/// Of the distance of rest: r_c, up to which bodies crowd each other.
+inline constexpr double crowding_reach = 1.3;
+
 /// The embedding part of a pair potential, as a table. Body i is as crowded as
 ///
-///   n_i = sum_j w(r_ij),  w(r) = (1 - r/r_c)^2 below r_c = 1.3 d,
+///   n_i = sum_j w(r_ij),  w(r) = (1 - r/r_c)^2 below r_c,
 ///
 /// which in an fcc crystal tells its density x, of that at rest. Beside what pairs do, a body of
 /// mass m and heat Q presses with
 ///
-///   P = P_c(x) - P_pair(x) + Gamma Q/v    where x > 1, v = m/rho,
+///   P = P_c(x) - P_pair(x) + Gamma Q/v    where x > 1; not less than the heat's,
 ///   P = max(0, K (x - 1) + Gamma Q/v)     below, where bonds alone bear tension,
 ///
-/// so that a crystal answers shocks by the equation of state of Mie and Gruneisen, Gamma rho
-/// constant, and a hot one expands until its cohesion holds the heat's pressure, but not beyond
-/// 1.15 d. P_c is the isentrope from rest: with eta = 1 - 1/x, E_c = int P_c d eta (J/m^3),
+/// where v is what m takes of the solid, but no more than a cell of the crystal, and P_pair that of
+/// pairs of nearest neighbours in it, so that a crystal answers shocks by the equation of state of
+/// Mie and Gruneisen, Gamma rho constant, and a hot one expands until its cohesion holds the heat's
+/// pressure, but not beyond 1.15 d. P_c is the isentrope from rest: with eta = 1 - 1/x, E_c = int
+/// P_c d eta (J/m^3),
 ///
 ///   P_c = P_H (1 - Gamma eta/2) + Gamma E_c,   P_H = K eta / (1 - s eta)^2.
 ///
@@ -44,7 +50,10 @@ class EmbeddingLaw {
     return (r2 < reach_ * reach_) & (r2 > 0.0) ? slope : Lanes{};
   }
 
-  /// Pa, -P dV/dn over the volume v at rest: all of it, and the heat's.
+  /// m^3, v of a body (kg).
+  double volume(double mass) const { return std::min(mass / density_, cell_); }
+
+  /// Pa, -P dV/dn over v: all of it, and the heat's.
   struct Push {
     double all = 0, heat = 0;
   };
@@ -66,7 +75,7 @@ class EmbeddingLaw {
   };
   Place place(double crowding) const;
 
-  double reach_, at_rest_ = 0, step_ = 0;
+  double reach_, density_, cell_, at_rest_ = 0, step_ = 0;
   std::vector<Node> nodes_;
 };
 

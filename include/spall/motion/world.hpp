@@ -38,7 +38,7 @@ struct GravityKick {
 
 /// Energy that went somewhere since the start, J; sums over this rank's part.
 struct Ledger {
-  double dissipated = 0;     ///< by contacts: impact and friction
+  double dissipated = 0;     ///< by contacts and dashpots, less the work of heat's pressure
   double cohesion_work = 0;  ///< by cohesion on the bodies
   double corrections = 0;  ///< gained by the bodies, height included, as overlaps were taken apart
 };

@@ -30,10 +30,11 @@ struct Bodies {
   std::vector<Vec3> velocity;          ///< m/s
   std::vector<Vec3> angular_velocity;  ///< rad/s, world frame
   std::vector<Vec3> acceleration;      ///< m/s^2, by gravity when its field was last evaluated
-  std::vector<double> heat;            ///< J, that damping has left in the body
-  std::vector<Vec3> kick;              ///< m/s, by pair potentials in the last step
-  std::vector<std::int32_t> bonds;     ///< that the body was made with, where bonds break
-  std::vector<double> damage;          ///< share of them broken, when last measured
+  std::vector<double>
+      heat;                ///< J, that damping has left in the body, less the work of its pressure
+  std::vector<Vec3> kick;  ///< m/s, by pair potentials in the last step
+  std::vector<std::int32_t> bonds;  ///< that the body was made with, where bonds break
+  std::vector<double> damage;       ///< share of them broken, when last measured
 
   Index size() const { return static_cast<Index>(id.size()); }
   Index ghosts() const { return size() - owned; }
