@@ -96,7 +96,7 @@ PairDamping damping_of(const World& world) {
 /// The crowding of the owned bodies at the present positions.
 void measure_crowding(World& world, const EmbeddingLaw& law) {
   world.crowding.assign(world.bodies.size(), 0.0);
-  sweep_crowding(world.near.windows, law, world.rows.data(), world.crowding.data());
+  sweep_crowding(world.near.windows, law.weight(), world.rows.data(), world.crowding.data());
 }
 
 /// What bodies press with at the present positions; ghosts learn it from their ranks.
@@ -146,7 +146,7 @@ Box kick_and_drift(World& world, const PairDamping& damping, const PairEmbedding
     const auto sweep = [&]<bool damped, bool embedded>() {
       sweep_pairs<damped, embedded>(windows, law, cutoff, damping, embedding, v, rows, finish);
     };
-    if (embedding.law)
+    if (embedding.pushes)
       damping.c > 0 ? sweep.template operator()<true, true>()
                     : sweep.template operator()<false, true>();
     else
@@ -166,7 +166,6 @@ SmoothReport potential_steps(World& world, double h, int most_steps) {
   const PairDamping damping = damping_of(world);
   std::optional<EmbeddingLaw> law;
   if (world.potential.embedding.bulk_modulus > 0) law.emplace(world.potential);
-  const PairEmbedding embedding{law ? &*law : nullptr, &world.pushes};
   book_motion(world.comm, velocities_of(bodies), h / 2, world.near);
   fill_rows(world);
   for (Index b = 0; b < bodies.owned; ++b)
@@ -175,6 +174,8 @@ SmoothReport potential_steps(World& world, double h, int most_steps) {
     update_pairs(world, damping.c > 0);
     if (law) update_pushes(world, *law);
     const int drifts = step < report.steps ? 2 : 1;
+    const PairEmbedding embedding{CrowdingWeight(crowding_reach * world.potential.distance),
+                                  law ? world.pushes.data() : nullptr};
     const Box velocities = kick_and_drift(world, damping, embedding, h, drifts);
     book_motion(world.comm, velocities, drifts * h / 2, world.near);
   }

@@ -13,9 +13,29 @@ namespace spall {
 /// Of the distance of rest: r_c, up to which bodies crowd each other.
 inline constexpr double crowding_reach = 1.3;
 
+/// How much a body r away crowds: w(r) = (1 - r/r_c)^2 below r_c.
+class CrowdingWeight {
+ public:
+  explicit CrowdingWeight(double reach)
+      : reach2_(reach * reach), inverse_(1 / reach), twice_(2 / reach) {}
+
+  Lanes operator()(const Lanes& r2) const {
+    const Lanes left = 1.0 - r2 * inverse_sqrt(r2) * inverse_;
+    return (r2 < reach2_) & (r2 > 0.0) ? left * left : Lanes{};
+  }
+  /// 1/m^2, -w'(r)/r. Both are 0 of a body and itself.
+  Lanes slope_over_distance(const Lanes& r2) const {
+    const Lanes slope = twice_ * (inverse_sqrt(r2) - inverse_);
+    return (r2 < reach2_) & (r2 > 0.0) ? slope : Lanes{};
+  }
+
+ private:
+  double reach2_, inverse_, twice_;
+};
+
 /// The embedding part of a pair potential, as a table. Body i is as crowded as
 ///
-///   n_i = sum_j w(r_ij),  w(r) = (1 - r/r_c)^2 below r_c,
+///   n_i = sum_j w(r_ij),
 ///
 /// which in an fcc crystal tells its density x, of that at rest. Beside what pairs do, a body of
 /// mass m and heat Q presses with
@@ -39,16 +59,7 @@ class EmbeddingLaw {
   explicit EmbeddingLaw(const PairPotential& potential);
 
   double reach() const { return reach_; }  ///< m, r_c
-
-  Lanes weight(const Lanes& r2) const {
-    const Lanes left = 1.0 - r2 * inverse_sqrt(r2) / reach_;
-    return r2 < reach_ * reach_ ? left * left : Lanes{};
-  }
-  /// 1/m^2, -w'(r)/r; 0 of a body and itself.
-  Lanes slope_over_distance(const Lanes& r2) const {
-    const Lanes slope = 2 / reach_ * (inverse_sqrt(r2) - 1 / reach_);
-    return (r2 < reach_ * reach_) & (r2 > 0.0) ? slope : Lanes{};
-  }
+  CrowdingWeight weight() const { return CrowdingWeight(reach_); }
 
   /// m^3, v of a body (kg).
   double volume(double mass) const { return std::min(mass / density_, cell_); }

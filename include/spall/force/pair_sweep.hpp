@@ -96,7 +96,7 @@ static_assert(sizeof(EmbeddingLaw::Push) == doubles_a_push * sizeof(double));
 struct PushLanes {
   Lanes all, heat;
 };
-inline PushLanes gather_pushes(const Pushes& pushes, const Index* places) {
+inline PushLanes gather_pushes(const EmbeddingLaw::Push* pushes, const Index* places) {
 #ifdef __AVX512F__
   static_assert(doubles_a_row == 4 * doubles_a_push);
   const __m256i at =
@@ -104,7 +104,7 @@ inline PushLanes gather_pushes(const Pushes& pushes, const Index* places) {
   const auto gather = [&](const double* from) {
     return _mm512_mask_i32gather_pd(_mm512_setzero_pd(), 0xff, at, from, 8);
   };
-  return {gather(&pushes.data()->all), gather(&pushes.data()->heat)};
+  return {gather(&pushes->all), gather(&pushes->heat)};
 #else
   PushLanes p;
   for (std::size_t l = 0; l < lane_count; ++l) {
@@ -150,8 +150,9 @@ concept BreakingLaw = requires(const Law& law) {
 };
 
 /// Adds to the crowding of each owned body; that of ghosts means nothing.
-inline void sweep_crowding(const std::vector<NearWindow>& windows, const EmbeddingLaw& law,
+inline void sweep_crowding(const std::vector<NearWindow>& windows, const CrowdingWeight& weight,
                            const PairRow* rows, double* crowding) {
+  const CrowdingWeight of_pairs = weight;  // its own: what is written could else be a constant
   for (const NearWindow& window : windows) {
     const Index* partners = window.partners.data();
     for (std::size_t g = 0; g < window.slots.size(); ++g) {
@@ -162,7 +163,7 @@ inline void sweep_crowding(const std::vector<NearWindow>& windows, const Embeddi
         const LaneVectors xj = gather_positions(rows, partners);
         const Lanes dx = xj.x - xi.x, dy = xj.y - xi.y, dz = xj.z - xi.z;
         const Lanes r2 = dx * dx + dy * dy + dz * dz;
-        const Lanes w = r2 > 0.0 ? law.weight(r2) : Lanes{};
+        const Lanes w = of_pairs(r2);
         sum += w;
         for (std::size_t l = 0; l < lane_count; ++l) crowding[partners[l] / doubles_a_row] += w[l];
       }
@@ -173,8 +174,8 @@ inline void sweep_crowding(const std::vector<NearWindow>& windows, const Embeddi
 
 /// The embedding part of a sweep: what bodies press with, ghosts' too.
 struct PairEmbedding {
-  const EmbeddingLaw* law = nullptr;  ///< none: pairs are all there is
-  const Pushes* pushes = nullptr;
+  CrowdingWeight weight;
+  const EmbeddingLaw::Push* pushes = nullptr;  ///< none: pairs are all there is
 };
 
 /// Adds the forces of all pairs nearer than `cutoff` to the rows, and those of the embedding;
@@ -186,6 +187,8 @@ void sweep_pairs(std::vector<NearWindow>& windows, const Law& of_pairs, double c
                  const PairDamping& damping, const PairEmbedding& embedding, const double* velocity,
                  PairRow* rows, Finish&& finish) {
   const Law law = of_pairs;  // its own: a bit that is written could else be one of its constants
+  const CrowdingWeight weight = embedding.weight;
+  const EmbeddingLaw::Push* const pushes = embedding.pushes;
   const double c = damping.c;
   const double cutoff2 = cutoff * cutoff, damped2 = damping.distance * damping.distance;
   const Lanes zero{};
@@ -201,7 +204,7 @@ void sweep_pairs(std::vector<NearWindow>& windows, const Law& of_pairs, double c
       LaneVectors vi{}, sum{};
       if constexpr (damped) vi = gather_vectors(velocity, own);
       PushLanes push_i{};
-      if constexpr (embedded) push_i = gather_pushes(*embedding.pushes, own);
+      if constexpr (embedded) push_i = gather_pushes(pushes, own);
       Lanes power{};
       for (Index s = 0; s < window.slots[g]; ++s, partners += lane_count) {
         ahead.ask_for_slot();
@@ -229,8 +232,8 @@ void sweep_pairs(std::vector<NearWindow>& windows, const Law& of_pairs, double c
         }
         f = acts ? f : zero;
         if constexpr (embedded) {
-          const PushLanes push_j = gather_pushes(*embedding.pushes, partners);
-          const Lanes slope = embedding.law->slope_over_distance(r2);
+          const PushLanes push_j = gather_pushes(pushes, partners);
+          const Lanes slope = weight.slope_over_distance(r2);
           f += (push_i.all + push_j.all) * slope;
           if constexpr (damped) {
             power -= push_i.heat * slope * u;
