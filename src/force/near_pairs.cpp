@@ -127,13 +127,15 @@ struct Candidates {
   void close() { std::fill_n(x.begin() + count, lane_rows, infinity); }
 };
 
-/// Appends the candidates from `first` on that are nearer than `range` to those already in `found`.
-void append_near(const Candidates& all, Index first, const Vec3& center, double range,
-                 std::vector<Index>& found) {
+/// The candidates from `first` on that are nearer than `range`: those nearer than `reach` are
+/// appended to `found`, the others to `further`.
+void append_near(const Candidates& all, Index first, const Vec3& center, double reach, double range,
+                 std::vector<Index>& found, std::vector<Index>& further) {
   const Lanes x = spread(center[0]), y = spread(center[1]), z = spread(center[2]);
-  const Lanes limit = spread(range * range);
-  std::size_t count = found.size();
+  const Lanes inner = spread(reach * reach), limit = spread(range * range);
+  std::size_t count = found.size(), more = further.size();
   found.resize(count + all.count - first + lane_rows);
+  further.resize(more + all.count - first + lane_rows);
   const auto load = [](const std::vector<double>& from, Index at) {
     Lanes v;
     __builtin_memcpy(&v, &from[at], sizeof v);
@@ -143,20 +145,27 @@ void append_near(const Candidates& all, Index first, const Vec3& center, double 
     const Lanes dx = load(all.x, k) - x, dy = load(all.y, k) - y, dz = load(all.z, k) - z;
     const Lanes r2 = dx * dx + dy * dy + dz * dz;
 #ifdef __AVX512VL__
-    const __mmask8 near = _mm512_cmp_pd_mask(r2, limit, _CMP_LT_OQ);
+    const __mmask8 within = _mm512_cmp_pd_mask(r2, limit, _CMP_LT_OQ);
+    const __mmask8 near = _mm512_mask_cmp_pd_mask(within, r2, inner, _CMP_LT_OQ);
+    const __mmask8 beyond = within & ~near;
     const __m256i rows = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(&all.row[k]));
-    _mm256_storeu_si256(reinterpret_cast<__m256i*>(&found[count]),
-                        _mm256_maskz_compress_epi32(near, rows));
-    count += static_cast<unsigned>(__builtin_popcount(near));
+    const auto store = [&](std::vector<Index>& to, std::size_t at, __mmask8 chosen) {
+      _mm256_storeu_si256(reinterpret_cast<__m256i*>(&to[at]),
+                          _mm256_maskz_compress_epi32(chosen, rows));
+      return at + static_cast<unsigned>(__builtin_popcount(chosen));
+    };
+    count = store(found, count, near);
+    more = store(further, more, beyond);
 #else
-    const auto near = r2 < limit;
     for (Index l = 0; l < lane_rows; ++l) {
-      found[count] = all.row[k + l];
-      count += near[l] != 0;
+      found[count] = further[more] = all.row[k + l];
+      count += r2[l] < inner[l] && r2[l] < limit[l];
+      more += r2[l] >= inner[l] && r2[l] < limit[l];
     }
 #endif
   }
   found.resize(count);
+  further.resize(more);
 }
 
 /// Rows as they are found, until there are enough for a window.
@@ -236,7 +245,7 @@ class WindowMaker {
 
 }  // namespace
 
-void find_near_pairs(const Bodies& bodies, double range, const Giants& giants,
+void find_near_pairs(const Bodies& bodies, double reach, double range, const Giants& giants,
                      std::vector<NearWindow>& windows) {
   Grid grid{.edge = range};
   for (const Vec3& x : bodies.position) grid.low = grid.low.cwiseMin(x);
@@ -255,8 +264,8 @@ void find_near_pairs(const Bodies& bodies, double range, const Giants& giants,
     largest = std::max(largest, order.key.back());
   }
   const auto meets_giant = [&](Index g, Index b) {
-    const double reach = bodies.radius[g] + bodies.radius[b] + giants.slack;
-    return (bodies.position[g] - bodies.position[b]).squaredNorm() < reach * reach;
+    const double touch = bodies.radius[g] + bodies.radius[b] + giants.slack;
+    return (bodies.position[g] - bodies.position[b]).squaredNorm() < touch * touch;
   };
   order = sort_by_key(std::move(order), largest);
 
@@ -270,6 +279,7 @@ void find_near_pairs(const Bodies& bodies, double range, const Giants& giants,
   const CellTable table(cells);
 
   Candidates candidates;
+  std::vector<Index> further;
   WindowMaker maker(windows);
   for (const Cell& cell : cells) {
     if (cell.first == cell.ghosts) continue;
@@ -289,7 +299,10 @@ void find_near_pairs(const Bodies& bodies, double range, const Giants& giants,
     candidates.close();
     for (Index k = cell.first; k < cell.ghosts; ++k) {
       const Index row = order.row[k];
-      append_near(candidates, k - cell.first + 1, bodies.position[row], range, maker.partners());
+      further.clear();
+      append_near(candidates, k - cell.first + 1, bodies.position[row], reach, range,
+                  maker.partners(), further);
+      maker.partners().insert(maker.partners().end(), further.begin(), further.end());
       for (Index g : giant)
         if (meets_giant(g, row)) maker.partners().push_back(g);
       maker.end_row(row);
@@ -361,7 +374,7 @@ void search_near_pairs(const Comm& comm, Bodies& bodies, double reach, double sk
     near.ghosts = make_halo(comm, bodies, halo);
   }
   near.found_at.assign(bodies.position.begin(), bodies.position.begin() + bodies.owned);
-  find_near_pairs(bodies, reach + skin, {}, near.windows);
+  find_near_pairs(bodies, reach, reach + skin, {}, near.windows);
   if (bonds)
     recall_bonds(bodies, *bonds, near);
   else if (bonds_break)

@@ -253,8 +253,8 @@ void search_touch_pairs(const Comm& comm, Bodies& bodies, const Walls& walls, co
     touch.ghosts = make_halo(comm, bodies, reaches, period, touch.shifts);
   }
   touch.found_at.assign(bodies.position.begin(), bodies.position.begin() + bodies.owned);
-  find_near_pairs(bodies, 2 * range.ordinary + slack, {.above = range.ordinary, .slack = slack},
-                  touch.windows);
+  find_near_pairs(bodies, 2 * range.ordinary, 2 * range.ordinary + slack,
+                  {.above = range.ordinary, .slack = slack}, touch.windows);
   recall_springs(bodies, kept, range.rolling, touch);
   find_walls(bodies, walls, slack, kept, touch.walls);
   const auto all_equal = [](const std::vector<double>& values) {

@@ -19,6 +19,8 @@ class CrowdingWeight {
   explicit CrowdingWeight(double reach)
       : reach2_(reach * reach), inverse_(1 / reach), twice_(2 / reach) {}
 
+  double reach2() const { return reach2_; }  ///< m^2
+
   Lanes operator()(const Lanes& r2) const {
     const Lanes left = 1.0 - r2 * inverse_sqrt(r2) * inverse_;
     return (r2 < reach2_) & (r2 > 0.0) ? left * left : Lanes{};

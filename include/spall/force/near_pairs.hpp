@@ -58,7 +58,9 @@ struct Giants {
 };
 
 /// Finds all pairs nearer than `range` (m) with an owned body, and those of giants; ghosts current.
-void find_near_pairs(const Bodies& bodies, double range, const Giants& giants,
+/// The partners of a body nearer than `reach` come first: slots of those in the skin alone are
+/// passed over by a sweep as long as they stay there.
+void find_near_pairs(const Bodies& bodies, double reach, double range, const Giants& giants,
                      std::vector<NearWindow>& windows);
 
 /// Finds ghosts and pairs up to `reach` + `skin` (m) anew; cuts the domain before where the ranks'

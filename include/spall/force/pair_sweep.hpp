@@ -152,6 +152,7 @@ concept BreakingLaw = requires(const Law& law) {
 /// Adds to the crowding of each owned body; that of ghosts means nothing.
 inline void sweep_crowding(const std::vector<NearWindow>& windows, const CrowdingWeight& weight,
                            const PairRow* rows, double* crowding) {
+  const double reach2 = weight.reach2();
   const CrowdingWeight of_pairs = weight;  // its own: what is written could else be a constant
   for (const NearWindow& window : windows) {
     const Index* partners = window.partners.data();
@@ -163,6 +164,7 @@ inline void sweep_crowding(const std::vector<NearWindow>& windows, const Crowdin
         const LaneVectors xj = gather_positions(rows, partners);
         const Lanes dx = xj.x - xi.x, dy = xj.y - xi.y, dz = xj.z - xi.z;
         const Lanes r2 = dx * dx + dy * dy + dz * dz;
+        if (bits_of_mask(r2 < reach2) == 0) continue;
         const Lanes w = of_pairs(r2);
         sum += w;
         for (std::size_t l = 0; l < lane_count; ++l) crowding[partners[l] / doubles_a_row] += w[l];
@@ -190,7 +192,9 @@ void sweep_pairs(std::vector<NearWindow>& windows, const Law& of_pairs, double c
   const CrowdingWeight weight = embedding.weight;
   const EmbeddingLaw::Push* const pushes = embedding.pushes;
   const double c = damping.c;
-  const double cutoff2 = cutoff * cutoff, damped2 = damping.distance * damping.distance;
+  const double cutoff2 = cutoff * cutoff,
+               reach2 = embedded ? std::max(cutoff2, weight.reach2()) : cutoff2;
+  const double damped2 = damping.distance * damping.distance;
   const Lanes zero{};
   for (std::size_t w = 0; w < windows.size(); ++w) {
     NearWindow& window = windows[w];
@@ -212,6 +216,11 @@ void sweep_pairs(std::vector<NearWindow>& windows, const Law& of_pairs, double c
         const Lanes dx = xj.x - xi.x, dy = xj.y - xi.y, dz = xj.z - xi.z;
         const Lanes r2 = dx * dx + dy * dy + dz * dz;
         // A row that is its own partner, in a slot that it does not need, is at distance 0.
+        if (bits_of_mask((r2 < reach2) & (r2 > 0.0)) == 0) {
+          if constexpr (BreakingLaw<Law>)
+            if (*bound++ != 0) bound[-1] = 0;
+          continue;
+        }
         LaneMask acts = (r2 < cutoff2) & (r2 > 0.0);
         if constexpr (BreakingLaw<Law>) {
           const LaneMask holds = acts & mask_of_bits(*bound);
