@@ -5,7 +5,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 source jobs/environment.sh
-build=${1:-build/release} length=${2:-24}
+build=${1:-build/release} length=${2:-18}
 parts=${PARTS:-shock tension spall}
 run() { mpirun -n "${RANKS:-2}" "$build/bench/bench_solid" cases/plate/case.toml "$@"; }
 rows=$(mktemp)
