@@ -22,7 +22,7 @@ for part in shock tension spall; do
       done ;;
     tension) for orientation in 100 110 111 1 2 3 4; do run tension $orientation 0.35; done ;;
     spall)
-      for flyer in ${SPALL:-6 8 12}; do
+      for flyer in ${SPALL:-6 8}; do
         for orientation in 100 110 111 1 2 3 4; do run spall $orientation 0.35 500 "$flyer"; done
       done ;;
   esac | tee -a "$rows"
