@@ -36,6 +36,12 @@ inline const PairPotential embedded = [] {
   p.embedding = {.bulk_modulus = 40, .hugoniot_slope = 1.3, .gruneisen = 1.2, .density = 1.1};
   return p;
 }();
+/// Bonds of any length, with the same embedding.
+inline const PairPotential crowded = [] {
+  PairPotential p = morse;
+  p.embedding = embedded.embedding;
+  return p;
+}();
 
 /// N, as written in the textbooks.
 inline double textbook_force(const PairPotential& p, double r) {
