@@ -18,12 +18,12 @@ for part in shock tension spall; do
   case $part in
     shock)
       for up in 500 1000 2000 3350; do
-        for orientation in 1 2 3 4 5 6 7 8 100 110 111; do run shock $orientation 0.35 $up "$length"; done
+        for orientation in 1 2 3 4 5 6 7 8 100 110 111; do run shock $orientation 0.3 $up "$length"; done
       done ;;
-    tension) for orientation in 100 110 111 1 2 3 4; do run tension $orientation 0.35; done ;;
+    tension) for orientation in 100 110 111 1 2 3 4; do run tension $orientation 0.3; done ;;
     spall)
       for flyer in ${SPALL:-6 8}; do
-        for orientation in 100 110 111 1 2 3 4; do run spall $orientation 0.35 500 "$flyer"; done
+        for orientation in 100 110 111 1 2 3 4; do run spall $orientation 0.3 500 "$flyer"; done
       done ;;
   esac | tee -a "$rows"
 done

@@ -114,7 +114,7 @@ TEST(Constitutive, solid_has_shear_stiffness_from_pairs_and_the_rest_of_its_bulk
   Eigen::Matrix3d shear = Eigen::Matrix3d::Zero(), stretch = Vec3(1, 0, 0).asDiagonal();
   shear(0, 1) = shear(1, 0) = 0.5;
   // Voigt's mean for C11 = 2 C12 = 2 C44.
-  EXPECT_NEAR(0.4 * modulus(-stretch), 0.45 * solid.shear_modulus(), 1e-3 * solid.shear_modulus());
+  EXPECT_NEAR(0.4 * modulus(-stretch), 0.18 * solid.shear_modulus(), 1e-3 * solid.shear_modulus());
   EXPECT_NEAR(modulus(stretch), 1.5 * solid.bulk_modulus(), 1e-3 * solid.bulk_modulus());
   const double c44 = modulus(shear);
   EXPECT_NEAR(c44, (modulus(stretch) + modulus(-stretch)) / 4, 1e-3 * c44);
@@ -263,7 +263,7 @@ TEST(Constitutive, a_case_gets_law_and_masses_from_its_material) {
   for (double m : made.mass) mass += m;
   // What the surface of a turned lattice cuts evens out.
   EXPECT_NEAR(mass, 2703 * volume_of(scene.groups[0].volume), 0.01 * mass);
-  EXPECT_NE(describe_phases(scene).find("[111] 5984 m/s"), std::string::npos);
+  EXPECT_NE(describe_phases(scene).find("[111] 5612 m/s"), std::string::npos);
 }
 
 TEST(Constitutive, orientations_follow_the_seed) {

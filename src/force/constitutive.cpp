@@ -17,7 +17,10 @@ constexpr double plane_share = 0.725;
 
 /// Of the shear modulus, where pressed: a perfect crystal does not yield where metal flows, and
 /// weak shocks would run a fifth too fast with all of it (bench/run_solid.sh).
-constexpr double shear_share = 0.45;
+constexpr double shear_share = 0.18;
+/// Of the steepness of the whole law: pairs so soft stop two bodies that meet alone at
+/// hypervelocity only if they stiffen faster. The solid's pressure is the embedding's business.
+constexpr double steepness_share = 1.3;
 /// Of Gruneisen's parameter, by trial on two shots of cases/plate: heat is what dashpots book, and
 /// bodies that move at random press on their own.
 constexpr double gruneisen_share = 0.5;
@@ -60,6 +63,7 @@ PairPotential morse_law(const Solid& solid, const Lattice& lattice, Match match,
             "{}: pairs with {:g} of the material's shear modulus, {:.3g} Pa, give more than its "
             "bulk modulus, {:.3g} Pa",
             place, shear_share, solid.shear_modulus(), solid.bulk_modulus());
+    p.steepness *= steepness_share;
     p.tension = all_k;
     p.embedding = {.bulk_modulus = solid.bulk_modulus(),
                    .hugoniot_slope = solid.hugoniot_slope,

@@ -51,12 +51,13 @@ enum class Match { solid, bulk };
 /// equal tension from all sides:
 ///
 ///   bulk:  k = 18 m c0^2 / (Z d^2),  a d = K' - 1 = 4 s - 2: bulk modulus and its slope
-///   solid: below d k = 0.45 * 1.25 sqrt(2) G d, 0.45 of what would give the lattice Voigt's mean
-///          of the shear modulus, but it does not yield; an embedding gives the rest of the
+///   solid: below d k = 0.18 * 1.25 sqrt(2) G d, 0.18 of what would give the lattice Voigt's mean
+///          of the shear modulus, but it does not yield, and a d = 1.3 (4 s - 2), for two bodies
+///          alone to stop each other at hypervelocity; an embedding gives the rest of the
 ///          pressure: bulk modulus, Hugoniot and heat's, with half of Gruneisen's parameter.
 ///          Above d bonds are springs with the k of `bulk`: so much energy breaks them as the
 ///          solid's modulus says
-///   D = k / (2 a^2),  bonds break at the force F_b = 6 V sigma / (0.725 Z d).
+///   D = k / (2 (a d)^2),  bonds break at the force F_b = 6 V sigma / (0.725 Z d).
 ///
 /// `place` says in messages who asks. Throws Error where a constant is missing or a strength is
 /// more than the whole law bears.
