@@ -1,5 +1,6 @@
 // Bodies over ranks: migration loses nothing, halos and pairs miss nothing.
 // SPDX-License-Identifier: BSD-3-Clause
+#include <functional>
 #include <map>
 #include <random>
 #include <set>
@@ -9,6 +10,8 @@
 #include "spall/contact/neighbours.hpp"
 #include "spall/domain/halo.hpp"
 #include "spall/domain/migration.hpp"
+#include "spall/domain/morton.hpp"
+#include "spall/domain/motion_cells.hpp"
 #include "spall/domain/pack.hpp"
 #include "spall/domain/partition.hpp"
 #include "testing.hpp"
@@ -207,6 +210,61 @@ TEST(Neighbours, impulses_stay_with_their_pairs_over_cuts) {
   ASSERT_GT(comm.sum(static_cast<std::int64_t>(neighbours.pairs.size())), 0);
   for (Index p = 0; p < neighbours.pairs.size(); ++p)
     EXPECT_EQ(neighbours.pairs.impulse[p], value(p));
+}
+
+TEST(MotionCells, keys_around_a_cell_are_those_of_its_neighbours) {
+  for (const Vec3& x : {Vec3(0.3, -0.2, 0.1), Vec3(-5.5, 7.9, -0.01), Vec3(1e3, -1e3, 64)}) {
+    std::set<std::uint64_t> expected;
+    for (int n = 0; n < 27; ++n)
+      expected.insert(morton_key(x + 0.5 * Vec3(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1), 0.5));
+    const auto keys = keys_around(morton_key(x, 0.5));
+    EXPECT_EQ(std::set<std::uint64_t>(keys.begin(), keys.end()), expected);
+    EXPECT_EQ(expected.size(), 27u);
+  }
+}
+
+TEST(MotionCells, they_know_how_near_bodies_come) {
+  const Comm comm = testing_world();
+  constexpr double range = 1, edge = 3;
+  Bodies all = random_bodies(600);
+  for (Index b = 0; b < all.size(); ++b)  // a cloud, and some far from it
+    all.position[b] = b < 500 ? Vec3(2 * all.position[b])
+                              : Vec3(3 * all.position[b] + Vec3::Constant(10 * (b % 4)));
+  const Bodies mine = share(all, comm);
+  const MotionCells cells(comm, std::span(mine.position.data(), mine.owned), edge);
+  const auto noise = [](Index b) { return Vec3(std::sin(b), std::sin(3 * b), std::cos(7 * b)); };
+  const std::pair<const char*, std::function<Vec3(Index, const Vec3&)>> motions[] = {
+      {"none", [](Index, const Vec3&) { return Vec3(0, 0, 0); }},
+      {"together", [](Index, const Vec3&) { return Vec3(50, -70, 3); }},
+      {"apart", [](Index, const Vec3& x) { return Vec3(0.01 * x); }},
+      {"shear", [](Index, const Vec3& x) { return Vec3(0.1 * x[1], 0, 0); }},
+      {"noise", [&](Index b, const Vec3&) { return Vec3(0.1 * noise(b)); }},
+      {"bullet",
+       [](Index b, const Vec3& x) { return b == 5 ? Vec3(8 - x[0], 0, 0) : Vec3(0, 0, 0); }},
+      {"distant groups", [](Index b, const Vec3&) { return Vec3(b < 500 ? 0.5 : 0, 0, 0); }},
+      {"every other", [](Index b, const Vec3&) { return Vec3(0, 0.3 * (b % 2), 0); }},
+      {"every rank", [&](Index b, const Vec3&) { return Vec3(0, 0, 0.2 * (b % comm.size)); }}};
+  std::map<std::string, double> bound;
+  for (const auto& [name, motion] : motions) {
+    std::vector<Vec3> displacement;
+    for (Index b = 0; b < mine.owned; ++b)
+      displacement.push_back(motion(static_cast<Index>(mine.id[b]), mine.position[b]));
+    bound[name] = cells.approach(comm, range, displacement);
+    double nearest = infinity;
+    for (Index a = 0; a < all.size(); ++a)
+      for (Index b = a + 1; b < all.size(); ++b) {
+        const Vec3 apart = all.position[b] - all.position[a];
+        if (apart.norm() < range) continue;
+        const Vec3 moved = motion(b, all.position[b]) - motion(a, all.position[a]);
+        nearest = std::min(nearest, (apart + moved).norm());
+      }
+    EXPECT_GE(nearest, range - bound[name] - 1e-12) << name;
+  }
+  EXPECT_LE(bound["none"], 0.0);
+  EXPECT_LE(bound["together"], 1e-12);
+  EXPECT_LE(bound["apart"], 0.01 * 2 * std::sqrt(3) * edge);  // however large the cloud
+  EXPECT_LE(bound["noise"], 0.1 * 3 * std::sqrt(3));
+  EXPECT_LE(bound["distant groups"], 0.5 + 1e-12);
 }
 
 }  // namespace

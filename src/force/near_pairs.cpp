@@ -285,13 +285,7 @@ void find_near_pairs(const Bodies& bodies, double reach, double range, const Gia
     if (cell.first == cell.ghosts) continue;
     candidates.count = 0;
     candidates.add(bodies, order, cell.first, cell.end);
-    const auto at = grid.cell(bodies.position[order.row[cell.first]]);
-    // Wraps around below 0 and beyond the last cell: candidates that are far away are harmless.
-    std::uint64_t part[3][3];
-    for (int k = 0; k < 3; ++k)
-      for (int step = 0; step < 3; ++step) part[k][step] = spread_bits(at[k] + step - 1);
-    for (int n = 0; n < 27; ++n) {
-      const std::uint64_t key = part[0][n % 3] | part[1][n / 3 % 3] << 1 | part[2][n / 9] << 2;
+    for (std::uint64_t key : keys_around(cell.key)) {
       if (key == cell.key) continue;
       if (const Cell* near = table.find(key))
         candidates.add(bodies, order, key > cell.key ? near->first : near->ghosts, near->end);
@@ -374,6 +368,7 @@ void search_near_pairs(const Comm& comm, Bodies& bodies, double reach, double sk
     near.ghosts = make_halo(comm, bodies, halo);
   }
   near.found_at.assign(bodies.position.begin(), bodies.position.begin() + bodies.owned);
+  near.cells = MotionCells(comm, near.found_at, motion_cell * (reach + skin));
   find_near_pairs(bodies, reach, reach + skin, {}, near.windows);
   if (bonds)
     recall_bonds(bodies, *bonds, near);

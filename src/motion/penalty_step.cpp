@@ -149,4 +149,8 @@ double contact_energy(World& world) {
   }));
 }
 
+double largest_relative_speed(const World& world) {
+  return velocities_of(world.bodies).united(world.comm).diagonal();
+}
+
 }  // namespace spall

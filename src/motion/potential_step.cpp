@@ -56,9 +56,12 @@ double reach_of(const PairPotential& p) {
 void update_pairs(World& world, bool velocities) {
   StageTimer timer(world.times, "neighbours");
   NearPairs& near = world.near;
-  if (near.skin > 0 && near.moved > near.skin)
-    near.moved = displacement(world.comm, near, false,
-                              [&](Index b) { return vector_of(world.rows[b].place); });
+  if (near.skin > 0 && near.moved > near.skin) {
+    std::vector<Vec3> displacement(near.found_at.size());
+    for (std::size_t b = 0; b < displacement.size(); ++b)
+      displacement[b] = vector_of(world.rows[b].place) - near.found_at[b];
+    near.moved = near.cells.approach(world.comm, near.reach + near.skin, displacement);
+  }
   if (near.skin == 0 || near.moved > near.skin) {
     const PairPotential& p = world.potential;
     const SkinRange skins{.length = world.potential.distance,
@@ -212,8 +215,14 @@ void for_each_near_pair(World& world, double distance,
   });
 }
 
-double largest_relative_speed(const World& world) {
-  return velocities_of(world.bodies).united(world.comm).diagonal();
+double closing_speed(const World& world) {
+  const Bodies& bodies = world.bodies;
+  const auto owned = [&](const std::vector<Vec3>& field) {
+    return std::span(field.data(), bodies.owned);
+  };
+  const MotionCells cells(world.comm, owned(bodies.position),
+                          motion_cell * reach_of(world.potential));
+  return cells.closing_speed(world.comm, owned(bodies.position), owned(bodies.velocity));
 }
 
 }  // namespace spall

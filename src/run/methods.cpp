@@ -17,8 +17,7 @@ void check_phase_step(const World& world, const Phase& phase, const std::string&
     const double lightest =
         std::accumulate(mass.begin(), mass.begin() + world.bodies.owned, infinity,
                         [](double a, double b) { return std::min(a, b); });
-    check_step(world.potential, phase.step, world.comm.min(lightest), largest_relative_speed(world),
-               place);
+    check_step(world.potential, phase.step, world.comm.min(lightest), closing_speed(world), place);
   }
   if (phase.method == Method::penalty)
     check_penalty_step(world.comm, world.bodies, world.penalty, world.law, phase.step,

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 
@@ -31,6 +32,22 @@ inline std::uint64_t morton_key(const Vec3& position, double edge) {
     key |= spread_bits(static_cast<std::uint64_t>(cell)) << k;
   }
   return key;
+}
+
+/// Keys of the 27 cells around the one with this key, itself among them. Cells beyond the outermost
+/// are those at the other end.
+inline std::array<std::uint64_t, 27> keys_around(std::uint64_t key) {
+  constexpr std::uint64_t along = 0x1249249249249249;  // every third bit
+  std::uint64_t part[3][3];
+  for (int k = 0; k < 3; ++k) {
+    const std::uint64_t mask = along << k, here = key & mask, unit = std::uint64_t{1} << k;
+    part[k][0] = (here - unit) & mask;
+    part[k][1] = here;
+    part[k][2] = ((here | ~mask) + unit) & mask;
+  }
+  std::array<std::uint64_t, 27> keys;
+  for (int n = 0; n < 27; ++n) keys[n] = part[0][n % 3] | part[1][n / 3 % 3] | part[2][n / 9];
+  return keys;
 }
 
 }  // namespace spall

@@ -7,6 +7,7 @@
 
 #include "spall/base/comm.hpp"
 #include "spall/domain/ghosts.hpp"
+#include "spall/domain/motion_cells.hpp"
 #include "spall/domain/partition.hpp"
 #include "spall/force/bonds.hpp"
 #include "spall/force/lanes.hpp"
@@ -31,6 +32,10 @@ struct NearWindow {
   std::vector<std::uint8_t> bound;  ///< of each slot, a bit a lane; empty where bonds do not break
 };
 
+/// Edge of the cells of motion, of the range of pairs: what moves alike is no wider, what is so far
+/// apart does not meet soon.
+inline constexpr double motion_cell = 3;
+
 /// A body is partner in no window after its own: once a window is done, nothing later in the same
 /// sweep changes the forces on its bodies or looks at their positions, so that they may move on at
 /// once while they are in the cache. A pair with a ghost is on both ranks, each time with the owned
@@ -43,6 +48,7 @@ struct NearPairs {
   double reach = 0;            ///< m, between centres, up to which bodies may act on each other
   double skin = 0;             ///< m, beyond it, up to which pairs are listed; 0: search now
   std::vector<Vec3> found_at;  ///< m, owned rows
+  MotionCells cells;           ///< of these
   double moved = 0;  ///< m: no two bodies have come nearer to each other by more since then
   LastCut last_cut;
   std::int64_t searches = 0;

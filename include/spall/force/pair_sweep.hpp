@@ -24,7 +24,8 @@ struct LaneVectors {
 };
 
 /// Positions of the eight rows that begin at these places.
-inline LaneVectors gather_positions(const PairRow* rows, const Index* places) {
+[[gnu::always_inline]] inline LaneVectors gather_positions(const PairRow* rows,
+                                                           const Index* places) {
   const double* const all = reinterpret_cast<const double*>(rows);
   const auto two = [&](int low, int high) {
     return __builtin_shufflevector(*reinterpret_cast<const RowHalf*>(all + places[low]),
@@ -65,12 +66,13 @@ inline LaneVectors gather_vectors(const double* vectors, const Index* places) {
 
 /// Adds lane l to the half row that begins at `half` + places[l], one after another: two lanes may
 /// name the same row.
-inline void add_lanes(const LaneVectors& v, const Lanes& last, const Index* places, double* half) {
+[[gnu::always_inline]] inline void add_lanes(const LaneVectors& v, const Lanes& last,
+                                             const Index* places, double* half) {
   const Lanes xy = __builtin_shufflevector(v.x, v.y, 0, 8, 2, 10, 4, 12, 6, 14);
   const Lanes xy_odd = __builtin_shufflevector(v.x, v.y, 1, 9, 3, 11, 5, 13, 7, 15);
   const Lanes zw = __builtin_shufflevector(v.z, last, 0, 8, 2, 10, 4, 12, 6, 14);
   const Lanes zw_odd = __builtin_shufflevector(v.z, last, 1, 9, 3, 11, 5, 13, 7, 15);
-  const auto add = [&](int low, int high, const Lanes& pair) {
+  const auto add = [&](int low, int high, const Lanes& pair) __attribute__((always_inline)) {
     *reinterpret_cast<RowHalf*>(half + places[low]) +=
         __builtin_shufflevector(pair, pair, 0, 1, 2, 3);
     *reinterpret_cast<RowHalf*>(half + places[high]) +=
@@ -154,13 +156,16 @@ inline void sweep_crowding(const std::vector<NearWindow>& windows, const Crowdin
                            const PairRow* rows, double* crowding) {
   const double reach2 = weight.reach2();
   const CrowdingWeight of_pairs = weight;  // its own: what is written could else be a constant
-  for (const NearWindow& window : windows) {
+  for (std::size_t k = 0; k < windows.size(); ++k) {
+    const NearWindow& window = windows[k];
+    RowsAhead ahead(windows[std::min(k + 1, windows.size() - 1)], rows);
     const Index* partners = window.partners.data();
     for (std::size_t g = 0; g < window.slots.size(); ++g) {
       const Index* own = window.rows.data() + g * lane_count;
       const LaneVectors xi = gather_positions(rows, own);
       Lanes sum{};
       for (Index s = 0; s < window.slots[g]; ++s, partners += lane_count) {
+        ahead.ask_for_slot();
         const LaneVectors xj = gather_positions(rows, partners);
         const Lanes dx = xj.x - xi.x, dy = xj.y - xi.y, dz = xj.z - xi.z;
         const Lanes r2 = dx * dx + dy * dy + dz * dz;

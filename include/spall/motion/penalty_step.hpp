@@ -15,4 +15,8 @@ SmoothReport penalty_steps(World& world, double h, int most_steps);
 /// are not in it: what they hold counts as dissipated until they give it back. Collective.
 double contact_energy(World& world);
 
+/// Largest speed (m/s) at which two bodies may meet, sooner or later: the box that holds all
+/// velocities is that wide. Collective.
+double largest_relative_speed(const World& world);
+
 }  // namespace spall

@@ -21,8 +21,7 @@ double potential_energy(World& world);
 void for_each_near_pair(World& world, double distance,
                         const std::function<void(Index, Index, bool)>& f);
 
-/// Largest speed (m/s) at which two bodies may meet: the box that holds all velocities is that
-/// wide. Collective.
-double largest_relative_speed(const World& world);
+/// m/s, at most: the speed at which two bodies meet if they fly straight on. Collective.
+double closing_speed(const World& world);
 
 }  // namespace spall
