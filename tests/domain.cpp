@@ -267,5 +267,43 @@ TEST(MotionCells, they_know_how_near_bodies_come) {
   EXPECT_LE(bound["distant groups"], 0.5 + 1e-12);
 }
 
+TEST(MotionCells, they_know_at_what_speed_bodies_meet) {
+  const Comm comm = testing_world();
+  constexpr double range = 1, edge = 3;
+  Bodies all = random_bodies(400);
+  for (Vec3& x : all.position) x = 6 * x - Vec3::Constant(30);
+  const Bodies mine = share(all, comm);
+  const auto own = [&](const std::vector<Vec3>& field) {
+    return std::span(field.data(), mine.owned);
+  };
+  const MotionCells cells(comm, own(mine.position), edge);
+  const auto bound = [&](const std::function<Vec3(Index, const Vec3&)>& motion) {
+    std::vector<Vec3> velocity;
+    for (Index b = 0; b < mine.owned; ++b)
+      velocity.push_back(motion(static_cast<Index>(mine.id[b]), mine.position[b]));
+    const double found = cells.closing_speed(comm, own(mine.position), velocity);
+    double fastest = 0;
+    for (Index a = 0; a < all.size(); ++a)
+      for (Index b = a + 1; b < all.size(); ++b) {
+        const Vec3 x = all.position[b] - all.position[a];
+        const Vec3 v = motion(b, all.position[b]) - motion(a, all.position[a]);
+        const double later = std::max(0.0, -x.dot(v) / std::max(v.squaredNorm(), 1e-300));
+        if ((x + later * v).norm() < range && x.dot(v) < 0) fastest = std::max(fastest, v.norm());
+      }
+    EXPECT_GE(found, (1 - 1e-12) * fastest);
+    return found;
+  };
+  const Vec3 way = (all.position[300] - all.position[5]).normalized();
+  EXPECT_NEAR(bound([&](Index b, const Vec3&) { return Vec3(b == 5 ? 7 * way : Vec3(0, 0, 0)); }),
+              7, 1e-12);
+  EXPECT_LE(bound([](Index, const Vec3&) { return Vec3(50, -70, 3); }), 1e-12);
+  // Neighbours in cells as wide as 3 may not be known to part, all others are.
+  EXPECT_LE(bound([](Index, const Vec3& x) { return x; }), 18);
+  EXPECT_GE(bound([](Index, const Vec3& x) { return Vec3(-x); }), 50);
+  bound([](Index b, const Vec3&) { return Vec3(std::sin(b), std::sin(3 * b), std::cos(7 * b)); });
+  bound([](Index, const Vec3& x) { return Vec3(x[1], 0, 0); });
+  bound([&](Index b, const Vec3&) { return Vec3(0, b % comm.size, 0); });
+}
+
 }  // namespace
 }  // namespace spall

@@ -71,7 +71,8 @@ def radiographs(run):
     reach = np.quantile(flight.depth(last)[debris], 0.999) if debris.any() else flight.diameter
     wide = np.abs(flight.height(0)).max()
     if debris.any():
-        wide = max(wide, np.quantile(np.abs(flight.height(last)[debris]), 0.999))
+        # One in a hundred flies far off to the side.
+        wide = max(wide, 1.1 * np.quantile(np.abs(flight.height(last)[debris]), 0.99))
     extent = (-2.2 * flight.diameter, 1.05 * reach, -wide, wide)
     columns = 3
     rows = -(-len(frames) // columns)
