@@ -1,5 +1,5 @@
-// How much nearer to each other bodies have come since their pairs were found, and how far ahead to
-// look for the next ones; the same for every force between near pairs.
+// The box of all velocities bounds how soon pairs must be found anew; how far ahead to look then.
+// The same for every force between near pairs.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -35,25 +35,6 @@ Box velocities_of(const Bodies& bodies);
 /// Bodies have flown at these velocities for `h` (s): no two came nearer by more than the diagonal.
 /// Collective.
 void book_motion(const Comm& comm, const Box& velocities, double h, NearPairs& near);
-
-/// m, that two bodies have come nearer at most since the pairs were found, with the place (a Vec3)
-/// where a body is now: twice the radius of the displacements about the centre of their box. A
-/// common motion counts for nothing, but to what stands still. Collective.
-template <class Place>
-double displacement(const Comm& comm, const NearPairs& near, bool against_walls, Place&& place) {
-  const auto moved = [&](std::size_t b) -> Vec3 {
-    return place(static_cast<Index>(b)) - near.found_at[b];
-  };
-  Box box;
-  for (std::size_t b = 0; b < near.found_at.size(); ++b) box.add(moved(b));
-  const Vec3 centre = box.united(comm).centre();
-  double furthest = 0;
-  for (std::size_t b = 0; b < near.found_at.size(); ++b) {
-    furthest = std::max(furthest, 4 * (moved(b) - centre).squaredNorm());
-    if (against_walls) furthest = std::max(furthest, moved(b).squaredNorm());
-  }
-  return std::sqrt(comm.max(furthest));
-}
 
 /// What a skin may be, in units of `length`.
 struct SkinRange {
