@@ -223,6 +223,16 @@ TEST(MotionCells, keys_around_a_cell_are_those_of_its_neighbours) {
   }
 }
 
+/// Of a body by its id and place.
+using Motion = std::function<Vec3(Index, const Vec3&)>;
+
+std::vector<Vec3> of_owned(const Bodies& mine, const Motion& motion) {
+  std::vector<Vec3> vectors;
+  for (Index b = 0; b < mine.owned; ++b)
+    vectors.push_back(motion(static_cast<Index>(mine.id[b]), mine.position[b]));
+  return vectors;
+}
+
 TEST(MotionCells, they_know_how_near_bodies_come) {
   const Comm comm = testing_world();
   constexpr double range = 1, edge = 3;
@@ -233,7 +243,7 @@ TEST(MotionCells, they_know_how_near_bodies_come) {
   const Bodies mine = share(all, comm);
   const MotionCells cells(comm, std::span(mine.position.data(), mine.owned), edge);
   const auto noise = [](Index b) { return Vec3(std::sin(b), std::sin(3 * b), std::cos(7 * b)); };
-  const std::pair<const char*, std::function<Vec3(Index, const Vec3&)>> motions[] = {
+  const std::pair<const char*, Motion> motions[] = {
       {"none", [](Index, const Vec3&) { return Vec3(0, 0, 0); }},
       {"together", [](Index, const Vec3&) { return Vec3(50, -70, 3); }},
       {"apart", [](Index, const Vec3& x) { return Vec3(0.01 * x); }},
@@ -246,10 +256,7 @@ TEST(MotionCells, they_know_how_near_bodies_come) {
       {"every rank", [&](Index b, const Vec3&) { return Vec3(0, 0, 0.2 * (b % comm.size)); }}};
   std::map<std::string, double> bound;
   for (const auto& [name, motion] : motions) {
-    std::vector<Vec3> displacement;
-    for (Index b = 0; b < mine.owned; ++b)
-      displacement.push_back(motion(static_cast<Index>(mine.id[b]), mine.position[b]));
-    bound[name] = cells.approach(comm, range, displacement);
+    bound[name] = cells.approach(comm, range, of_owned(mine, motion));
     double nearest = infinity;
     for (Index a = 0; a < all.size(); ++a)
       for (Index b = a + 1; b < all.size(); ++b) {
@@ -273,15 +280,10 @@ TEST(MotionCells, they_know_at_what_speed_bodies_meet) {
   Bodies all = random_bodies(400);
   for (Vec3& x : all.position) x = 6 * x - Vec3::Constant(30);
   const Bodies mine = share(all, comm);
-  const auto own = [&](const std::vector<Vec3>& field) {
-    return std::span(field.data(), mine.owned);
-  };
-  const MotionCells cells(comm, own(mine.position), edge);
-  const auto bound = [&](const std::function<Vec3(Index, const Vec3&)>& motion) {
-    std::vector<Vec3> velocity;
-    for (Index b = 0; b < mine.owned; ++b)
-      velocity.push_back(motion(static_cast<Index>(mine.id[b]), mine.position[b]));
-    const double found = cells.closing_speed(comm, own(mine.position), velocity);
+  const std::span places(mine.position.data(), mine.owned);
+  const MotionCells cells(comm, places, edge);
+  const auto bound = [&](const Motion& motion) {
+    const double found = cells.closing_speed(comm, places, of_owned(mine, motion));
     double fastest = 0;
     for (Index a = 0; a < all.size(); ++a)
       for (Index b = a + 1; b < all.size(); ++b) {

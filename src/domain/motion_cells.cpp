@@ -39,7 +39,7 @@ MotionCells::MotionCells(const Comm& comm, std::span<const Vec3> places, double 
       auto at = std::lower_bound(all.begin(), all.end(), wanted,
                                  [](const Cell& cell, std::int64_t k) { return cell.key < k; });
       for (; at != all.end() && at->key == wanted; ++at)
-        touching_.push_back({first_ + c, at->number});
+        if (at->number >= first_ + c) touching_.push_back({first_ + c, at->number});
     }
 }
 
@@ -89,7 +89,7 @@ double MotionCells::closing_speed(const Comm& comm, std::span<const Vec3> places
   const auto at = balls(comm, places), moves = balls(comm, velocity);
   double fastest = 0;
   for (Index a = first_; a < first_ + count_; ++a)
-    for (std::size_t b = 0; b < at.size(); ++b) {
+    for (std::size_t b = a; b < at.size(); ++b) {
       const Vec3 x = at[b].centre - at[a].centre, v = moves[b].centre - moves[a].centre;
       const double distance = x.norm(), speed = v.norm();
       const double near = at[a].radius + at[b].radius, spread = moves[a].radius + moves[b].radius;

@@ -41,7 +41,7 @@ class MotionCells {
   double edge_ = 0;
   std::vector<Index> cell_of_;                  // of this rank's, one an owned body
   Index first_ = 0, count_ = 0;                 // this rank's among all
-  std::vector<std::array<Index, 2>> touching_;  // one of this rank's and one of all, itself too
+  std::vector<std::array<Index, 2>> touching_;  // one of this rank's and one not before it
 };
 
 }  // namespace spall
