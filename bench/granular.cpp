@@ -7,11 +7,9 @@
 #include <sstream>
 #include <string>
 
+#include "penalty/sweep.hpp"
 #include "smooth_rate.hpp"
-#include "spall/base/require.hpp"
-#include "spall/domain/pack.hpp"
-#include "spall/force/penalty_sweep.hpp"
-#include "spall/motion/penalty_step.hpp"
+#include "spall/error.hpp"
 
 namespace {
 
@@ -19,7 +17,7 @@ using namespace spall;
 
 /// The material of bench/granular/lammps.in.
 PenaltySettings settings_of(const std::string& model) {
-  PenaltySettings s{.young_modulus = 1e8, .poisson_ratio = 0.25};
+  PenaltySettings s;
   if (model == "jkr") s.adhesion = Adhesion::jkr;
   if (model == "dmt") s.adhesion = Adhesion::dmt;
   s.work_of_adhesion = s.adhesion == Adhesion::none ? 0 : 2 * 1000;
@@ -34,7 +32,7 @@ void skip_to(std::ifstream& in, const std::string& name) {
 }
 
 /// Reads bodies and box of LAMMPS's data file; each rank keeps a contiguous share.
-void read_data(const Comm& comm, const std::string& path, World& world) {
+void read_data(const Comm& comm, const std::string& path, Lab& world) {
   std::ifstream in(path);
   require(in.good(), "{}: cannot be read", path);
   std::int64_t all = 0;
@@ -53,8 +51,8 @@ void read_data(const Comm& comm, const std::string& path, World& world) {
   }
   const BodyId begin = all * comm.rank / comm.size, end = all * (comm.rank + 1) / comm.size;
   Bodies& bodies = world.bodies;
-  bodies.has = {.acceleration = false, .kick = false, .bonds = false};
-  for_each_field(bodies, [&](const char*, auto& field) { field.reserve(end - begin); });
+  bodies.fields = {Field::angular_velocity, Field::heat};
+  for_each_field(bodies, [&](const auto&, auto& field) { field.reserve(end - begin); });
   for (std::int64_t k = 0; k < all; ++k) {
     double id, type, diameter, density, x, y, z;
     in >> id >> type >> diameter >> density >> x >> y >> z;
@@ -78,9 +76,9 @@ void read_data(const Comm& comm, const std::string& path, World& world) {
 
 /// LAMMPS damps by Tsuji's polynomial of e in units of sqrt(m F/delta) = sqrt(2/3 m S), and along
 /// the contact as much as across.
-PenaltyLaw law_of_lammps(const World& world) {
-  PenaltyLaw law = penalty_law(world.penalty, world.law);
-  const double e = world.law.restitution;
+PenaltyLaw law_of_lammps(const Lab& world) {
+  PenaltyLaw law = penalty_laws(world, world.penalty.settings).common();
+  const double e = world.contact.common().restitution;
   const double tsuji =
       1.2728 +
       e * (-4.2783 + e * (11.087 + e * (-22.348 + e * (27.467 + e * (-18.022 + e * 4.8218)))));
@@ -91,7 +89,7 @@ PenaltyLaw law_of_lammps(const World& world) {
 
 /// Largest differences of forces and torques from those of LAMMPS's dump, whose velocities are half
 /// a step ahead of those that its forces saw; springs are one step old.
-void compare_forces(const Comm& comm, const std::string& dump, double h, World& world) {
+void compare_forces(const Comm& comm, const std::string& dump, double h, Lab& world) {
   require(comm.size == 1, "forces are compared on one rank");
   Bodies& bodies = world.bodies;
   std::vector<Vec3> force(bodies.owned), torque(bodies.owned);
@@ -111,12 +109,13 @@ void compare_forces(const Comm& comm, const std::string& dump, double h, World& 
   require(in.good(), "{}: ends too soon", dump);
   const PenaltyLaw law = law_of_lammps(world);
   search_touch_pairs(comm, bodies, {}, world.period,
-                     {.gap = widest_gap(law, 0.5), .skin = 0.1, .ordinary = 0.5}, world.touch);
+                     {.gap = widest_gap(law, 0.5), .skin = 0.1, .ordinary = 0.5},
+                     world.penalty.touch);
   std::vector<ForceRow> rows(bodies.size());
   double worst = 0, worst_torque = 0, largest = 0, largest_torque = 0;
-  with_contact_model(law, h, [&](const auto& model) {
-    sweep_contacts<false>(bodies, model, world.touch.gap, world.touch.windows, world.touch.springs,
-                          rows.data(), [&](Index b) {
+  with_contact_model(ByPair(law), h, [&](const auto& model) {
+    sweep_contacts<false>(bodies, model, world.penalty.touch.gap, world.penalty.touch.windows,
+                          world.penalty.touch.springs, rows.data(), [&](Index b) {
                             const auto difference = [](const RowHalf& a, const Vec3& v) {
                               return (Vec3(a[0], a[1], a[2]) - v).norm();
                             };
@@ -141,10 +140,11 @@ int main(int argc, char** argv) {
     require(argc == 5,
             "usage: bench_granular data hertz|dmt|jkr steps repetitions, or forces dump");
     constexpr double h = 1e-3;
-    World world;
+    Lab world;
     world.comm = comm;
-    world.law = {.friction = 0.5, .restitution = 0.5};
-    world.penalty = settings_of(argv[2]);
+    world.contact = ContactLaw{.friction = 0.5, .restitution = 0.5};
+    world.materials = {{.name = "grain", .youngs_modulus = 1e8, .poisson_ratio = 0.25}};
+    world.penalty.settings = settings_of(argv[2]);
     const double program = peak_bytes();
     read_data(comm, argv[1], world);
     if (argv[3] == std::string("forces")) {
@@ -153,11 +153,12 @@ int main(int argc, char** argv) {
     }
     const int steps = std::atoi(argv[3]), repetitions = std::atoi(argv[4]);
     penalty_steps(world, h, 10);
-    measure_rate(world, world.touch, steps, repetitions, program,
+    measure_rate(world, world.penalty.touch, steps, repetitions, program,
                  [&](int count) { penalty_steps(world, h, count); });
     const double count = comm.sum(static_cast<double>(world.bodies.owned));
     const double contacts =
-        2 * comm.sum(static_cast<double>(count_touching(world.bodies, world.touch))) / count;
+        2 * comm.sum(static_cast<double>(count_touching(world.bodies, world.penalty.touch))) /
+        count;
     double kinetic = 0;
     for (Index b = 0; b < world.bodies.owned; ++b)
       kinetic += world.bodies.mass[b] / 2 * world.bodies.velocity[b].squaredNorm();

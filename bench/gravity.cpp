@@ -10,11 +10,11 @@
 #include <random>
 #include <string>
 
-#include "spall/base/require.hpp"
-#include "spall/force/attract.hpp"
-#include "spall/force/essential_tree.hpp"
-#include "spall/force/gravity_direct.hpp"
-#include "spall/force/gravity_tree.hpp"
+#include "gravity/attract.hpp"
+#include "gravity/direct.hpp"
+#include "gravity/essential_tree.hpp"
+#include "gravity/tree.hpp"
+#include "spall/error.hpp"
 
 namespace spall {
 namespace {

@@ -1,6 +1,5 @@
 """Times the solver's kernel and puts the table into bench/README.md; a minute for each build.
-usage: kernel.py BUILD_FOLDER [OTHER_BUILD_FOLDER …], for example build/release build/portable
-(cmake --preset release -B build/portable -DSPALL_BENCH=ON -DSPALL_NATIVE=OFF)
+usage: kernel.py BUILD_FOLDER [OTHER_BUILD_FOLDER …], for example build/release build/scalar
 
 SPDX-License-Identifier: BSD-3-Clause
 """

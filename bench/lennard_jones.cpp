@@ -7,9 +7,7 @@
 #include <string>
 
 #include "smooth_rate.hpp"
-#include "spall/base/require.hpp"
-#include "spall/domain/pack.hpp"
-#include "spall/motion/potential_step.hpp"
+#include "spall/error.hpp"
 
 namespace {
 
@@ -40,9 +38,9 @@ Bodies make_impact(const Comm& comm, double scale) {
   place_bodies(scale, [&](const Vec3&, double) { ++all; });
   const BodyId first = all * comm.rank / comm.size, end = all * (comm.rank + 1) / comm.size;
   Bodies bodies;
-  bodies.has = {false, false, false, false, false};
+  bodies.fields = {};
   bodies.owned = static_cast<Index>(end - first);
-  for_each_field(bodies, [&](const char*, auto& field) { field.reserve(bodies.owned); });
+  for_each_field(bodies, [&](const auto&, auto& field) { field.reserve(bodies.owned); });
   resize(bodies, bodies.owned);
   BodyId id = 0;
   place_bodies(scale, [&](const Vec3& x, double v) {
@@ -92,12 +90,13 @@ int main(int argc, char** argv) {
       return 0;
     }
     const double program = peak_bytes();
-    World world;
+    Lab world;
     world.comm = comm;
-    world.potential = {.depth = 1, .distance = std::exp2(1.0 / 6), .cutoff = cutoff};
+    world.potential.law =
+        PairPotential{.depth = 1, .distance = std::exp2(1.0 / 6), .cutoff = cutoff};
     world.bodies = make_impact(comm, scale);
     potential_steps(world, h, 60);
-    measure_rate(world, world.near, steps, repetitions, program,
+    measure_rate(world, world.potential.near, steps, repetitions, program,
                  [&](int count) { potential_steps(world, h, count); });
     const double count = comm.sum(static_cast<double>(world.bodies.owned));
     const double energy = potential_energy(world);

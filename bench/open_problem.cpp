@@ -1,6 +1,7 @@
-// How far the Coulomb problem of a settled pile can be solved: residuals against products where the
-// centre of the proximal term stays, where it follows, and where the pile itself may move.
+// How far the Coulomb problem of a settled pile can be solved: residuals against products.
 // SPDX-License-Identifier: BSD-3-Clause
+//
+// Three ways: the centre of the proximal term stays, it follows, or the pile itself may move.
 #include <cstdio>
 #include <string>
 
@@ -12,19 +13,19 @@ using namespace spall;
 
 /// Solves the step of `state` from its impulses and puts the new ones in their place.
 SolverReport solve_on(const Comm& comm, const SolverSettings& settings, double step, State& state) {
-  World world = state.world(comm, true);
+  Lab world = state.world(comm, true);
   const StepReport report = nonsmooth_step(world, step, settings, 1);
-  state.memory = remember(world.bodies, world.neighbours.pairs, false);
+  state.memory = remember(world.bodies, world.rigid.neighbours.pairs, false);
   state.kick.remembered_load = world.kick.remembered_load;
   return report.solver;
 }
 
 /// A whole step: the pile moves on.
 void advance(const Comm& comm, double step, double tolerance, State& state) {
-  World world = state.world(comm, true);
+  Lab world = state.world(comm, true);
   nonsmooth_step(world, step, {.tolerance = tolerance}, 1);
   evaluate_field(world);
-  state.memory = remember(world.bodies, world.neighbours.pairs, false);
+  state.memory = remember(world.bodies, world.rigid.neighbours.pairs, false);
   state.bodies = world.bodies;
   resize(state.bodies, state.bodies.owned);
   state.kick = world.kick;
@@ -74,7 +75,7 @@ int main(int argc, char** argv) {
   const Comm comm = session.world();
   try {
     if (comm.rank == 0) fmt::print("age,friction,way,products,E\n");
-    const Scene scene = pile(argc > 1 ? std::atoi(argv[1]) : 10000);
+    const BenchScene scene = pile(argc > 1 ? std::atoi(argv[1]) : 10000);
     State state = prepare(comm, scene);
     state.kick.remembered_load = state.kick.interval;
     measure(comm, "just settled", scene.step, state);

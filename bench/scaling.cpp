@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "scenes.hpp"
-#include "spall/base/require.hpp"
+#include "spall/error.hpp"
 
 namespace {
 
@@ -41,13 +41,14 @@ std::int64_t count_bodies(const Comm& comm, const Bodies& bodies) {
 }
 
 /// Seconds a product of the accelerated method, from solves of as many as `products`.
-void measure_products(const Comm& comm, const std::string& name, const Scene& scene, int products) {
+void measure_products(const Comm& comm, const std::string& name, const BenchScene& scene,
+                      int products) {
   const State state = prepare(comm, scene);
   std::vector<double> seconds;
   std::int64_t contacts = 0;
   double residual = 0;
   for (int repeat = 0; repeat < 5; ++repeat) {
-    World world = state.world(comm, false);
+    Lab world = state.world(comm, false);
     const StepReport report =
         nonsmooth_step(world, scene.step,
                        {.tolerance = 1e-12, .max_products = products, .prox = scene.warm_prox}, 1);
@@ -61,9 +62,9 @@ void measure_products(const Comm& comm, const std::string& name, const Scene& sc
 
 /// Seconds a whole step of frictionless contacts at 50 iterations, the first ones left out.
 void measure_plate(const Comm& comm, int across) {
-  const Scene scene = plate(17, across, 0, true);
+  const BenchScene scene = plate(17, across, 0, true);
   const Case read = parse_case(scene.text, scene.name, {});
-  World world = make_world(comm, read);
+  Lab world = make_world(comm, read);
   world.bodies = make_bodies(read, comm);
   std::vector<double> seconds;
   StepReport report;
@@ -121,7 +122,7 @@ int main(int argc, char** argv) {
     require(argc == 2, "usage: bench_scaling lattice|nucleus|plate|gravity");
     const std::string which = argv[1];
     if (which == "lattice") {
-      Scene scene = plate(47, 47, 0.3, false);
+      BenchScene scene = plate(47, 47, 0.3, false);
       scene.most_steps = 3;
       measure_products(comm, "lattice", scene, 60);
     } else if (which == "nucleus") {

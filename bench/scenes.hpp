@@ -7,16 +7,15 @@
 #include <cmath>
 #include <string>
 
-#include "spall/domain/pack.hpp"
-#include "spall/motion/gravity_kick.hpp"
-#include "spall/motion/nonsmooth_step.hpp"
-#include "spall/output/diagnostics.hpp"
-#include "spall/scene/scene.hpp"
+#include "gravity/kick.hpp"
+#include "lab.hpp"
+#include "output/diagnostics.hpp"
+#include "scene/scene.hpp"
 
 namespace spall {
 
 /// A case, and how it becomes the state whose next step is measured.
-struct Scene {
+struct BenchScene {
   std::string name;
   double step;           ///< s
   int most_steps;        ///< before the measured one
@@ -39,7 +38,7 @@ step = "10 s"
 duration = "10 s"
 )";
 
-inline Scene pile(int count) {
+inline BenchScene pile(int count) {
   return {"pile",
           10,
           700,
@@ -57,7 +56,7 @@ packing = {{kind = "random", radius = "3 m", count = {}}}
               rock};
 }
 
-inline Scene nucleus(int count) {
+inline BenchScene nucleus(int count) {
   return {"nucleus",
           10,
           500,
@@ -81,7 +80,7 @@ packing = {{kind = "random", diameter = "3.4 m", count = {}}}
 
 /// A lattice `layers` thick and `across` wide under a sphere 40 diameters across, of one body or of
 /// the same grains. Without friction a contact has one unknown.
-inline Scene plate(int layers, int across, double friction, bool grains) {
+inline BenchScene plate(int layers, int across, double friction, bool grains) {
   constexpr double d = 0.237e-3, speed = 6700, sphere = 20 * d;
   const double step = d / 2 / speed;
   return {
@@ -126,18 +125,18 @@ struct State {
   ContactMemory memory;
   GravityKick kick;
 
-  World world(const Comm& comm, bool warm) const {
-    World result = make_world(comm, scene);
+  Lab world(const Comm& comm, bool warm) const {
+    Lab result = make_world(comm, scene);
     result.bodies = bodies;
     result.kick = kick;
-    if (warm) result.neighbours.carried = memory;
+    if (warm) result.rigid.neighbours.carried = memory;
     return result;
   }
 };
 
-inline State prepare(const Comm& comm, const Scene& scene) {
+inline State prepare(const Comm& comm, const BenchScene& scene) {
   State state{parse_case(scene.text, scene.name, {}), {}, {}, {}};
-  World world = make_world(comm, state.scene);
+  Lab world = make_world(comm, state.scene);
   world.bodies = make_bodies(state.scene, comm);
   int steps = 0;
   for (bool moved = false; steps < scene.most_steps; ++steps) {
@@ -150,7 +149,7 @@ inline State prepare(const Comm& comm, const Scene& scene) {
   const double speed = diagnose(world).rms_speed;
   if (comm.rank == 0)
     fmt::print(stderr, "{}: {} steps, rms speed {:.3g} m/s\n", scene.name, steps, speed);
-  state.memory = remember(world.bodies, world.neighbours.pairs, false);
+  state.memory = remember(world.bodies, world.rigid.neighbours.pairs, false);
   state.bodies = world.bodies;
   resize(state.bodies, state.bodies.owned);
   state.kick = world.kick;

@@ -1,14 +1,15 @@
-// Steps of a settled pile from a restart file, at several tolerances: seconds beside the error
-// reached. SPDX-License-Identifier: BSD-3-Clause
+// Steps of a settled pile from a restart file, at several tolerances: seconds beside the error.
+// SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cstdlib>
 #include <vector>
 
-#include "spall/base/require.hpp"
-#include "spall/motion/nonsmooth_step.hpp"
-#include "spall/output/restart.hpp"
+#include "lab.hpp"
+#include "output/restart.hpp"
+#include "scene/scene.hpp"
+#include "spall/error.hpp"
 
 namespace {
 
@@ -23,12 +24,12 @@ double median(std::vector<double> values) {
 void measure(const Comm& comm, const RestartState& state, double h, double tolerance, double prox,
              int steps) {
   const Case scene = parse_case(state.case_text, state.case_file, state.overrides);
-  World world = make_world(comm, scene);
+  Lab world = make_world(comm, scene);
   world.bodies = state.bodies;
-  world.neighbours.carried = state.contacts;
+  world.rigid.neighbours.carried = state.contacts;
   world.kick.remembered_load = state.scalars.at("kick.remembered_load");
   world.kick.interval = state.scalars.at("kick.interval");
-  SolverSettings solver = scene.solver;
+  SolverSettings solver = scene.engines.get<SolverSettings>();
   solver.tolerance = tolerance;
   solver.prox = prox;
   std::vector<double> whole, solving, products, relative, rms;

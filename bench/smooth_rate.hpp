@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <sys/resource.h>
 
-#include "spall/motion/world.hpp"
+#include "lab.hpp"
 
 namespace spall {
 
@@ -26,7 +26,7 @@ inline double peak_bytes() {
 /// Prints a line a repetition; `make_steps(count)` steps the world, whose pairs are `near`;
 /// `program` are the bytes before there were bodies. Collective.
 template <class MakeSteps>
-void measure_rate(World& world, const NearPairs& near, int steps, int repetitions, double program,
+void measure_rate(Lab& world, const NearPairs& near, int steps, int repetitions, double program,
                   MakeSteps&& make_steps) {
   const Comm& comm = world.comm;
   const double count = comm.sum(static_cast<double>(world.bodies.owned));

@@ -9,8 +9,7 @@
 #include <string>
 
 #include "solid_samples.hpp"
-#include "spall/base/require.hpp"
-#include "spall/motion/potential_step.hpp"
+#include "spall/error.hpp"
 
 namespace {
 
@@ -21,7 +20,7 @@ using namespace spall;
 struct Profile {
   std::vector<double> velocity, mass;
 };
-Profile profile(const World& world, double low, double high, double radius, double width) {
+Profile profile(const Lab& world, double low, double high, double radius, double width) {
   const auto bins = static_cast<std::size_t>((high - low) / width);
   std::vector<double> sums(2 * bins, 0.0);
   const Bodies& b = world.bodies;
@@ -43,10 +42,10 @@ Profile profile(const World& world, double low, double high, double radius, doub
 
 /// How much nearer along z two layers, three spacings thick, have come that began at `low` and
 /// `high`.
-double compression(const World& world, const std::vector<Vec3>& start, double low, double high,
+double compression(const Lab& world, const std::vector<Vec3>& start, double low, double high,
                    double radius) {
   std::array<double, 6> sums{};
-  const double half = 1.5 * world.potential.distance;
+  const double half = 1.5 * world.potential.law.common().distance;
   for (Index b = 0; b < world.bodies.owned; ++b) {
     const Vec3& x = start[static_cast<std::size_t>(world.bodies.id[b])];
     if (x.head<2>().norm() > radius) continue;
@@ -70,8 +69,8 @@ void shock(const Comm& comm, const Sample& m, const std::string& orientation, do
   const double radius = 1.5 * length, core = 4;
   const Vec3 rotation = turn(orientation);
   std::vector<Vec3> start;
-  World world = make_discs(comm, m, {{-length, -0.5, radius, up}, {0.5, length, radius, -up}},
-                           rotation, &start);
+  Lab world = make_discs(comm, m, {{-length, -0.5, radius, up}, {0.5, length, radius, -up}},
+                         rotation, &start);
   const double h = std::min(m.step(), 0.02 * m.d / up);
   const double width = 2 * m.d;
   std::vector<double> times, places;
@@ -117,7 +116,7 @@ void shock(const Comm& comm, const Sample& m, const std::string& orientation, do
 /// middle.
 void tension(const Comm& comm, const Sample& m, const std::string& orientation) {
   const double radius = 8, half = 14, speed = 0.05 * m.solid.sound_speed;
-  World world = make_discs(comm, m, {{-half, half, radius, 0}}, turn(orientation));
+  Lab world = make_discs(comm, m, {{-half, half, radius, 0}}, turn(orientation));
   for (Index b = 0; b < world.bodies.owned; ++b)
     world.bodies.velocity[b].z() = speed * world.bodies.position[b].z() / (half * m.d);
   const double h = m.step();
@@ -159,7 +158,8 @@ int main(int argc, char** argv) {
             "usage: bench_solid CASE shock|tension|spall ORIENTATION DAMPING [SPEED LENGTH]: the "
             "law is that of the case's material; orientations are 100, 110, 111 or a seed");
     const Case scene = read_case(argv[1], {"pair_potential.damping=" + std::string(argv[4])});
-    Sample m{*scene.materials[0].solid, *scene.potential, 0, scene.potential->distance};
+    Sample m{*scene.materials[0].solid, scene.engines.find<PotentialSettings>()->law.common(), 0,
+             scene.engines.find<PotentialSettings>()->law.common().distance};
     m.mass = sphere_mass(m.solid, {12, std::sqrt(0.5), m.d});
     const std::string what = argv[2];
     const double speed = argc > 5 ? std::atof(argv[5]) : 0,

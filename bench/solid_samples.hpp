@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "spall/domain/pack.hpp"
-#include "spall/motion/world.hpp"
-#include "spall/scene/case.hpp"
-#include "spall/scene/packing.hpp"
+#include "lab.hpp"
+#include "potential/settings.hpp"
+#include "scene/case.hpp"
+#include "scene/packing.hpp"
 
 namespace spall {
 
@@ -43,11 +43,11 @@ struct Disc {
 };
 
 /// A world of discs of the crystal about the z axis, each a group.
-inline World make_discs(const Comm& comm, const Sample& m, const std::vector<Disc>& discs,
-                        const Vec3& rotation, std::vector<Vec3>* start = nullptr) {
-  World world;
+inline Lab make_discs(const Comm& comm, const Sample& m, const std::vector<Disc>& discs,
+                      const Vec3& rotation, std::vector<Vec3>* start = nullptr) {
+  Lab world;
   world.comm = comm;
-  world.potential = m.law;
+  world.potential.law = m.law;
   std::vector<std::pair<Vec3, int>> sites;
   for (std::size_t g = 0; g < discs.size(); ++g) {
     const Disc& disc = discs[g];
@@ -55,8 +55,8 @@ inline World make_discs(const Comm& comm, const Sample& m, const std::vector<Dis
         .shape = Shape::cylinder,
         .center = {0, 0, (disc.low + disc.high) / 2 * m.d},
         .extents = m.d * Vec3(2 * disc.radius, 2 * disc.radius, disc.high - disc.low)};
-    const Packing packing{.kind = PackingKind::fcc, .radius = m.d / 2, .rotation = rotation};
-    place_lattice(volume, packing,
+    const Packing packing{.radius = m.d / 2, .rotation = rotation};
+    place_lattice(LatticeKind::fcc, volume, packing,
                   [&](const Vec3& x) { sites.emplace_back(x, static_cast<int>(g)); });
   }
   if (start)

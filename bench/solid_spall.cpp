@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "solid_samples.hpp"
-#include "spall/motion/potential_step.hpp"
 
 namespace spall {
 namespace {
@@ -20,10 +19,9 @@ struct Layer {
 };
 
 /// Layers a spacing thick from the target's front face to its back.
-std::vector<Layer> measure_layers(World& world, const std::vector<Vec3>& start,
-                                  std::size_t layers) {
+std::vector<Layer> measure_layers(Lab& world, const std::vector<Vec3>& start, std::size_t layers) {
   const Bodies& bodies = world.bodies;
-  const double d = world.potential.distance;
+  const double d = world.potential.law.common().distance;
   std::vector<double> sums(5 * layers, 0.0);
   const auto add = [&](Index b, int what, double value) {
     const Vec3& x = start[static_cast<std::size_t>(bodies.id[b])];
@@ -31,9 +29,8 @@ std::vector<Layer> measure_layers(World& world, const std::vector<Vec3>& start,
     if (x.z() > 0 && at < layers && x.head<2>().norm() < core * d)
       sums[static_cast<std::size_t>(what) * layers + at] += value;
   };
-  for_each_near_pair(world, world.potential.cutoff, [&](Index i, Index j, bool bound) {
-    const Vec3 x = bodies.position[j] - bodies.position[i];
-    const double r = x.norm(), force = pair_force(world.potential, r);
+  for_each_near_pair(world, world.potential, [&](Index i, Index j, const Vec3& x, bool bound) {
+    const double r = x.norm(), force = pair_force(world.potential.law.common(), r);
     const double half = bound || force > 0 ? -force * x.z() * x.z() / r / 2 : 0;
     for (Index b : {i, j})
       if (b < bodies.owned) add(b, 3, half);
@@ -62,9 +59,9 @@ void spall_test(const Comm& comm, const Sample& m, const std::string& orientatio
   // Releases meet after three passes of the flyer, the surface knows after four; five from the rim.
   const double radius = core + 5 * length;
   std::vector<Vec3> start;
-  World world = make_discs(
-      comm, m, {{-0.5 - length, -0.5, radius, speed}, {0.5, 2 * length + 0.5, radius, 0}},
-      turn(orientation), &start);
+  Lab world = make_discs(comm, m,
+                         {{-0.5 - length, -0.5, radius, speed}, {0.5, 2 * length + 0.5, radius, 0}},
+                         turn(orientation), &start);
   const auto layers = static_cast<std::size_t>(2 * length);
   const double h = m.step(), volume = m.mass / m.solid.density;
   constexpr int steps = 10;

@@ -4,8 +4,8 @@
 
 #include <random>
 
-#include "spall/base/comm.hpp"
-#include "spall/solver/contact_system.hpp"
+#include "solver/contact_system.hpp"
+#include "spall/comm.hpp"
 
 namespace spall {
 namespace {

@@ -18,7 +18,7 @@ struct Entrant {
   SolverSettings settings;
 };
 
-void measure(const Comm& comm, const Scene& scene, const State& state) {
+void measure(const Comm& comm, const BenchScene& scene, const State& state) {
   using enum SolverMethod;
   const auto convex = FrictionModel::convex, coulomb = FrictionModel::coulomb;
   const Entrant entrants[] = {
@@ -33,7 +33,7 @@ void measure(const Comm& comm, const Scene& scene, const State& state) {
   for (bool warm : {false, true})
     for (const Entrant& entrant : entrants)
       for (double tolerance : {1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 1e-4, 1e-5, 1e-6}) {
-        World world = state.world(comm, warm);
+        Lab world = state.world(comm, warm);
         SolverSettings settings = entrant.settings;
         settings.tolerance = tolerance;
         settings.max_iterations = 1 << 30;
@@ -65,7 +65,7 @@ int main(int argc, char** argv) {
           "scene,start,method,friction,ranks,contacts,prox,tolerance,iterations,products,"
           "seconds,E,E_eps,max_m_s,converged\n");
     const std::vector<std::string> wanted(argv + 1, argv + argc);
-    for (const Scene& scene : {pile(10000), nucleus(10000), plate(17, 40, 0.3, false)})
+    for (const BenchScene& scene : {pile(10000), nucleus(10000), plate(17, 40, 0.3, false)})
       if (wanted.empty() || std::find(wanted.begin(), wanted.end(), scene.name) != wanted.end())
         measure(comm, scene, prepare(comm, scene));
   } catch (const std::exception& error) {

@@ -1,21 +1,27 @@
 // The program: reads the command line, calls one function, catches once.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
+#include <spawn.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <map>
 #include <optional>
 
-#include "spall/base/comm.hpp"
-#include "spall/base/require.hpp"
-#include "spall/output/stored_bodies.hpp"
-#include "spall/run/run.hpp"
-#include "spall/run/solve_file.hpp"
-#include "spall/scene/case.hpp"
-#include "spall/scene/scene.hpp"
+#include "base/kernels.hpp"
+#include "output/snapshot.hpp"
+#include "output/stored_bodies.hpp"
+#include "run/run.hpp"
+#include "run/solve_file.hpp"
+#include "scene/case.hpp"
+#include "scene/scene.hpp"
+#include "spall/comm.hpp"
+#include "spall/error.hpp"
 
 namespace {
 
@@ -63,9 +69,26 @@ void check_case(const Options& options) {
   fmt::print("{}{}", describe_bodies(scene), describe_phases(scene));
 }
 
+/// The script that draws reports: of the installation that this program is of, or of its build.
+std::string report_script() {
+  const auto program = std::filesystem::read_symlink("/proc/self/exe").parent_path();
+  for (const char* place : {"../share/spall/report", "share/spall/report"})
+    if (const auto script = program / place / "report.py"; std::filesystem::exists(script))
+      return script.string();
+  throw Error(fmt::format("report.py is missing: it belongs into {}",
+                          (program / "../share/spall/report").lexically_normal().string()));
+}
+
+/// Without a shell, which would read signs in the folder's name.
 int report(const std::string& folder) {
-  const std::string command = fmt::format("python3 '{}' '{}'", SPALL_REPORT_SCRIPT, folder);
-  return std::system(command.c_str()) == 0 ? 0 : 1;
+  std::string python = "python3", script = report_script(), argument = folder;
+  char* const words[] = {python.data(), script.data(), argument.data(), nullptr};
+  pid_t child = 0;
+  const int failed = posix_spawnp(&child, "python3", nullptr, nullptr, words, environ);
+  require(failed == 0, "python3 cannot be started: {}", std::strerror(failed));
+  int status = 0;
+  require(waitpid(child, &status, 0) == child, "waiting for python3: {}", std::strerror(errno));
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 1;
 }
 
 int dispatch(const Comm& comm, int argc, char** argv) {
@@ -79,7 +102,8 @@ int dispatch(const Comm& comm, int argc, char** argv) {
       "  spall keys, and README.md. `spall SUBCOMMAND --help` tells the options of each.\n"
       "Exit codes: 0: done; 3: stopped by a signal, `spall resume` goes on; others: an error.");
   app.require_subcommand(1);
-  app.set_version_flag("--version", std::string("spall ") + SPALL_VERSION);
+  app.set_version_flag(
+      "--version", fmt::format("spall {}, instructions: {}", SPALL_VERSION, instructions_name()));
   Options options;
 
   auto* run = app.add_subcommand(
@@ -117,7 +141,8 @@ int dispatch(const Comm& comm, int argc, char** argv) {
       ->capture_default_str();
   solve->add_flag("--evaluate", options.evaluate, "solve nothing: E of the file's own /solution/r");
   auto* list = app.add_subcommand("list", "list the cases under ./cases");
-  auto* keys = app.add_subcommand("keys", "print every key of a case file with unit and default");
+  auto* keys = app.add_subcommand(
+      "keys", "print every key of a case file and every field of snapshots, with units");
 
   try {
     app.parse(argc, argv);
@@ -139,7 +164,7 @@ int dispatch(const Comm& comm, int argc, char** argv) {
   if (*check) check_case(options);
   if (*page) return report(options.file);
   if (*list) list_cases();
-  if (*keys) fmt::print("{}", case_reference());
+  if (*keys) fmt::print("{}{}", case_reference(), describe_output_fields());
   return 0;
 }
 

@@ -7,9 +7,9 @@
 #include <random>
 #include <set>
 
-#include "spall/analysis/clumps.hpp"
-#include "spall/analysis/deflection.hpp"
-#include "spall/analysis/interior.hpp"
+#include "analysis/clumps.hpp"
+#include "analysis/deflection.hpp"
+#include "analysis/interior.hpp"
 #include "testing.hpp"
 
 namespace spall {

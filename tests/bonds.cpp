@@ -4,7 +4,6 @@
 #include <random>
 #include <set>
 
-#include "spall/motion/potential_step.hpp"
 #include "testing.hpp"
 #include "worlds.hpp"
 
@@ -18,9 +17,9 @@ const PairPotential law{.law = PairLaw::morse,
                         .cutoff = 1.1 * 1.1,
                         .breaking_strain = 0.05};
 
-World world_of(const Comm& comm, const std::vector<Sphere>& spheres) {
-  World world = make_world(comm, spheres, {});
-  world.potential = law;
+Lab world_of(const Comm& comm, const std::vector<Sphere>& spheres) {
+  Lab world = make_world(comm, spheres, {});
+  world.potential.law = law;
   return world;
 }
 
@@ -70,12 +69,12 @@ void reference_step(std::vector<Sphere>& spheres, BondSet& bonds, bool first, do
   }
 }
 
-double count_bonds(const World& world) {
-  const auto bonds = bonds_of(world.bodies, world.near);
+double count_bonds(const Lab& world) {
+  const auto bonds = bonds_of(world.bodies, world.potential.near);
   return world.comm.sum(static_cast<double>(bonds->other.size())) / 2;
 }
 
-double energy_of(World& world) {
+double energy_of(Lab& world) {
   double kinetic = 0;
   for (const Sphere& s : spheres_of(world)) kinetic += s.mass * s.velocity.squaredNorm() / 2;
   return kinetic + potential_energy(world);
@@ -83,7 +82,7 @@ double energy_of(World& world) {
 
 TEST(Bonds, break_for_good_as_in_a_sum_over_all_pairs) {
   auto spheres = impact();
-  World world = world_of(testing_world(), spheres);
+  Lab world = world_of(testing_world(), spheres);
   BondSet bonds;
   constexpr double h = 0.02;
   constexpr int steps = 120;
@@ -93,7 +92,7 @@ TEST(Bonds, break_for_good_as_in_a_sum_over_all_pairs) {
     if (k == 0) made = bonds.size();
   }
   for (int k = 0; k < steps; k += 10) potential_steps(world, h, 10);
-  EXPECT_GT(world.near.searches, 4);
+  EXPECT_GT(world.potential.near.searches, 4);
   EXPECT_LT(bonds.size(), made * 3 / 4);
   EXPECT_GT(bonds.size(), made / 10);
   EXPECT_EQ(count_bonds(world), static_cast<double>(bonds.size()));
@@ -101,7 +100,7 @@ TEST(Bonds, break_for_good_as_in_a_sum_over_all_pairs) {
   for (std::size_t k = 0; k < spheres.size(); ++k)
     EXPECT_LE((after[k].position - spheres[k].position).norm(), 1e-9 * law.distance) << k;
   // Damage by body, from the list.
-  measure_damage(world.bodies, world.near);
+  measure_damage(world.bodies, world.potential.near);
   for (Index b = 0; b < world.bodies.owned; ++b) {
     const auto id = static_cast<std::size_t>(world.bodies.id[b]);
     const auto now = std::count_if(bonds.begin(), bonds.end(), [&](const auto& bond) {
@@ -115,7 +114,7 @@ TEST(Bonds, break_for_good_as_in_a_sum_over_all_pairs) {
 TEST(Bonds, hold_back_no_more_once_broken) {
   // Parted, sent back, and parted again at less than a bond would let go.
   const std::vector<Sphere> spheres{{}, {.position = {1.1, 0, 0}}};
-  World world = world_of(testing_world(), spheres);
+  Lab world = world_of(testing_world(), spheres);
   const auto set_speed = [&](double relative) {
     for (Index b = 0; b < world.bodies.owned; ++b)
       world.bodies.velocity[b] = {world.bodies.id[b] == 0 ? -relative / 2 : relative / 2, 0, 0};
@@ -142,7 +141,7 @@ TEST(Bonds, hold_back_no_more_once_broken) {
 
 TEST(Bonds, join_bodies_of_one_group_only) {
   for (int group : {0, 1}) {
-    World world = world_of(testing_world(), {{}, {.position = {1.12, 0, 0}}});
+    Lab world = world_of(testing_world(), {{}, {.position = {1.12, 0, 0}}});
     for (Index b = 0; b < world.bodies.owned; ++b)
       world.bodies.group[b] = world.bodies.id[b] == 0 ? 0 : group;
     potential_steps(world, 0.01, 1);
@@ -158,7 +157,7 @@ TEST(Bonds, join_bodies_of_one_group_only) {
 TEST(Bonds, breaking_costs_no_energy_beyond_second_order) {
   std::vector<double> errors;
   for (int halvings = 0; halvings < 4; ++halvings) {
-    World world = world_of(testing_world(), impact());
+    Lab world = world_of(testing_world(), impact());
     const int steps = 240 << halvings;
     const double before = energy_of(world), bonds = count_bonds(world);
     double worst = 0;
@@ -174,13 +173,13 @@ TEST(Bonds, breaking_costs_no_energy_beyond_second_order) {
 }
 
 TEST(Bonds, go_on_where_pairs_were_forgotten) {
-  World world = world_of(testing_world(), impact());
+  Lab world = world_of(testing_world(), impact());
   potential_steps(world, 0.02, 60);
   const double before = count_bonds(world), energy = energy_of(world);
-  auto bonds = bonds_of(world.bodies, world.near);
+  auto bonds = bonds_of(world.bodies, world.potential.near);
   resize(world.bodies, world.bodies.owned);
-  world.near = NearPairs{};
-  world.near.bonds = std::move(bonds);
+  world.potential.near = NearPairs{};
+  world.potential.near.bonds = std::move(bonds);
   EXPECT_EQ(count_bonds(world), before);
   EXPECT_NEAR(energy_of(world), energy, 1e-13 * std::abs(energy));
   EXPECT_EQ(count_bonds(world), before);

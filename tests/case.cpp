@@ -1,13 +1,15 @@
 // Cases: what is read, what overrides change, and one clear message for each mistake.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "spall/scene/case.hpp"
+#include "scene/case.hpp"
 
 #include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
 
-#include "spall/base/require.hpp"
+#include "potential/settings.hpp"
+#include "solver/problem.hpp"
+#include "spall/error.hpp"
 #include "testing.hpp"
 
 namespace spall {
@@ -95,14 +97,14 @@ TEST(Case, fields_are_read_in_si_units) {
   EXPECT_EQ(scene.planes[0].normal, Vec3::UnitZ());
   EXPECT_EQ(scene.gravity.method, GravityMethod::automatic);
   EXPECT_EQ(scene.uniform_gravity.z(), -9.81);
-  EXPECT_EQ(scene.solver.method, SolverMethod::barzilai_borwein);
-  EXPECT_TRUE(scene.phases[0].until_settled);
+  EXPECT_EQ(scene.engines.get<SolverSettings>().method, SolverMethod::barzilai_borwein);
+  EXPECT_EQ(scene.phases[0].until, PhaseEnd::settled);
   const Phase& hit = scene.phases[1];
   EXPECT_EQ(hit.cohesion, 500);
-  EXPECT_EQ(hit.solver->prox, 0);
-  EXPECT_EQ(hit.solver->tolerance, 1e-3);  // the rest is the case's
+  EXPECT_EQ(hit.settings.get<SolverSettings>().prox, 0);
+  EXPECT_EQ(hit.settings.get<SolverSettings>().tolerance, 1e-3);  // the rest is the case's
   EXPECT_EQ(hit.impactor->speed, 4000);
-  EXPECT_FALSE(hit.impactor->head_on);
+  EXPECT_EQ(hit.impactor->aim, Aiming::line);
   EXPECT_TRUE(hit.impactor->direction.isApprox(Vec3(0, 0.6, 0.8), 1e-15));
   EXPECT_DOUBLE_EQ(scene.materials[hit.impactor->material].density, 500 / (pi / 6 / 8));
   EXPECT_EQ(scene.binary->period, 43200);
@@ -118,9 +120,9 @@ TEST(Case, overrides_reach_tables_array_elements_and_names) {
   EXPECT_EQ(scene.phases[0].duration, 10);
   EXPECT_EQ(scene.phases[1].step, 1e-5);
   EXPECT_EQ(scene.groups[1].packing.radius, 3);
-  EXPECT_EQ(scene.phases[0].solver->max_iterations, 7);
+  EXPECT_EQ(scene.phases[0].settings.get<SolverSettings>().max_iterations, 7);
   EXPECT_EQ(scene.output.series_every, 2);
-  EXPECT_TRUE(scene.contact.cohesion_is_impulse);
+  EXPECT_TRUE(scene.contact.common().cohesion_is_impulse);
   EXPECT_EQ(scene.read_out, std::vector<double>{5});
 }
 
@@ -132,7 +134,7 @@ TEST(Case, mistakes_name_file_line_key_and_what_would_be_right) {
        "x.toml:7:1: materials.ice.densty is not a key here; did you mean materials.ice.density?"},
       {{"friction = 0.5", "q = 1"},
        "x.toml:9:1: contact.q is not a key here; the keys here are material, friction, "
-       "restitution, cohesion, cohesion_range, cohesion_law"},
+       "restitution, cohesion, cohesion_range, cohesion_law, between"},
       {{"friction = 0.5", "friction = true"},
        "x.toml:9:12: contact.friction is true or false; a number such as 0.5 is wanted"},
       {{"friction = 0.5", "friction = -1"},
@@ -275,16 +277,20 @@ steepness = 3
 breaking_strain = "5 %"
 )";
   const Case scene = parse_case(bodies + law, "x.toml");
-  EXPECT_EQ(scene.phases[0].method, Method::potential);
-  EXPECT_EQ(scene.potential->depth, 2);
-  EXPECT_DOUBLE_EQ(scene.potential->cutoff, 2.2);
+  EXPECT_EQ(scene.phases[0].engine->name, "potential");
+  EXPECT_EQ(scene.engines.find<PotentialSettings>()->law.common().depth, 2);
+  EXPECT_DOUBLE_EQ(scene.engines.find<PotentialSettings>()->law.common().cutoff, 2.2);
   // F = (2 D a/d) (e - e^2) at e = exp(-a eps); not more than its largest, 1.5 N.
   const std::string strong = law.substr(0, law.rfind("breaking_strain"));
   EXPECT_NEAR(parse_case(bodies + strong + "breaking_force = \"1.44 N\"\n", "x.toml")
-                  .potential->breaking_strain,
+                  .engines.find<PotentialSettings>()
+                  ->law.common()
+                  .breaking_strain,
               -std::log(0.6) / 3, 1e-12);
   EXPECT_NEAR(parse_case(bodies + strong + "breaking_energy = \"0.5 J\"\n", "x.toml")
-                  .potential->breaking_strain,
+                  .engines.find<PotentialSettings>()
+                  ->law.common()
+                  .breaking_strain,
               -std::log(0.5) / 3, 1e-12);
   EXPECT_EQ(complaint(bodies + strong + "breaking_force = 1.6\n").substr(0, 64),
             "x.toml:17:18: pair_potential.breaking_force is more than the law");
@@ -294,7 +300,8 @@ breaking_strain = "5 %"
   EXPECT_EQ(complaint(bodies + law + "cutoff = 3\n").substr(0, 49),
             "x.toml:18:1: pair_potential.cutoff is not a key h");
   EXPECT_EQ(complaint(bodies + law + "[[planes]]\n"),
-            "x.toml: [[planes]] do not act in phases of method = \"potential\", as phases.hit");
+            "x.toml: phases.hit.method = \"potential\": [[planes]], [[boxes]], [[cylinders]] and "
+            "[periodic] do not act in it");
 }
 
 TEST(Case, the_reference_lists_every_key) {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <random>
 
-#include "spall/output/diagnostics.hpp"
+#include "output/diagnostics.hpp"
 #include "testing.hpp"
 #include "worlds.hpp"
 
@@ -44,7 +44,7 @@ TEST(Overlap, bodies_at_rest_part_without_moving_on) {
   for (double h : {1e-4, 1.0}) {
     const auto spheres = cloud(60, 8.5, 1.8, 0);
     ASSERT_GT(deepest_overlap(spheres), 0.15);
-    World world = make_world(testing_world(), spheres, {.friction = 0.5, .restitution = 0.3});
+    Lab world = make_world(testing_world(), spheres, {.friction = 0.5, .restitution = 0.3});
     advance(world, h, 25);
     const Diagnostics sums = diagnose(world);
     EXPECT_LT(deepest_overlap(spheres_of(world)), 1e-3) << "h " << h;
@@ -56,7 +56,7 @@ TEST(Overlap, moving_bodies_keep_their_momenta_and_gain_no_energy) {
   for (double speed : {1e-3, 1.0}) {
     const double h = 0.01;
     auto spheres = cloud(60, 8.5, 1.8, speed);
-    World world = make_world(testing_world(), spheres, {.friction = 0.5, .restitution = 0.3});
+    Lab world = make_world(testing_world(), spheres, {.friction = 0.5, .restitution = 0.3});
     const Diagnostics before = diagnose(world);
     double kinetic = before.kinetic;
     for (int k = 0; k < 25; ++k) {
@@ -86,11 +86,11 @@ std::vector<Sphere> fallen(const Comm& comm, double length, double mass, double 
     s.velocity *= length / time;
     s.spin /= time;
   }
-  World world = make_world(comm, spheres,
-                           {.friction = 0.5,
-                            .restitution = 0.3,
-                            .cohesion = 1e-3 * mass * length / (time * time),
-                            .cohesion_range = 0.01 * length});
+  Lab world = make_world(comm, spheres,
+                         {.friction = 0.5,
+                          .restitution = 0.3,
+                          .cohesion = 1e-3 * mass * length / (time * time),
+                          .cohesion_range = 0.01 * length});
   world.gravity = {.method = GravityMethod::direct,
                    .constant = 6.67e-11 * length * length * length / (mass * time * time)};
   for (int k = 0; k < steps; ++k) nonsmooth_step(world, 8 * time, solver, 4);
@@ -124,7 +124,7 @@ TEST(Invariance, ranks_change_nothing_beyond_the_solver_and_a_second_run_nothing
   const auto spheres = cloud(96, 11, 2.02, 1e-2);
   const double h = 1;
   const auto run = [&](const Comm& ranks) {
-    World world = make_world(ranks, spheres, {.friction = 0.5, .restitution = 0.3});
+    Lab world = make_world(ranks, spheres, {.friction = 0.5, .restitution = 0.3});
     world.gravity = {.method = GravityMethod::direct, .constant = 1e-4};
     const Diagnostics before = diagnose(world);
     double p = 0, l = 0, p_scale = 0, l_scale = 0;

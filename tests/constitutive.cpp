@@ -1,6 +1,6 @@
 // From constants of a solid to its spheres: elastic constants, waves, strength, and how cases ask.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "spall/force/constitutive.hpp"
+#include "potential/constitutive.hpp"
 
 #include <unistd.h>
 
@@ -8,11 +8,11 @@
 #include <filesystem>
 #include <fstream>
 
-#include "spall/base/require.hpp"
-#include "spall/force/embedding.hpp"
-#include "spall/motion/potential_step.hpp"
-#include "spall/scene/scene.hpp"
-#include "spall/scene/shape.hpp"
+#include "potential/embedding.hpp"
+#include "potential/settings.hpp"
+#include "scene/scene.hpp"
+#include "scene/shape.hpp"
+#include "spall/error.hpp"
 #include "testing.hpp"
 #include "worlds.hpp"
 
@@ -165,8 +165,8 @@ TEST(Constitutive, waves_run_at_the_lattice_s_sound_speeds) {
           spheres.push_back({.radius = d / 2, .mass = m, .position = moved});
           rest.push_back(x);
         }
-    World world = make_world(testing_world(), spheres, {});
-    world.potential = p;
+    Lab world = make_world(testing_world(), spheres, {});
+    world.potential.law = p;
     const auto height = [&] {
       return spheres_of(world)[middle].position.dot(wave.motion.normalized());
     };
@@ -255,9 +255,9 @@ TEST(Constitutive, a_case_gets_law_and_masses_from_its_material) {
   const Case scene =
       parse_case(std::string("[materials.al.solid]\n") + constants + bodies, "x.toml");
   const PairPotential expected = morse_law(aluminium, fcc, Match::solid, "");
-  EXPECT_EQ(scene.potential->depth, expected.depth);
-  EXPECT_EQ(scene.potential->cutoff, expected.cutoff);
-  EXPECT_EQ(scene.potential->damping, 0.4);
+  EXPECT_EQ(scene.engines.find<PotentialSettings>()->law.common().depth, expected.depth);
+  EXPECT_EQ(scene.engines.find<PotentialSettings>()->law.common().cutoff, expected.cutoff);
+  EXPECT_EQ(scene.engines.find<PotentialSettings>()->law.common().damping, 0.4);
   const Bodies made = make_bodies(scene, Comm(MPI_COMM_SELF));
   double mass = 0;
   for (double m : made.mass) mass += m;
@@ -300,7 +300,8 @@ TEST(Constitutive, a_material_s_file_is_read_once_and_named_in_messages) {
   // A restart has the case as it was read, and its overrides.
   std::filesystem::remove_all(folder);
   const Case again = parse_case(scene.text, scene.file, scene.overrides);
-  EXPECT_EQ(again.potential->depth, scene.potential->depth);
+  EXPECT_EQ(again.engines.find<PotentialSettings>()->law.common().depth,
+            scene.engines.find<PotentialSettings>()->law.common().depth);
   EXPECT_EQ(again.materials[0].density, 2703);
   EXPECT_EQ(complaint(text), "x.toml:2: materials.al.file: there is no file 'al.toml'");
 }

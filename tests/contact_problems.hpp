@@ -5,7 +5,7 @@
 #include <map>
 #include <random>
 
-#include "spall/solver/problem.hpp"
+#include "solver/problem.hpp"
 #include "testing.hpp"
 
 namespace spall {

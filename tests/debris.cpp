@@ -3,9 +3,9 @@
 #include <cmath>
 #include <random>
 
-#include "spall/analysis/debris_cloud.hpp"
-#include "spall/domain/pack.hpp"
-#include "spall/run/debris_log.hpp"
+#include "analysis/debris_cloud.hpp"
+#include "rigid/engine.hpp"
+#include "run/debris_log.hpp"
 #include "testing.hpp"
 
 namespace spall {
@@ -210,8 +210,8 @@ TEST(Debris, log_survives_a_restart_and_reports_all_read_outs) {
   log.save(scalars);
   resumed.load(scalars);
   ResultTable one, two;
-  log.conclude(world, false, 2, one);
-  resumed.conclude(world, false, 2, two);
+  log.conclude(world, Rigid(), false, 2, one);
+  resumed.conclude(world, Rigid(), false, 2, two);
   EXPECT_EQ(one.toml(), two.toml());
   EXPECT_NE(one.toml().find("time = [1.0, 2.0]"), std::string::npos);
 }

@@ -4,16 +4,18 @@
 #include <map>
 #include <random>
 #include <set>
+#include <tuple>
 
-#include "spall/contact/broad_phase.hpp"
-#include "spall/contact/narrow_phase.hpp"
-#include "spall/contact/neighbours.hpp"
-#include "spall/domain/halo.hpp"
-#include "spall/domain/migration.hpp"
-#include "spall/domain/morton.hpp"
-#include "spall/domain/motion_cells.hpp"
-#include "spall/domain/pack.hpp"
-#include "spall/domain/partition.hpp"
+#include "base/morton.hpp"
+#include "domain/halo.hpp"
+#include "domain/migration.hpp"
+#include "domain/partition.hpp"
+#include "pairs/broad_phase.hpp"
+#include "pairs/motion_cells.hpp"
+#include "pairs/near_pairs.hpp"
+#include "pairs/neighbours.hpp"
+#include "rigid/narrow_phase.hpp"
+#include "state/pack.hpp"
 #include "testing.hpp"
 
 namespace spall {
@@ -36,9 +38,20 @@ Bodies random_bodies(int count, double spread = 100) {
     bodies.angular_velocity[b] = Vec3(b, 2 * b, 3 * b);
     bodies.group[b] = b % 3;
     bodies.material[b] = b % 2;
+    bodies.acceleration[b] = Vec3(-b, b, 1);
+    bodies.heat[b] = 1 + b;
+    bodies.kick[b] = Vec3(2, -b, b);
+    bodies.bonds[b] = b % 13;
+    bodies.damage[b] = 1.0 / (1 + b);
   }
   bodies.owned = count;
   return bodies;
+}
+
+std::vector<double> packed(const Bodies& bodies, Index b, unsigned any_of) {
+  std::vector<double> row;
+  pack_row(bodies, b, any_of, row);
+  return row;
 }
 
 /// This rank's share, dealt out by id.
@@ -46,9 +59,7 @@ Bodies share(const Bodies& all, const Comm& comm) {
   Bodies mine;
   for (Index b = 0; b < all.size(); ++b) {
     if (b % comm.size != comm.rank) continue;
-    std::vector<double> row;
-    pack_row(all, b, row);
-    unpack_rows(mine, row);
+    unpack_rows(mine, packed(all, b, ~0u), ~0u);
   }
   mine.owned = mine.size();
   return mine;
@@ -83,10 +94,7 @@ TEST(Migration, every_body_arrives_once_with_all_its_fields) {
     const auto id = mine.id[b];
     here.insert(id);
     EXPECT_EQ(static_cast<int>(id * 31 % 7) % comm.size, comm.rank);
-    EXPECT_EQ(mine.position[b], all.position[id]);
-    EXPECT_EQ(mine.angular_velocity[b], all.angular_velocity[id]);
-    EXPECT_EQ(mine.mass[b], all.mass[id]);
-    EXPECT_EQ(mine.group[b], all.group[id]);
+    EXPECT_EQ(packed(mine, b, trait::migrated), packed(all, static_cast<Index>(id), ~0u));
   }
   // Memory is wherever one of the contact's bodies is.
   const std::set<BodyId> remembered(memory.i.begin(), memory.i.end());
@@ -127,8 +135,11 @@ TEST(Halo, pairs_of_all_ranks_are_those_of_brute_force) {
     std::vector<double> reaches(mine.owned, reach);
     const Ghosts ghosts = make_halo(comm, mine, reaches);
     EXPECT_EQ(ghosts.ghosts(), mine.ghosts());
-    for (Index b = mine.owned; b < mine.size(); ++b)
-      EXPECT_EQ(mine.position[b], all.position[mine.id[b]]);
+    for (Index b = mine.owned; b < mine.size(); ++b) {
+      const auto original = static_cast<Index>(mine.id[b]);
+      EXPECT_EQ(packed(mine, b, trait::ghosted), packed(all, original, trait::ghosted));
+      EXPECT_EQ(mine.heat[b], 0);  // which ghosts do not have
+    }
     const Pairs pairs = find_pairs(mine, reaches, {});
     PairSet found;
     for (Index p = 0; p < pairs.size(); ++p) {
@@ -145,6 +156,72 @@ TEST(Halo, pairs_of_all_ranks_are_those_of_brute_force) {
   }
 }
 
+TEST(Windows, list_each_pair_once_for_any_sizes_and_images) {
+  const Comm comm = testing_world();
+  using Image = std::tuple<BodyId, BodyId, int>;  // and how often j is displaced along x
+  for (const auto& [spread, edge] :
+       {std::pair(1.0, 0.0), std::pair(10.0, 10.0), std::pair(100.0, 0.0)}) {
+    const Bodies all = random_bodies(600, spread);
+    const double slack = 0.06, skin = 0.04;
+    const Period period{.size = Vec3(edge, 0, 0)};
+    const auto distance = [&](BodyId i, BodyId j, int images) {
+      return (all.position[j] + images * period.size - all.position[i]).norm();
+    };
+    Bodies mine = share(all, comm);
+    ContactMemory memory;
+    migrate(comm, mine, memory, partition(comm, mine, std::vector<double>(mine.owned, 1.0)));
+    std::vector<double> reaches(mine.owned, slack / 2);
+    std::vector<Vec3> shifts;
+    const Ghosts ghosts = make_halo(comm, mine, reaches, period, shifts);
+    std::vector<NearWindow> windows;
+    find_near_pairs(mine, {.common = slack / 2, .skin = skin}, windows);
+
+    std::vector<std::size_t> window_of(mine.owned, windows.size());
+    std::size_t bodies = 0;
+    for (std::size_t w = 0; w < windows.size(); ++w)
+      for (Index k = 0; k < windows[w].count; ++k, ++bodies)
+        window_of[windows[w].rows[k] / doubles_a_row] = w;
+    EXPECT_EQ(bodies, static_cast<std::size_t>(mine.owned));
+    std::map<Image, int> found;
+    std::vector<bool> in_skin(mine.owned, false);
+    for_each_pair(windows, [&](std::size_t w, std::size_t, std::size_t, Index a, Index b) {
+      ASSERT_LT(a, mine.owned);
+      EXPECT_EQ(window_of[a], w);
+      if (b < mine.owned) {
+        EXPECT_GE(window_of[b], w) << "a partner's window is over";
+      }
+      const BodyId i = mine.id[a], j = mine.id[b];
+      const int images =
+          edge == 0
+              ? 0
+              : static_cast<int>(std::lround((mine.position[b][0] - all.position[j][0]) / edge));
+      ++found[i < j ? Image(i, j, images) : Image(j, i, -images)];
+      // Of one size those in the skin come last; larger ones' smaller ghosts come after these.
+      const bool further = distance(i, j, images) >= mine.radius[a] + mine.radius[b] + slack - skin;
+      if (spread == 1) {
+        EXPECT_TRUE(further || !in_skin[a]);
+      }
+      in_skin[a] = in_skin[a] || further;
+    });
+    std::set<BodyId> here(mine.id.begin(), mine.id.begin() + mine.owned);
+    std::size_t expected = 0;
+    for (BodyId i = 0; i < all.size(); ++i)
+      for (BodyId j = i + 1; j < all.size(); ++j)
+        for (int images : {-1, 0, 1}) {
+          if (edge == 0 && images != 0) continue;
+          if (distance(i, j, images) >= all.radius[i] + all.radius[j] + slack) continue;
+          // On one rank a pair of images is found from either body's side.
+          const int times = images != 0 ? here.count(i) + here.count(j)
+                                        : static_cast<int>(here.count(i) || here.count(j));
+          expected += times > 0;
+          const auto at = found.find({i, j, images});
+          EXPECT_EQ(at == found.end() ? 0 : at->second, times)
+              << spread << ": " << i << " " << j << " " << images;
+        }
+    EXPECT_EQ(found.size(), expected);
+  }
+}
+
 /// Flies 300 bodies, all of them `faster` than they are, for 60 steps, looks for missed contacts in
 /// each, and returns how often pairs were searched.
 int fly(const Vec3& faster) {
@@ -157,7 +234,7 @@ int fly(const Vec3& faster) {
   for (int step = 0; step < 60; ++step) {
     update_neighbours(comm, mine, {}, h, 0.0, neighbours);
     searches += neighbours.drifted == h * neighbours.drift;
-    const Contacts contacts = find_contacts(mine, {}, neighbours.pairs, h, 0.0);
+    const Contacts contacts = find_contacts(mine, {}, neighbours.pairs, h, ContactLaw{});
     // All bodies, in the order of ids, on every rank.
     std::vector<double> row;
     for (Index b = 0; b < mine.owned; ++b)

@@ -1,6 +1,6 @@
 // The embedding part against the solid that it stands for.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "spall/force/embedding.hpp"
+#include "potential/embedding.hpp"
 
 #include <cmath>
 

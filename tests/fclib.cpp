@@ -1,13 +1,13 @@
 // Problems given as a Delassus matrix: the file, the metric, and the same methods as for spheres.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "spall/output/fclib.hpp"
+#include "output/fclib.hpp"
 
 #include <Eigen/Dense>
 #include <filesystem>
 
 #include "../src/output/h5.hpp"
 #include "contact_problems.hpp"
-#include "spall/base/require.hpp"
+#include "spall/error.hpp"
 
 namespace spall {
 namespace {

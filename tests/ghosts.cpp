@@ -1,6 +1,6 @@
 // The ghost exchange: every ghost value is its original's.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "spall/domain/ghosts.hpp"
+#include "domain/ghosts.hpp"
 
 #include "testing.hpp"
 

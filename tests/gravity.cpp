@@ -1,13 +1,12 @@
 // The exact sum of gravity against closed forms, long double and its own invariants.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "spall/force/gravity.hpp"
-
 #include <Eigen/Geometry>
 
+#include "gravity/field.hpp"
+#include "gravity/map.hpp"
 #include "gravity_sets.hpp"
-#include "spall/analysis/gravity_map.hpp"
-#include "spall/base/require.hpp"
-#include "spall/force/lanes.hpp"
+#include "spall/error.hpp"
+#include "spall/lanes.hpp"
 #include "testing.hpp"
 
 namespace spall {

@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-#include "spall/base/comm.hpp"
+#include "spall/comm.hpp"
 
 namespace spall {
 

@@ -1,13 +1,12 @@
 // The tree of gravity against the exact sum, and the momentum that it must keep.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "spall/force/gravity_tree.hpp"
-
 #include <Eigen/Geometry>
 
+#include "gravity/direct.hpp"
+#include "gravity/multipole.hpp"
+#include "gravity/tree.hpp"
 #include "gravity_sets.hpp"
-#include "spall/base/require.hpp"
-#include "spall/force/gravity_direct.hpp"
-#include "spall/force/multipole.hpp"
+#include "spall/error.hpp"
 #include "testing.hpp"
 
 namespace spall {

@@ -5,8 +5,8 @@
 #include <random>
 
 #include "contact_problems.hpp"
-#include "spall/base/require.hpp"
-#include "spall/output/diagnostics.hpp"
+#include "output/diagnostics.hpp"
+#include "spall/error.hpp"
 #include "testing.hpp"
 #include "worlds.hpp"
 
@@ -116,7 +116,7 @@ double motion_of_vault(double mu) {
     spheres.push_back({.position = {away * std::cos(angle), away * std::sin(angle), 1}});
   }
   spheres.push_back({.position = {0, 0, 1 + std::sqrt(8.0 / 3)}});
-  World world = make_world(alone(), spheres, {.friction = mu});
+  Lab world = make_world(alone(), spheres, {.friction = mu});
   world.planes = {{.point = Vec3::Zero(), .normal = Vec3::UnitZ()}};
   world.uniform_gravity = {0, 0, -g};
   advance(world, h, steps, {.tolerance = 1e-8, .max_iterations = 20000, .prox = 0});
@@ -131,7 +131,7 @@ TEST(HardCase, a_vault_stands_on_friction_alone_down_to_its_exact_coefficient) {
   EXPECT_GT(motion_of_vault(0.99 * needed), 1e-7);  // it gives way: 1 % of the way to free fall
 }
 
-double radius_of_gyration(const World& world) {
+double radius_of_gyration(const Lab& world) {
   const Diagnostics sums = diagnose(world);
   double square = 0;
   for (Index b = 0; b < world.bodies.owned; ++b)
@@ -142,7 +142,7 @@ double radius_of_gyration(const World& world) {
 TEST(HardCase, a_pile_at_rest_stays_at_rest_and_does_not_creep) {
   // Spheres fall together under their own gravity and settle; then 10,000 steps at rest, with the
   // solver as a case has it by default.
-  World world = make_world(alone(), cloud(64, 12, 0), {.friction = 0.5, .restitution = 0.3});
+  Lab world = make_world(alone(), cloud(64, 12, 0), {.friction = 0.5, .restitution = 0.3});
   world.gravity = {.method = GravityMethod::direct};
   const auto step = [&] { nonsmooth_step(world, 20, SolverSettings{}, 1); };
   step();
@@ -168,7 +168,7 @@ TEST(HardCase, friction_and_restitution_add_no_energy) {
       const double most = mu > 0 && e == 1 ? 2e-3 : 1e-7;
       auto spheres = cloud(48, 10, 1);
       for (Sphere& s : spheres) s.velocity -= 0.5 * s.position;  // towards each other
-      World world = make_world(alone(), spheres, {.friction = mu, .restitution = e});
+      Lab world = make_world(alone(), spheres, {.friction = mu, .restitution = e});
       const Diagnostics start = diagnose(world);
       double kinetic = start.kinetic;
       for (int k = 0; k < 60; ++k) {
@@ -194,7 +194,7 @@ TEST(HardCase, contacts_that_all_open_at_once_carry_nothing) {
   for (int k = 0; k < 64; ++k)
     lattice.push_back({.position = 2.0 * Vec3(k % 4, k / 4 % 4, k / 16)});
   for (Sphere& s : lattice) s.velocity = centre - s.position;
-  World world = make_world(testing_world(), lattice, {.friction = 0.5});
+  Lab world = make_world(testing_world(), lattice, {.friction = 0.5});
   advance(world, 1e-3, 1);
   for (Index b = 0; b < world.bodies.owned; ++b) {
     world.bodies.velocity[b] = 0.1 * (world.bodies.position[b] - centre);
@@ -212,7 +212,7 @@ TEST(HardCase, one_body_and_bodies_without_contacts_move_freely) {
     std::vector<Sphere> spheres;
     for (int k = 0; k < count; ++k)
       spheres.push_back({.position = {100.0 * k, 0, 0}, .velocity = {0, 3, k - 0.5}});
-    World world = make_world(testing_world(), spheres, {.friction = 0.5, .restitution = 0.3});
+    Lab world = make_world(testing_world(), spheres, {.friction = 0.5, .restitution = 0.3});
     advance(world, 0.25, 8);
     const auto after = spheres_of(world);
     for (int k = 0; k < count; ++k) {
@@ -235,7 +235,7 @@ TEST(HardCase, a_hypervelocity_projectile_misses_no_contact_at_any_step) {
         for (int y = -3; y <= 3; ++y)
           for (int x = -3; x <= 3; ++x)
             spheres.push_back({.radius = r, .position = {2 * r * x, 2 * r * y, face + 2 * r * z}});
-      World world = make_world(testing_world(), spheres, {.friction = 0.3});
+      Lab world = make_world(testing_world(), spheres, {.friction = 0.3});
       const Diagnostics before = diagnose(world);
       double kinetic = before.kinetic;
       for (int k = 0; k < (along < 1 ? 20 : 4); ++k) {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "spall/motion/gravity_kick.hpp"
-#include "spall/output/diagnostics.hpp"
+#include "gravity/kick.hpp"
+#include "output/diagnostics.hpp"
 #include "testing.hpp"
 #include "worlds.hpp"
 
@@ -15,8 +15,8 @@ namespace {
 using std::numbers::pi;
 
 /// Every rank computes a few bodies by itself.
-World small_world(const std::vector<Sphere>& spheres) {
-  World world = make_world(Comm(MPI_COMM_SELF), spheres, {});
+Lab small_world(const std::vector<Sphere>& spheres) {
+  Lab world = make_world(Comm(MPI_COMM_SELF), spheres, {});
   world.gravity = {.method = GravityMethod::direct, .constant = 1};
   return world;
 }
@@ -41,7 +41,7 @@ Vec3 angular_momentum(const std::vector<Sphere>& s) {
 TEST(Orbits, an_ellipse_keeps_its_shape_for_a_thousand_periods) {
   const double a = 1, e = 0.5, m1 = 0.7, m2 = 0.3, r = a * (1 + e);
   const double v = std::sqrt((1 - e) / (1 + e) / a), h = 2 * pi / 256;
-  World world = small_world(
+  Lab world = small_world(
       {{.radius = 1e-3, .mass = m1, .position = {-m2 * r, 0, 0}, .velocity = {0, -m2 * v, 0}},
        {.radius = 1e-3, .mass = m2, .position = {m1 * r, 0, 0}, .velocity = {0, m1 * v, 0}}});
   double least = infinity, most = 0, momentum = 0;
@@ -72,7 +72,7 @@ TEST(Orbits, three_bodies_stay_on_their_figure_of_eight_for_a_thousand_periods) 
   const std::vector<Sphere> start = {{.radius = 1e-3, .position = x, .velocity = -v / 2},
                                      {.radius = 1e-3, .position = -x, .velocity = -v / 2},
                                      {.radius = 1e-3, .velocity = v}};
-  World world = small_world(start);
+  Lab world = small_world(start);
   const double before = energy(start);
   double widest = 0, highest = 0, drift = 0, turned = 0;
   for (int k = 0; k < 400 * 1000; ++k) {
@@ -110,7 +110,7 @@ TEST(Orbits, a_cold_sphere_collapses_in_its_free_fall_time) {
   const double density = count / (4 * pi / 3 * radius * radius * radius);
   const double free_fall = std::sqrt(3 * pi / (32 * density)), h = free_fall / 150;
   for (const GravityMethod method : {GravityMethod::direct, GravityMethod::tree}) {
-    World world = make_world(testing_world(), spheres, {});
+    Lab world = make_world(testing_world(), spheres, {});
     world.gravity = {.method = method, .constant = 1};
     const auto size = [&] {
       double sum = 0;
@@ -134,7 +134,7 @@ TEST(Orbits, a_cold_sphere_collapses_in_its_free_fall_time) {
 TEST(Orbits, a_pebble_bounces_on_a_body_a_million_times_larger) {
   const double large = 1e6, mass = 1e18, drop = 30, e = 0.5, h = 0.01;
   const double v = 20;
-  World world = make_world(
+  Lab world = make_world(
       testing_world(),
       {{.radius = large, .mass = mass},
        {.radius = 1, .mass = 1, .position = {large + 1 + drop, 0, 0}, .velocity = {-v, 0, 0}},

@@ -7,15 +7,15 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <map>
 
 #include "../src/output/files.hpp"
 #include "../src/output/h5.hpp"
-#include "spall/base/require.hpp"
-#include "spall/domain/pack.hpp"
-#include "spall/output/restart.hpp"
-#include "spall/output/results.hpp"
-#include "spall/output/series.hpp"
-#include "spall/output/snapshot.hpp"
+#include "output/restart.hpp"
+#include "output/results.hpp"
+#include "output/series.hpp"
+#include "output/snapshot.hpp"
+#include "spall/error.hpp"
 #include "testing.hpp"
 
 namespace spall {
@@ -64,20 +64,18 @@ bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
 
 void expect_same_bits(const Bodies& a, const Bodies& b) {
   EXPECT_EQ(a.owned, b.owned);
-  std::vector<bool> same;
-  const auto fields = [](const Bodies& bodies) {
-    return std::tie(bodies.id, bodies.group, bodies.material, bodies.radius, bodies.mass,
-                    bodies.position, bodies.velocity, bodies.angular_velocity, bodies.acceleration,
-                    bodies.heat, bodies.kick);
+  EXPECT_EQ(a.fields, b.fields);
+  std::map<std::string, std::vector<char>> bits;
+  const auto for_each = [](const Bodies& bodies, auto&& f) {
+    for_each_field(bodies, [&]<class T>(const TypedField<T>& info, const std::vector<T>& field) {
+      const auto* first = reinterpret_cast<const char*>(field.data());
+      f(info.name, std::vector<char>(first, first + field.size() * sizeof(T)));
+    });
   };
-  std::apply(
-      [&](const auto&... field_a) {
-        std::apply(
-            [&](const auto&... field_b) { (same.push_back(same_bits(field_a, field_b)), ...); },
-            fields(b));
-      },
-      fields(a));
-  for (std::size_t k = 0; k < same.size(); ++k) EXPECT_TRUE(same[k]) << "field " << k;
+  for_each(a, [&](const char* name, std::vector<char> field) { bits[name] = std::move(field); });
+  for_each(b, [&](const char* name, const std::vector<char>& field) {
+    EXPECT_EQ(bits[name], field) << name;
+  });
 }
 
 TEST(Snapshot, row_k_is_body_k_with_the_same_bits_on_any_number_of_ranks) {
@@ -85,6 +83,7 @@ TEST(Snapshot, row_k_is_body_k_with_the_same_bits_on_any_number_of_ranks) {
   const std::string folder = fresh_folder(comm);
   Case scene;
   scene.text = "title = \"test\"";
+  for (const char* name : {"core", "shell", "dust"}) scene.groups.emplace_back().name = name;
   SnapshotWriter writer(comm, folder, scene);
   writer.write(dealt(comm, 71), 10, 0.1);
   writer.write(dealt(comm, 73), 20, 0.3);  // two were added
@@ -97,7 +96,7 @@ TEST(Snapshot, row_k_is_body_k_with_the_same_bits_on_any_number_of_ranks) {
     EXPECT_EQ(file.read<double>("/particles/all/position/time").at(0), 0.3);
     EXPECT_EQ(file.read_text("/parameters/case"), scene.text);
     const h5::Rows rows{0, 73, 73};
-    EXPECT_TRUE(same_bits(file.read<std::int64_t>("/particles/all/id", rows), expected.id));
+    EXPECT_TRUE(same_bits(file.read<BodyId>("/particles/all/id/value"), expected.id));
     EXPECT_TRUE(same_bits(file.read<std::int32_t>("/particles/all/group", rows), expected.group));
     EXPECT_TRUE(same_bits(file.read<double>("/particles/all/radius", rows), expected.radius));
     EXPECT_TRUE(same_bits(file.read<double>("/particles/all/mass", rows), expected.mass));
@@ -113,8 +112,39 @@ TEST(Snapshot, row_k_is_body_k_with_the_same_bits_on_any_number_of_ranks) {
       EXPECT_EQ(position[70 * 3 + d], expected.position[70][d]);
       EXPECT_TRUE(std::isnan(position[71 * 3 + d]) && std::isnan(position[72 * 3 + d]));
     }
+    const auto id = all.read<BodyId>("/particles/all/id/value");
+    for (int k = 0; k < 73; ++k) {
+      EXPECT_EQ(id[k], k < 71 ? k : -1);
+      EXPECT_EQ(id[73 + k], k);
+    }
+    for (const h5::File* one : {&file, &all}) {
+      const h5::Handle set(H5Dopen2(one->id(), "/particles/all/group", H5P_DEFAULT), H5Dclose);
+      const h5::Handle type(H5Dget_type(set), H5Tclose);
+      ASSERT_EQ(H5Tget_class(type), H5T_ENUM);
+      char name[8] = {};
+      const std::int32_t two = 2;
+      H5Tenum_nameof(type, &two, name, sizeof(name));
+      EXPECT_STREQ(name, "dust");
+    }
+    EXPECT_EQ(all.read<std::int32_t>("/particles/all/group"), expected.group);
+    EXPECT_EQ(all.read<std::int32_t>("/particles/all/species"), expected.material);
     const std::string xdmf = read_whole(folder + "/trajectory.xdmf");
     EXPECT_NE(xdmf.find("snapshots/000001.h5:/particles/all/position/value"), std::string::npos);
+  }
+}
+
+TEST(Snapshot, a_periodic_box_has_edges_and_a_lower_corner) {
+  const Comm comm = testing_world();
+  const std::string folder = fresh_folder(comm);
+  Case scene;
+  scene.period = {.low = Vec3(-1, -2, 0), .size = Vec3(2, 5, 0)};
+  SnapshotWriter writer(comm, folder, scene);
+  writer.write(dealt(comm, 5), 0, 0);
+  if (comm.rank != 0) return;
+  for (const char* name : {"/snapshots/000000.h5", "/trajectory.h5"}) {
+    const auto file = h5::File::open(folder + name);
+    EXPECT_EQ(file.read<double>("/particles/all/box/edges"), (std::vector<double>{2, 5, 0}));
+    EXPECT_EQ(file.read<double>("/particles/all/box/offset"), (std::vector<double>{-1, -2, 0}));
   }
 }
 
@@ -233,18 +263,14 @@ TEST(Restart, the_same_ranks_get_the_same_rows_with_the_same_bits) {
 TEST(Restart, fields_that_bodies_do_not_have_are_in_no_file_and_come_back_as_zeros) {
   const Comm comm = testing_world();
   const std::string folder = fresh_folder(comm);
-  const OptionalFields few{.angular_velocity = false,
-                           .acceleration = false,
-                           .heat = true,
-                           .kick = false,
-                           .bonds = false};
+  const FieldSet few{Field::heat};
   RestartState out = some_state(comm, 50);
   set_fields(out.bodies, few);
   for (Index b = 0; b < out.bodies.owned; ++b) out.bodies.heat[b] = 1.5 + b;
   write_restart(comm, folder + "/restart.h5", out);
   RestartState in = read_restart(comm, folder + "/restart.h5");
   expect_same_bits(in.bodies, out.bodies);
-  set_fields(in.bodies, {.heat = false});
+  set_fields(in.bodies, {Field::kick});
   EXPECT_TRUE(in.bodies.heat.empty());
   EXPECT_EQ(in.bodies.kick, std::vector<Vec3>(in.bodies.owned, Vec3::Zero()));
 
@@ -339,12 +365,12 @@ TEST(Series, resuming_drops_rows_after_the_restart_and_a_torn_line) {
   const Comm comm = testing_world();
   const std::string folder = fresh_folder(comm), path = folder + "/series.csv";
   {
-    Series series(comm, folder, {"energy", "contacts"});
+    Series series(comm, folder, {{"energy", "J"}, {"contacts", ""}});
     for (int step = 1; step <= 5; ++step) series.append(step, 0.1 * step, std::array{1.0 / 3, 2.0});
   }
   if (comm.rank == 0) std::ofstream(path, std::ios::app) << "6,0.6,0.3";
   MPI_Barrier(comm.raw);
-  Series series(comm, folder, {"energy", "contacts"}, 3);
+  Series series(comm, folder, {{"energy", "J"}, {"contacts", ""}}, 3);
   series.append(4, 0.5, std::array{-1e-300, std::nan("")});
   series.write_hdf5();
   if (comm.rank == 0) {
@@ -356,7 +382,7 @@ TEST(Series, resuming_drops_rows_after_the_restart_and_a_torn_line) {
               (std::vector<double>{1.0 / 3, 1.0 / 3, 1.0 / 3, -1e-300}));
     EXPECT_EQ(file.read<std::int64_t>("/observables/contacts/step"),
               (std::vector<std::int64_t>{1, 2, 3, 4}));
-    EXPECT_THROW(Series(Comm(MPI_COMM_SELF), folder, {"energy"}, 3), Error);
+    EXPECT_THROW(Series(Comm(MPI_COMM_SELF), folder, {{"energy", "J"}}, 3), Error);
   }
 }
 

@@ -1,13 +1,13 @@
 // Volumes, lattices and random packings, by brute force and by their exact counts.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "spall/scene/packing.hpp"
+#include "scene/packing.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <random>
 
-#include "spall/scene/shape.hpp"
+#include "scene/shape.hpp"
 #include "testing.hpp"
 
 namespace spall {
@@ -20,9 +20,9 @@ Volume box(const Vec3& size) {
   return {.shape = Shape::box, .extents = size};
 }
 
-std::vector<Vec3> lattice(const Volume& volume, const Packing& packing) {
+std::vector<Vec3> lattice(LatticeKind kind, const Volume& volume, const Packing& packing) {
   std::vector<Vec3> sites;
-  place_lattice(volume, packing, [&](const Vec3& site) { sites.push_back(site); });
+  place_lattice(kind, volume, packing, [&](const Vec3& site) { sites.push_back(site); });
   return sites;
 }
 
@@ -30,8 +30,8 @@ std::vector<Vec3> random_spheres(const Volume& volume, double radius, std::int64
                                  std::uint64_t seed) {
   std::vector<Vec3> centers;
   place_at_random(
-      volume, {.kind = PackingKind::random, .radius = radius, .count = count}, seed,
-      [](const Vec3&) { return true; }, [&](const Vec3& center) { centers.push_back(center); });
+      volume, {.radius = radius, .count = count}, seed, [](const Vec3&) { return true; },
+      [&](const Vec3& center) { centers.push_back(center); });
   return centers;
 }
 
@@ -96,9 +96,9 @@ TEST(Shape, depth_is_the_distance_to_the_surface) {
 
 TEST(Lattice, inner_sites_have_the_neighbours_of_their_kind_and_no_nearer_ones) {
   for (const auto& [kind, expected] :
-       {std::pair{PackingKind::simple_cubic, 6}, {PackingKind::fcc, 12}, {PackingKind::hcp, 12}})
+       {std::pair{LatticeKind::simple_cubic, 6}, {LatticeKind::fcc, 12}, {LatticeKind::hcp, 12}})
     for (const Vec3& rotation : {Vec3(0, 0, 0), Vec3(0.3, -0.5, 0.2)}) {
-      const auto sites = lattice(ball(4), {.kind = kind, .radius = 0.5, .rotation = rotation});
+      const auto sites = lattice(kind, ball(4), {.radius = 0.5, .rotation = rotation});
       EXPECT_GT(nearest_distance(sites), 1 - 1e-12);
       for (const Vec3& site : sites) {
         if (site.norm() > 2.9) continue;
@@ -111,11 +111,11 @@ TEST(Lattice, inner_sites_have_the_neighbours_of_their_kind_and_no_nearer_ones) 
 
 TEST(Lattice, mass_goes_with_volume) {
   const double close = pi / (3 * std::sqrt(2.0));
-  for (const auto& [kind, density] : {std::pair{PackingKind::simple_cubic, pi / 6},
-                                      {PackingKind::fcc, close},
-                                      {PackingKind::hcp, close}}) {
+  for (const auto& [kind, density] : {std::pair{LatticeKind::simple_cubic, pi / 6},
+                                      {LatticeKind::fcc, close},
+                                      {LatticeKind::hcp, close}}) {
     const Volume volume = ball(20);
-    const auto sites = lattice(volume, {.kind = kind, .radius = 0.5});
+    const auto sites = lattice(kind, volume, {.radius = 0.5});
     // The surface holds ~5,000 of the ~34,000 cells; their rounding errors are random.
     EXPECT_NEAR(static_cast<double>(sites.size()) * pi / 6 / volume_of(volume), density,
                 0.005 * density);
@@ -125,14 +125,14 @@ TEST(Lattice, mass_goes_with_volume) {
 TEST(Lattice, a_box_n_diameters_wide_holds_n_layers_flush_with_its_faces) {
   const double d = 0.23686e-3;
   const Volume plate = box({3 * d, 8 * d, 9 * d});
-  const auto sites = lattice(plate, {.kind = PackingKind::simple_cubic, .radius = d / 2});
+  const auto sites = lattice(LatticeKind::simple_cubic, plate, {.radius = d / 2});
   EXPECT_EQ(sites.size(), 3u * 8 * 9);
   for (const Vec3& site : sites) EXPECT_GT(depth(plate, site), d / 2 * (1 - 1e-9));
 }
 
 TEST(Lattice, the_thesis_projectile_has_the_reference_engines_count) {
   // 40 particles across; with the plate of 17 x 204 x 204 the 741,024 bodies of that engine's grid.
-  const auto sites = lattice(ball(20), {.kind = PackingKind::simple_cubic, .radius = 0.5});
+  const auto sites = lattice(LatticeKind::simple_cubic, ball(20), {.radius = 0.5});
   EXPECT_EQ(sites.size(), 741024u - 17 * 204 * 204);
 }
 
@@ -175,9 +175,9 @@ struct Boulder {
   double radius;
 };
 
-std::vector<Boulder> graded_boulders(const Volume& volume, const Packing& packing) {
+std::vector<Boulder> graded_boulders(const Volume& volume, double largest, const Grading& grading) {
   std::vector<Boulder> boulders;
-  place_graded(volume, packing, 5, [&](const Vec3& center, double radius) {
+  place_graded(volume, largest, grading, 5, [&](const Vec3& center, double radius) {
     boulders.push_back({center, radius});
   });
   return boulders;
@@ -185,15 +185,12 @@ std::vector<Boulder> graded_boulders(const Volume& volume, const Packing& packin
 
 TEST(GradedPacking, is_fine_at_its_site_coarse_elsewhere_and_clear_of_itself) {
   const Volume volume{.shape = Shape::ellipsoid, .extents = {60, 50, 40}};
-  const Packing packing{.kind = PackingKind::graded,
-                        .radius = 4,
-                        .grading = {.site = {-30, 0, 0}, .smallest = 0.8, .growth = 0.2}};
-  const auto boulders = graded_boulders(volume, packing);
+  const Grading grading{.site = {-30, 0, 0}, .smallest = 0.8, .growth = 0.2};
+  const auto boulders = graded_boulders(volume, 4, grading);
   double solid = 0;
   for (std::size_t a = 0; a < boulders.size(); ++a) {
     const auto& [x, r] = boulders[a];
-    const double largest =
-        std::clamp(0.2 * (x - packing.grading.site).norm(), 0.8, 4.0) * (1 + 1e-9);
+    const double largest = std::clamp(0.2 * (x - grading.site).norm(), 0.8, 4.0) * (1 + 1e-9);
     EXPECT_GE(depth(volume, x), r);
     EXPECT_LE(r, largest);
     EXPECT_GT(r, largest / 4 * (1 - 1e-8));
@@ -202,14 +199,12 @@ TEST(GradedPacking, is_fine_at_its_site_coarse_elsewhere_and_clear_of_itself) {
     solid += ball_volume(r);
   }
   EXPECT_NEAR(solid / volume_of(volume), 0.5, 0.05);  // boulders keep whole from the surface
-  EXPECT_EQ(graded_boulders(volume, packing).back().center, boulders.back().center);
+  EXPECT_EQ(graded_boulders(volume, 4, grading).back().center, boulders.back().center);
 }
 
 TEST(GradedPacking, of_one_largest_size_follows_its_power_law) {
-  Packing packing{.kind = PackingKind::graded,
-                  .radius = 1,
-                  .grading = {.smallest = 1, .growth = 1, .exponent = 2.5, .fill = 0.4}};
-  const auto boulders = graded_boulders(box(Vec3::Constant(36)), packing);
+  const auto boulders = graded_boulders(box(Vec3::Constant(36)), 1,
+                                        {.smallest = 1, .growth = 1, .exponent = 2.5, .fill = 0.4});
   const auto above = [&](double r) {
     return static_cast<double>(std::ranges::count_if(
         boulders, [&](const Boulder& one) { return one.radius > r * (1 - 1e-9); }));

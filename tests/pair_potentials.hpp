@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "spall/force/pair_potential.hpp"
+#include "potential/pair_potential.hpp"
 
 namespace spall {
 

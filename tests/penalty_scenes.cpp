@@ -5,7 +5,7 @@
 #include <sstream>
 
 #include "penalty_worlds.hpp"
-#include "spall/base/require.hpp"
+#include "spall/error.hpp"
 
 namespace spall {
 namespace {
@@ -14,14 +14,8 @@ constexpr double g = 9.81;
 
 TEST(PenaltyScene, oblique_impacts_are_those_that_were_measured) {
   if (testing_world().rank > 0) return;  // small and long: one rank does it
-  // Al2O3 (360 GPa, 0.23) on glass (70 GPa, 0.25): one modulus for both with the same E* and,
-  // within a hundredth, the same ratio of tangential to normal stiffness.
-  const double e1 = 360e9, n1 = 0.23, e2 = 70e9, n2 = 0.25;
-  const double contact = 1 / ((1 - n1 * n1) / e1 + (1 - n2 * n2) / e2);
-  const double shear = 1 / (2 * (2 - n1) * (1 + n1) / e1 + 2 * (2 - n2) * (1 + n2) / e2);
-  const double ratio = shear / contact;  // (1 - nu)/(2 (2 - nu)) for one material
-  const double nu = (1 - 4 * ratio) / (1 - 2 * ratio);
-  const PenaltySettings settings{.young_modulus = 2 * (1 - nu * nu) * contact, .poisson_ratio = nu};
+  const Material alumina{.name = "Al2O3", .youngs_modulus = 360e9, .poisson_ratio = 0.23};
+  const Material glass{.name = "glass", .youngs_modulus = 70e9, .poisson_ratio = 0.25};
   std::ifstream data(MEASURED);
   int rows = 0;
   for (std::string line; std::getline(data, line);) {
@@ -32,13 +26,14 @@ TEST(PenaltyScene, oblique_impacts_are_those_that_were_measured) {
     if (!std::getline(words, quantity, ',') || !(words >> angle >> comma >> measured)) continue;
     const double theta = angle * pi / 180, speed = 3.9, r = 2.5e-3;
     const Vec3 v{speed * std::sin(theta), 0, -speed * std::cos(theta)};
-    World world = penalty_world(alone(),
-                                {{.radius = r,
-                                  .mass = 4000 * 4 / 3.0 * pi * r * r * r,
-                                  .position = {0, 0, r * 1.0001},
-                                  .velocity = v}},
-                                settings, {.friction = 0.092, .restitution = 0.98});
-    world.planes = {{}};
+    Lab world = penalty_world(alone(),
+                              {{.radius = r,
+                                .mass = 4000 * 4 / 3.0 * pi * r * r * r,
+                                .position = {0, 0, r * 1.0001},
+                                .velocity = v}},
+                              {}, {.friction = 0.092, .restitution = 0.98});
+    world.materials = {alumina, glass};
+    world.planes = {{.material = 1}};
     penalty_steps(world, 5e-9, 5000);
     const Sphere after = spheres_of(world)[0];
     ASSERT_GT(after.velocity.z(), 0);
@@ -63,7 +58,7 @@ Pulled pull(const PenaltySettings& settings, const ContactLaw& contact, double s
             double part, int steps) {
   constexpr int looks = 10000;
   const double start = -0.9999;
-  World world = penalty_world(
+  Lab world = penalty_world(
       alone(),
       {{.radius = 0.5, .mass = infinity}, {.radius = 0.5, .mass = 1000, .position = {0, 0, start}}},
       settings, contact);
@@ -85,7 +80,7 @@ TEST(PenaltyScene, bond_holds_a_pull_below_its_strength_and_parts_above) {
   const Comm& comm = testing_world();  // small and long: each rank does some
   const double w = 500, r = 0.25;
   const PenaltySettings hooke{.model = PenaltyModel::hooke, .stiffness = 1e7};
-  const PenaltySettings hertz{.young_modulus = 1e8, .poisson_ratio = 0.25};
+  const PenaltySettings hertz;  // of soft_rock
   PenaltySettings dmt = hertz, jkr = hertz;
   dmt.work_of_adhesion = jkr.work_of_adhesion = w;
   dmt.adhesion = Adhesion::dmt;
@@ -122,11 +117,8 @@ TEST(PenaltyScene, jkr_contact_parts_at_its_pull_off_force_and_not_where_it_form
   if (testing_world().rank > 0) return;  // small and long: one rank does it
   // Loaded slowly by a growing weight: it parts at 3/2 pi w R.
   const double w = 500, r = 0.25, strength = 1.5 * pi * w * r;
-  const PenaltySettings s{.young_modulus = 1e8,
-                          .poisson_ratio = 0.25,
-                          .adhesion = Adhesion::jkr,
-                          .work_of_adhesion = w};
-  World world = penalty_world(
+  const PenaltySettings s{.adhesion = Adhesion::jkr, .work_of_adhesion = w};
+  Lab world = penalty_world(
       alone(),
       {{.radius = 0.5, .mass = infinity}, {.radius = 0.5, .mass = 10, .position = {0, 0, -0.9999}}},
       s, {.restitution = 0.2});
@@ -153,8 +145,8 @@ TEST(PenaltyScene, overlaps_of_a_column_carry_the_weight_above) {
   std::vector<Sphere> spheres;
   for (int i = 0; i < count; ++i)
     spheres.push_back({.radius = r, .mass = m, .position = {0, 0, (2 * i + 1) * r}});
-  World world = penalty_world(alone(), spheres, {.model = PenaltyModel::hooke, .stiffness = k},
-                              {.friction = 0.5, .restitution = 0.1});
+  Lab world = penalty_world(alone(), spheres, {.model = PenaltyModel::hooke, .stiffness = k},
+                            {.friction = 0.5, .restitution = 0.1});
   world.planes = {{}};
   world.uniform_gravity = {0, 0, -g};
   penalty_steps(world, 2e-4, 1);
@@ -162,8 +154,8 @@ TEST(PenaltyScene, overlaps_of_a_column_carry_the_weight_above) {
   const auto s = spheres_of(world);
   // Gravity's kick comes half a step before that of the ground, whose dashpot feels g h/2
   // meanwhile.
-  const double lag =
-      1.05 * penalty_law(world.penalty, world.law).damping * std::sqrt(k * m) * g * 1e-4 / k;
+  const double lag = 1.05 * penalty_laws(world, world.penalty.settings).common().damping *
+                     std::sqrt(k * m) * g * 1e-4 / k;
   for (int i = 0; i < count; ++i) {
     const double below = i == 0 ? -r : s[i - 1].position.z();
     const double overlap = 2 * r - (s[i].position.z() - below);
@@ -174,7 +166,7 @@ TEST(PenaltyScene, overlaps_of_a_column_carry_the_weight_above) {
 /// A sphere on the ground, or on a slope, for `time`; its speed along x and its spin about y.
 Sphere on_ground(double friction, double rolling, double speed, const Vec3& gravity, double time) {
   const double r = 0.1, m = 10, k = 1e6;
-  World world =
+  Lab world =
       penalty_world(alone(),
                     {{.radius = r,
                       .mass = m,
@@ -218,21 +210,21 @@ TEST(PenaltyScene, a_pair_across_the_boundary_is_a_pair) {
   auto moved = spheres;
   const Period period{.low = {-20, -20, -20}, .size = {40, 40, 40}};
   for (Sphere& s : moved) s.position = period.wrapped(s.position + Vec3(20, 19, 18));
-  const PenaltySettings settings{.young_modulus = 1e8};
+  const PenaltySettings settings;
   const ContactLaw contact{.friction = 0.5, .restitution = 0.6};
-  World here = penalty_world(testing_world(), spheres, settings, contact);
-  World there = penalty_world(testing_world(), moved, settings, contact);
+  Lab here = penalty_world(testing_world(), spheres, settings, contact);
+  Lab there = penalty_world(testing_world(), moved, settings, contact);
   there.period = period;
   penalty_steps(here, 2e-4, 300);
   penalty_steps(there, 2e-4, 300);
   const auto a = spheres_of(here), b = spheres_of(there);
-  EXPECT_GT(here.touch.searches, 1);
+  EXPECT_GT(here.penalty.touch.searches, 1);
   for (std::size_t k = 0; k < a.size(); ++k) {
     EXPECT_LE((a[k].velocity - b[k].velocity).norm(), 1e-8) << k;
     EXPECT_LE((a[k].spin - b[k].spin).norm(), 1e-8) << k;
   }
   there.period.size[1] = 4;
-  there.touch = TouchPairs{};
+  there.penalty.touch = TouchPairs{};
   EXPECT_THROW(penalty_steps(there, 2e-4, 1), Error);
 }
 
@@ -249,9 +241,8 @@ TEST(PenaltyScene, no_collision_of_a_gas_is_missed) {
                        .position = edge / side * Vec3(k % side, k / side % side, k / side / side),
                        .velocity = {x, y, z}});
   }
-  World world =
-      penalty_world(testing_world(), spheres, {.model = PenaltyModel::hooke, .stiffness = 5e4},
-                    {.restitution = 0.9});
+  Lab world = penalty_world(testing_world(), spheres,
+                            {.model = PenaltyModel::hooke, .stiffness = 5e4}, {.restitution = 0.9});
   world.period.size = Vec3::Constant(edge);
   const double h = 4.5e-4;
   std::int64_t seen = 0;
@@ -267,21 +258,20 @@ TEST(PenaltyScene, no_collision_of_a_gas_is_missed) {
         for (double& c : x) c = std::remainder(c, edge);
         expected += x.norm() < now[i].radius + now[j].radius;
       }
-    ASSERT_EQ(world.comm.sum(count_touching(world.bodies, world.touch)), expected) << k;
+    ASSERT_EQ(world.comm.sum(count_touching(world.bodies, world.penalty.touch)), expected) << k;
     seen += expected;
   }
   EXPECT_GT(seen, 40);
-  EXPECT_GT(world.touch.searches, 3);
+  EXPECT_GT(world.penalty.touch.searches, 3);
 }
 
-TEST(PenaltyScene, gas_of_inelastic_spheres_cools_as_haff_says) {
-  const Comm& comm = testing_world();
-  if (comm.rank != comm.size - 1) return;  // small and long: one rank does it
+/// T over that of Haff's law at 1, 2, ... 9 tau, and T at the end over that at the start.
+std::vector<double> cooling_of_a_gas(unsigned seed) {
   // T = T0/(1 + t/tau)^2, 1/tau = (1 - e^2) w_E/6, w_E = 4 n d^2 g sqrt(pi T/m).
   const double e = 0.9, r = 0.5, m = 1, phi = 0.1;
   const int side = 10, count = side * side * side;
   const double edge = std::cbrt(count * 4 / 3.0 * pi * r * r * r / phi), cell = edge / side;
-  std::mt19937 random(3);
+  std::mt19937 random(seed);
   std::normal_distribution<double> normal;
   std::vector<Sphere> spheres;
   Vec3 mean = Vec3::Zero();
@@ -294,8 +284,8 @@ TEST(PenaltyScene, gas_of_inelastic_spheres_cools_as_haff_says) {
     mean += spheres.back().velocity / count;
   }
   for (Sphere& s : spheres) s.velocity -= mean;
-  World world = penalty_world(alone(), spheres, {.model = PenaltyModel::hooke, .stiffness = 5e4},
-                              {.restitution = e});
+  Lab world = penalty_world(alone(), spheres, {.model = PenaltyModel::hooke, .stiffness = 5e4},
+                            {.restitution = e});
   world.period.size = Vec3::Constant(edge);
   const auto temperature = [&] {
     double sum = 0;
@@ -310,14 +300,33 @@ TEST(PenaltyScene, gas_of_inelastic_spheres_cools_as_haff_says) {
   const double crowding = (1 - phi / 2) / std::pow(1 - phi, 3);
   const double rate = 4 * n * 4 * r * r * crowding * std::sqrt(pi * start / m);
   const double tau = 6 / ((1 - e * e) * rate);
+  std::vector<double> ratios;
   for (int step = 0; step * h < 9 * tau;) {
     const int steps = static_cast<int>(tau / h);
     penalty_steps(world, h, steps);
     step += steps;
     const double expected = start / std::pow(1 + step * h / tau, 2);
-    EXPECT_NEAR(temperature(), expected, 0.05 * expected) << step * h / tau;
+    ratios.push_back(temperature() / expected);
   }
-  EXPECT_LT(temperature(), 0.011 * start);
+  ratios.push_back(temperature() / start);
+  return ratios;
+}
+
+TEST(PenaltyScene, gas_of_inelastic_spheres_cools_as_haff_says) {
+  if (testing_world().size > 1) return;  // small and long: one rank does it
+  // A thousand spheres scatter by 0.02 about a mean 0.025 above the law, which is of dilute gases
+  // (ten seeds; the mean of three is told here).
+  std::vector<std::vector<double>> gases;
+  for (unsigned seed : {1u, 2u, 3u}) gases.push_back(cooling_of_a_gas(seed));
+  for (std::size_t k = 0; k + 1 < gases[0].size(); ++k) {
+    double mean = 0;
+    for (const auto& gas : gases) {
+      EXPECT_NEAR(gas[k], 1, 0.1) << k;
+      mean += gas[k] / static_cast<double>(gases.size());
+    }
+    EXPECT_NEAR(mean, 1, 0.05) << k;
+  }
+  for (const auto& gas : gases) EXPECT_LT(gas.back(), 0.011);
 }
 
 TEST(PenaltyScene, sphere_in_a_cylinder_swings_like_a_pendulum_and_bounces_off_it) {
@@ -326,8 +335,8 @@ TEST(PenaltyScene, sphere_in_a_cylinder_swings_like_a_pendulum_and_bounces_off_i
   const PenaltySettings settings{.model = PenaltyModel::hooke, .stiffness = k};
   for (double friction : {0.0, 0.5}) {
     const Vec3 at = arm * Vec3(std::sin(angle), 0, -std::cos(angle)) + Vec3(2, 3, 4);
-    World world = penalty_world(alone(), {{.radius = r, .mass = m, .position = at}}, settings,
-                                {.friction = friction, .restitution = 0.2});
+    Lab world = penalty_world(alone(), {{.radius = r, .mass = m, .position = at}}, settings,
+                              {.friction = friction, .restitution = 0.2});
     world.cylinders = {{.point = {2, -1, 4}, .axis = {0, 1, 0}, .radius = wall}};
     world.uniform_gravity = {0, 0, -g};
     // To the lowest point in a quarter of the period; rolling it carries 7/5 of its mass along.
@@ -342,24 +351,24 @@ TEST(PenaltyScene, sphere_in_a_cylinder_swings_like_a_pendulum_and_bounces_off_i
     EXPECT_NEAR(spheres_of(world)[0].position.y(), 3, 1e-12);
   }
   const Vec3 out = Vec3(3, 0, 4) / 5;
-  World world = penalty_world(alone(), {{.radius = r, .mass = m, .velocity = out}}, settings,
-                              {.restitution = 0.6});
+  Lab world = penalty_world(alone(), {{.radius = r, .mass = m, .velocity = out}}, settings,
+                            {.restitution = 0.6});
   world.cylinders = {{.point = {0, 1, 0}, .axis = {0, 1, 0}, .radius = wall}};
   penalty_steps(world, h, 60000);
   EXPECT_LE((spheres_of(world)[0].velocity + 0.6 * out).norm(), 1e-3);
 }
 
 TEST(PenaltyScene, what_cannot_be_resolved_is_refused_with_what_would_do) {
-  const auto message = [&](double h, double speed, const PenaltySettings& s) -> std::string {
+  const auto message = [&](double h, double speed, const PenaltySettings& s,
+                           double modulus = 5e10) -> std::string {
     std::vector<Sphere> spheres{
         {.radius = 1, .mass = 4000, .position = {-3, 0, 0}, .velocity = {speed, 0, 0}},
         {.radius = 1, .mass = 4000},
         {.radius = 0.5, .mass = 500, .position = {3, 0, 0}},
         {.radius = 0.4, .mass = 250, .position = {6, 0, 0}}};
-    const World world = penalty_world(testing_world(), spheres, s, {.restitution = 0.5});
-    return complaint_of([&] {
-      check_penalty_step(world.comm, world.bodies, s, world.law, h, speed, "case.toml:7");
-    });
+    Lab world = penalty_world(testing_world(), spheres, s, {.restitution = 0.5});
+    world.materials[0].youngs_modulus = modulus;
+    return complaint_of([&] { check_penalty_step(world, s, h, speed, "case.toml:7"); });
   };
   const PenaltySettings soft{.model = PenaltyModel::hooke, .stiffness = 1e8};
   const double m = 1 / (1 / 500.0 + 1 / 250.0), limit = 0.15 * std::sqrt(m / 1e8);
@@ -374,12 +383,11 @@ TEST(PenaltyScene, what_cannot_be_resolved_is_refused_with_what_would_do) {
   EXPECT_NE(through.find(fmt::format("{:.3g} N/m", 2000 * 6700.0 * 6700.0 / 0.25)),
             std::string::npos)
       << through;
-  const PenaltySettings rock{.young_modulus = 5e10, .poisson_ratio = 0.25};
-  const std::string hertz = message(1e-9, 6700, rock);
-  EXPECT_NE(hertz.find("young_modulus must be at least"), std::string::npos) << hertz;
-  PenaltySettings harder = rock;
-  harder.young_modulus = std::stod(hertz.substr(hertz.find("at least") + 8)) * 1.01;
-  EXPECT_EQ(message(1e-9, 6700, harder), "");
+  const std::string hertz = message(1e-9, 6700, {});
+  EXPECT_NE(hertz.find("materials.rock.youngs_modulus must be at least"), std::string::npos)
+      << hertz;
+  const double harder = std::stod(hertz.substr(hertz.find("at least") + 8)) * 1.01;
+  EXPECT_EQ(message(1e-9, 6700, {}, harder), "");
 }
 
 }  // namespace

@@ -5,18 +5,20 @@
 #include <cmath>
 #include <random>
 
-#include "spall/motion/penalty_step.hpp"
 #include "testing.hpp"
 #include "worlds.hpp"
 
 namespace spall {
 
-/// As large as a world with MPI may be: of one rank.
-inline World penalty_world(const Comm& comm, const std::vector<Sphere>& spheres,
-                           const PenaltySettings& settings, const ContactLaw& contact) {
-  World world = make_world(comm, spheres, contact);
+inline const Material soft_rock{
+    .name = "rock", .density = 1600, .youngs_modulus = 1e8, .poisson_ratio = 0.25};
+
+inline Lab penalty_world(const Comm& comm, const std::vector<Sphere>& spheres,
+                         const PenaltySettings& settings, const ContactLaw& contact) {
+  Lab world = make_world(comm, spheres, contact);
   for (Index b = 0; b < world.bodies.owned; ++b) world.bodies.heat[b] = 0;
-  world.penalty = settings;
+  world.materials = {soft_rock};
+  world.penalty.settings = settings;
   return world;
 }
 
@@ -28,7 +30,7 @@ inline Sums sums_of(const std::vector<Sphere>& spheres) {
   Sums sums;
   for (const Sphere& s : spheres) {
     if (!std::isfinite(s.mass)) continue;
-    const double inertia = 0.4 * s.mass * s.radius * s.radius;
+    const double inertia = moment_of_inertia(s.mass, s.radius);
     sums.momentum += s.mass * s.velocity;
     sums.angular += s.mass * s.position.cross(s.velocity) + inertia * s.spin;
     sums.kinetic += s.mass * s.velocity.squaredNorm() / 2 + inertia * s.spin.squaredNorm() / 2;

@@ -7,8 +7,8 @@
 #include <filesystem>
 #include <numbers>
 
-#include "spall/output/diagnostics.hpp"
-#include "spall/run/run.hpp"
+#include "output/diagnostics.hpp"
+#include "run/run.hpp"
 #include "testing.hpp"
 #include "worlds.hpp"
 
@@ -95,7 +95,7 @@ struct Ended {
 Ended after_200_steps(const Comm& comm, double shift = 0) {
   std::vector<Sphere> spheres = collapsing();
   spheres[0].position[0] += shift;
-  World world = make_world(comm, spheres, {.friction = 0.5, .restitution = 0.3});
+  Lab world = make_world(comm, spheres, {.friction = 0.5, .restitution = 0.3});
   world.gravity = {.method = GravityMethod::direct, .constant = 1e-3};
   for (int k = 0; k < 200; ++k) nonsmooth_step(world, 0.5, {.tolerance = 1e-4}, 8);
   return {spheres_of(world), diagnose(world).dissipated};

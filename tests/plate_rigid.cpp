@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cmath>
 
-#include "spall/analysis/debris_cloud.hpp"
-#include "spall/motion/nonsmooth_step.hpp"
-#include "spall/output/diagnostics.hpp"
-#include "spall/scene/scene.hpp"
+#include "analysis/debris_cloud.hpp"
+#include "lab.hpp"
+#include "output/diagnostics.hpp"
+#include "scene/scene.hpp"
 #include "testing.hpp"
 
 namespace spall {
@@ -47,13 +47,13 @@ plate = "plate"
 
 constexpr double impact_speed = 6700, spacing = 0.25e-3;
 
-World world_of(const Comm& comm, const Case& scene) {
-  World world = make_world(comm, scene);
+Lab world_of(const Comm& comm, const Case& scene) {
+  Lab world = make_world(comm, scene);
   world.bodies = make_bodies(scene, comm);
   return world;
 }
 
-double fastest(const World& world) {
+double fastest(const Lab& world) {
   double most = 0;
   for (Index b = 0; b < world.bodies.owned; ++b)
     most = std::max(most, world.bodies.velocity[b].norm());
@@ -63,7 +63,7 @@ double fastest(const World& world) {
 const SolverSettings settings{.tolerance = 1e-3, .max_iterations = 3000};
 
 TEST(PlateRigid, energy_only_falls_momentum_stays_and_nothing_flies_off_faster_than_it_came) {
-  World world = world_of(testing_world(), plate());
+  Lab world = world_of(testing_world(), plate());
   const double h = spacing / 2 / impact_speed;
   Diagnostics before = diagnose(world);
   const Diagnostics first = before;
@@ -86,8 +86,8 @@ TEST(PlateRigid, energy_only_falls_momentum_stays_and_nothing_flies_off_faster_t
 TEST(PlateRigid, other_units_give_the_same_motion) {
   // Powers of two change no bit of a mantissa; what is left is the decimal text of the case.
   const double metre = 1.0 / 1024, kilogram = 1.0 / 4096, second = 1.0 / 65536;
-  World si = world_of(testing_world(), plate());
-  World other = world_of(testing_world(), plate(metre, kilogram, second));
+  Lab si = world_of(testing_world(), plate());
+  Lab other = world_of(testing_world(), plate(metre, kilogram, second));
   const double h = spacing / 2 / impact_speed;
   for (int step = 0; step < 12; ++step) {
     nonsmooth_step(si, h, settings, 1);
@@ -105,7 +105,7 @@ TEST(PlateRigid, front_does_not_depend_on_the_step) {
   const Case scene = plate();
   const Target target = find_target(scene);
   const auto front = [&](double part) {
-    World world = world_of(testing_world(), scene);
+    Lab world = world_of(testing_world(), scene);
     const double h = part * spacing / 2 / impact_speed;
     for (int step = 0; step < std::lround(30 / part); ++step) nonsmooth_step(world, h, settings, 1);
     return measure_cloud(world.comm, world.bodies, target, 0).front;

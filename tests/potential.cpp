@@ -4,8 +4,7 @@
 #include <random>
 
 #include "pair_potentials.hpp"
-#include "spall/base/require.hpp"
-#include "spall/motion/potential_step.hpp"
+#include "spall/error.hpp"
 #include "testing.hpp"
 #include "worlds.hpp"
 
@@ -16,10 +15,10 @@ namespace {
 /// crosses this cut-off, where the force jumps.
 constexpr double between_shells = 1.22;
 
-World potential_world(const Comm& comm, const std::vector<Sphere>& spheres,
-                      const PairPotential& potential) {
-  World world = make_world(comm, spheres, {});
-  world.potential = potential;
+Lab potential_world(const Comm& comm, const std::vector<Sphere>& spheres,
+                    const PairPotential& potential) {
+  Lab world = make_world(comm, spheres, {});
+  world.potential.law = potential;
   return world;
 }
 
@@ -58,11 +57,11 @@ Sums sums_of(const std::vector<Sphere>& spheres) {
   return s;
 }
 
-double total_energy(World& world) {
+double total_energy(Lab& world) {
   return sums_of(spheres_of(world)).kinetic + potential_energy(world);
 }
 
-double heat_of(const World& world) {
+double heat_of(const Lab& world) {
   double heat = 0;
   for (Index b = 0; b < world.bodies.owned; ++b) heat += world.bodies.heat[b];
   return world.comm.sum(heat);
@@ -137,7 +136,7 @@ TEST(PairPotential, step_equals_the_sum_over_all_pairs) {
       p.damping = damping;
       // Compressed, so that pairs lie on both sides of the distance of rest.
       const auto spheres = crystal(0.98 * p.distance, 4.1, 1.5);
-      World world = potential_world(testing_world(), spheres, p);
+      Lab world = potential_world(testing_world(), spheres, p);
       double energy = embedding_energy(spheres, p);
       for (std::size_t i = 0; i < spheres.size(); ++i)
         for (std::size_t j = 0; j < i; ++j)
@@ -162,7 +161,7 @@ TEST(PairPotential, no_pair_is_lost_at_hypervelocity) {
     spheres.push_back(s);
   for (Sphere& s : spheres) s.mass = m;
   const double h = 0.05 * std::sqrt(m / stiffness(p));
-  World world = potential_world(testing_world(), spheres, p);
+  Lab world = potential_world(testing_world(), spheres, p);
   const int steps = 150;
   for (int step = 0; step < steps; ++step) {
     const auto expected = kicked(spheres, p, 0, h);
@@ -172,8 +171,8 @@ TEST(PairPotential, no_pair_is_lost_at_hypervelocity) {
   }
   // They have met, and most steps had pairs that were found before.
   EXPECT_GT(spheres[0].velocity.norm(), 0);
-  EXPECT_GT(world.near.searches, 5);
-  EXPECT_LT(world.near.searches, steps / 2);
+  EXPECT_GT(world.potential.near.searches, 5);
+  EXPECT_LT(world.potential.near.searches, steps / 2);
 }
 
 TEST(PairPotential, energy_error_is_of_second_order) {
@@ -182,7 +181,7 @@ TEST(PairPotential, energy_error_is_of_second_order) {
     const auto spheres = crystal(p.distance, 2.6, 0.15);
     std::vector<double> errors;
     for (int halvings = 0; halvings < 3; ++halvings) {
-      World world = potential_world(alone(), spheres, p);
+      Lab world = potential_world(alone(), spheres, p);
       const int steps = 60 << halvings;
       const double before = total_energy(world);
       double worst = 0;
@@ -199,7 +198,7 @@ TEST(PairPotential, energy_error_is_of_second_order) {
 TEST(PairPotential, energy_does_not_drift) {
   PairPotential p = morse;
   p.cutoff = between_shells * p.distance;
-  World world = potential_world(alone(), crystal(p.distance, 2.3, 0.1), p);
+  Lab world = potential_world(alone(), crystal(p.distance, 2.3, 0.1), p);
   const double before = total_energy(world), kinetic = sums_of(spheres_of(world)).kinetic;
   std::vector<double> error;
   for (int part = 0; part < 100; ++part) {
@@ -223,7 +222,7 @@ TEST(PairPotential, fixed_bodies_press_like_a_crystal_s) {
     spheres.push_back(s);
     spheres.back().mass = infinity;
   }
-  World world = potential_world(testing_world(), spheres, p);
+  Lab world = potential_world(testing_world(), spheres, p);
   const double before = potential_energy(world);
   potential_steps(world, 0.01, 200);
   EXPECT_TRUE(std::isfinite(before));
@@ -237,7 +236,7 @@ TEST(PairPotential, momenta_are_kept_to_round_off) {
   auto spheres = crystal(p.distance, 3.1, 0.2);
   for (const Sphere& s : crystal(p.distance, 2.1, 0.2, {6.5, 0.5, 0.2}, {-4, 0, 0}))
     spheres.push_back(s);
-  World world = potential_world(testing_world(), spheres, p);
+  Lab world = potential_world(testing_world(), spheres, p);
   const Sums before = sums_of(spheres);
   double scale = 0, turn = 0;
   for (const Sphere& s : spheres) {
@@ -254,8 +253,8 @@ TEST(PairPotential, momenta_are_kept_to_round_off) {
 void expect_the_same_motion_on_any_number_of_ranks(PairPotential p) {
   p.damping = 0.2;
   const auto spheres = crystal(p.distance, 3.1, 0.3);
-  World one = potential_world(alone(), spheres, p);
-  World many = potential_world(testing_world(), spheres, p);
+  Lab one = potential_world(alone(), spheres, p);
+  Lab many = potential_world(testing_world(), spheres, p);
   potential_steps(one, 0.02, 100);
   for (int k = 0; k < 100; ++k) potential_steps(many, 0.02, 1);
   const auto a = spheres_of(one), b = spheres_of(many);
@@ -274,25 +273,26 @@ TEST(PairPotential, motion_with_an_embedding_is_the_same_on_any_number_of_ranks)
 
 TEST(PairPotential, needs_no_spins_and_without_damping_no_heat) {
   const auto spheres = crystal(morse.distance, 3.1, 0.3);
-  World full = potential_world(testing_world(), spheres, morse);
-  World lean = potential_world(testing_world(), spheres, morse);
-  const OptionalFields none{false, false, false, false, false};
-  set_fields(lean.bodies, none);
+  Lab full = potential_world(testing_world(), spheres, morse);
+  Lab lean = potential_world(testing_world(), spheres, morse);
+  set_fields(lean.bodies, {});
   potential_steps(full, 0.02, 100);
   potential_steps(lean, 0.02, 100);
-  EXPECT_GT(lean.near.searches, 1);
-  set_fields(lean.bodies, {});  // as tests gather them
+  EXPECT_GT(lean.potential.near.searches, 1);
+  set_fields(lean.bodies, FieldSet::all());  // as tests gather them
   const auto a = spheres_of(full), b = spheres_of(lean);
   for (std::size_t k = 0; k < a.size(); ++k) EXPECT_EQ(a[k].position, b[k].position) << k;
-  set_fields(lean.bodies, none);
-  lean.potential.damping = 0.1;
+  set_fields(lean.bodies, {});
+  PairPotential damped = morse;
+  damped.damping = 0.1;
+  lean.potential.law = damped;
   EXPECT_THROW(potential_steps(lean, 0.02, 1), Error);
 }
 
 TEST(PairPotential, steps_in_one_call_equal_steps_in_many_bit_for_bit) {
   const auto spheres = crystal(morse.distance, 2.1, 0.05);
-  World one = potential_world(alone(), spheres, morse);
-  World many = potential_world(alone(), spheres, morse);
+  Lab one = potential_world(alone(), spheres, morse);
+  Lab many = potential_world(alone(), spheres, morse);
   potential_steps(one, 0.02, 20);
   for (int k = 0; k < 20; ++k) potential_steps(many, 0.02, 1);
   const auto a = spheres_of(one), b = spheres_of(many);
@@ -307,7 +307,7 @@ void expect_books_to_close(PairPotential p) {
   std::vector<double> errors;
   double heat = 0;
   for (int halvings = 0; halvings < 3; ++halvings) {
-    World world = potential_world(testing_world(), spheres, p);
+    Lab world = potential_world(testing_world(), spheres, p);
     const int steps = 100 << halvings;
     const double before = total_energy(world);
     potential_steps(world, 3.0 / steps, steps);
@@ -338,10 +338,10 @@ TEST(PairPotential, bond_breaks_at_its_strain) {
     const double r = 1.02 * d;
     const double missing = -pair_energy(breaking, r);
     const double v = std::sqrt(part * missing);  // of each, m = 1: 2 v^2/2 = part * missing
-    World world = potential_world(alone(),
-                                  {{.radius = d / 2, .velocity = {-v, 0, 0}},
-                                   {.radius = d / 2, .position = {r, 0, 0}, .velocity = {v, 0, 0}}},
-                                  breaking);
+    Lab world = potential_world(alone(),
+                                {{.radius = d / 2, .velocity = {-v, 0, 0}},
+                                 {.radius = d / 2, .position = {r, 0, 0}, .velocity = {v, 0, 0}}},
+                                breaking);
     double furthest = 0;
     for (int k = 0; k < 2000; ++k) {
       potential_steps(world, 0.01, 1);
@@ -356,7 +356,7 @@ TEST(PairPotential, bond_holds_a_weight_below_its_strength_and_parts_above) {
   const double d = breaking.distance, strength = -textbook_force(breaking, 1.05 * d);
   // Hung up at the distance of rest a weight falls to twice its static strain: 0.4 is 0.8 there.
   for (double part : {0.4, 1.2}) {
-    World world = potential_world(
+    Lab world = potential_world(
         alone(), {{.radius = d / 2, .mass = infinity}, {.radius = d / 2, .position = {0, 0, -d}}},
         breaking);
     world.uniform_gravity = {0, 0, -part * strength};  // of 1 kg

@@ -4,6 +4,7 @@
 # usage: program.sh SPALL MPIEXEC RANKS CASES, in a folder to write in
 set -u
 spall=$1 mpiexec=$2 ranks=$3 cases=$4
+here=$(cd "$(dirname "$0")" && pwd)
 work=program_$ranks
 rm -rf "$work"
 mkdir "$work" && cd "$work" || exit 1
@@ -71,9 +72,9 @@ refuses "a missing file" "$ranks" nowhere.toml nowhere.toml
 write_case 's/center = \["3 m"/center = ["1.5 m"/' overlap.toml
 refuses "overlapping bodies" "$ranks" overlap.toml overlap.toml:10 groups.right allowed_overlap
 write_case '/^\[\[groups/,/^velocity/d' none.toml
-write_case 's/^name = "meet"/&\nmethod = "penalty"/; s/"-1 m/"-6700 m/; s/^friction.*/restitution = 0.5\n[penalty]\nyoung_modulus = "50 GPa"/' fast.toml
+write_case 's/^name = "meet"/&\nmethod = "penalty"/; s/"-1 m/"-6700 m/; s/^friction.*/restitution = 0.5\n[penalty]/; s/^density.*/&\nyoungs_modulus = "50 GPa"/' fast.toml
 refuses "a sphere at 6.7 km/s that penalty contact cannot stop" "$ranks" fast.toml phases.meet \
-  "body 0" "body 1" "young_modulus must be at least"
+  "body 0" "body 1" "youngs_modulus must be at least"
 write_case 's/^name = "meet"/&\nmethod = "penalty"/' lawless.toml
 refuses "penalty contact without a law" "$ranks" lawless.toml phases.meet "[penalty]"
 refuses "no bodies" "$ranks" none.toml none.toml "no bodies"
@@ -145,6 +146,13 @@ grep -q "^residual" grains/results.toml && fail "a run without a solver speaks o
 grep -q "^residual" whole/results.toml || fail "a run with a solver does not speak of residuals"
 on_ranks "$ranks" resume grains/after_collapse.h5 --out grains_resumed || fail "resume: $(cat stderr)"
 diff <(results_of grains) <(results_of grains_resumed) || fail "resumed grains end otherwise"
+
+# What runs write is H5MD, also where bodies are added and space repeats itself.
+printf '[periodic]\nlow = ["-20 mm", "-20 mm", 0]\nsize = ["40 mm", "40 mm", 0]\n' >>grains.toml
+on_ranks "$ranks" run grains.toml --out periodic || fail "a periodic run: $(cat stderr)"
+/usr/bin/python3 "$here/h5md.py" {whole,grains,periodic}/{trajectory.h5,trajectory.xdmf,series.h5,snapshots/*.h5} >stdout ||
+  fail "not H5MD: $(cat stdout)"
+grep -q "whole/trajectory.h5: .* 4 frames, 41 particles" stdout || fail "no frame at the start: $(cat stdout)"
 
 # A signal stops a run; it goes on from where it was.
 write_case 's/duration = "2 s"/duration = "1e9 s"/' endless.toml

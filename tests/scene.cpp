@@ -1,6 +1,6 @@
-// The bodies of a case: the same on any number of ranks, clear of each other, of the mass asked
-// for. SPDX-License-Identifier: BSD-3-Clause
-#include "spall/scene/scene.hpp"
+// The bodies of a case: the same on any number of ranks, clear of each other, of the right mass.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "scene/scene.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -8,8 +8,8 @@
 #include <cmath>
 #include <filesystem>
 
-#include "spall/base/require.hpp"
-#include "spall/scene/impactor.hpp"
+#include "scene/impactor.hpp"
+#include "spall/error.hpp"
 #include "testing.hpp"
 
 namespace spall {
@@ -54,27 +54,27 @@ std::string complaint(const Case& scene, const Comm& comm) {
 
 TEST(Scene, bodies_have_the_fields_that_the_case_s_methods_need) {
   const auto fields = [](const std::string& method, const std::string& more) {
-    const OptionalFields has = fields_of(parse_case(
+    return fields_of(parse_case(
         "materials.rock.density = 1600\n[[groups]]\nname = \"a\"\nmaterial = \"rock\"\n"
         "volume = {radius = 1}\n" +
             more + "[[phases]]\nname = \"only\"\nstep = 1e-5\nduration = 1\nmethod = \"" + method +
             "\"\n",
         "x.toml"));
-    return std::array{has.angular_velocity, has.acceleration, has.heat, has.kick, has.bonds};
   };
-  using Has = std::array<bool, 5>;
   const std::string bonds =
       "[pair_potential]\nlaw = \"lennard_jones\"\ndepth = 1\ndistance = 1\nbreaking_strain = 0.1\n";
-  const std::string springs = "[contact]\nrestitution = 0.5\n[penalty]\nyoung_modulus = 1e8\n";
+  const std::string springs =
+      "[contact]\nrestitution = 0.5\n[penalty]\nmodel = \"hooke\"\nstiffness = 1e8\n";
   const std::string field = "[gravity]\nuniform = [0, 0, -1]\n";
-  EXPECT_EQ(fields("nonsmooth", ""), (Has{true, true, false, false, false}));
-  EXPECT_EQ(fields("penalty", springs), (Has{true, false, true, false, false}));
-  EXPECT_EQ(fields("penalty", springs + field), (Has{true, true, true, false, false}));
-  EXPECT_EQ(fields("potential", bonds), (Has{false, false, false, false, true}));
+  EXPECT_EQ(fields("nonsmooth", ""), (FieldSet{Field::angular_velocity, Field::acceleration}));
+  EXPECT_EQ(fields("penalty", springs), (FieldSet{Field::angular_velocity, Field::heat}));
+  EXPECT_EQ(fields("penalty", springs + field),
+            (FieldSet{Field::angular_velocity, Field::acceleration, Field::heat}));
+  EXPECT_EQ(fields("potential", bonds), (FieldSet{Field::bonds, Field::damage}));
   EXPECT_EQ(fields("potential", "spin = [0, 0, 1]\n" + bonds),
-            (Has{true, false, false, false, true}));
+            (FieldSet{Field::angular_velocity, Field::bonds, Field::damage}));
   EXPECT_EQ(fields("potential", bonds + "damping = 0.1\n" + field),
-            (Has{false, true, true, true, true}));
+            (FieldSet{Field::acceleration, Field::heat, Field::kick, Field::bonds, Field::damage}));
 }
 
 TEST(Scene, ranks_share_the_very_bodies_that_one_rank_makes) {
@@ -179,7 +179,7 @@ TEST(Scene, the_cases_that_come_with_the_program_have_the_thesis_masses) {
   const std::vector<std::string> files = find_cases(CASES);
   for (const std::string& file : files) {
     const Case scene = read_case(file);
-    const auto is_stored = [](const Group& g) { return g.packing.kind == PackingKind::file; };
+    const auto is_stored = [](const Group& g) { return !g.packing.file.empty(); };
     if (std::ranges::any_of(scene.groups, is_stored)) continue;  // an earlier run makes its bodies
     double mass = 0;
     const auto contents = measure_groups(scene);
@@ -269,7 +269,7 @@ volume = {radius = 2, center = [5, 0, 0]}
 velocity = [0, 1, 0]
 )");
   const Bodies bodies = make_bodies(scene, comm);
-  Impactor impactor{.mass = 5, .radius = 1, .speed = 10, .distance = 4, .head_on = false};
+  Impactor impactor{.mass = 5, .radius = 1, .speed = 10, .distance = 4, .aim = Aiming::line};
   impactor.offset = Vec3(0, 0, 1.8);
   const Aim aim = aim_impactor(comm, impactor, bodies);
   EXPECT_TRUE(aim.position.isApprox(Vec3(5 - 2.4 - 4, 0, 1.8), 1e-15));  // 3-4-5: 1.8, 2.4, 3

@@ -3,7 +3,7 @@
 #include <Eigen/Geometry>
 
 #include "contact_problems.hpp"
-#include "spall/base/require.hpp"
+#include "spall/error.hpp"
 
 namespace spall {
 namespace {

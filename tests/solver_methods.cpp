@@ -1,8 +1,8 @@
 // Every method on the same problems; the operator and the projections by brute force.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "contact_problems.hpp"
-#include "spall/base/require.hpp"
-#include "spall/solver/methods.hpp"
+#include "solver/methods.hpp"
+#include "spall/error.hpp"
 
 namespace spall {
 namespace {
@@ -62,16 +62,16 @@ TEST(Projection, of_coulomb_solves_a_single_contact_exactly) {
 TEST(Projection, treats_eight_contacts_as_it_treats_one) {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> uniform(-2, 2);
-  DoublePack z, tangent, mu, s;
-  for (int l = 0; l < lanes; ++l) {
+  Lanes z, tangent, mu, s;
+  for (std::size_t l = 0; l < lane_count; ++l) {
     z[l] = uniform(random);
     tangent[l] = std::abs(uniform(random));
     mu[l] = std::abs(uniform(random));
     s[l] = l % 2;
   }
-  const auto cone = project_cone(z, tangent, mu, s, DoublePack{} + 3.5);
+  const auto cone = project_cone(z, tangent, mu, s, Lanes{} + 3.5);
   const auto coulomb = project_coulomb(z, tangent, mu, s);
-  for (int l = 0; l < lanes; ++l) {
+  for (std::size_t l = 0; l < lane_count; ++l) {
     const auto one = project_cone<double>(z[l], tangent[l], mu[l], s[l], 3.5);
     EXPECT_DOUBLE_EQ(cone.normal[l], one.normal);
     EXPECT_DOUBLE_EQ(cone.tangent_factor[l], one.tangent_factor);

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "spall/motion/gravity_kick.hpp"
-#include "spall/output/diagnostics.hpp"
+#include "gravity/kick.hpp"
+#include "output/diagnostics.hpp"
 #include "testing.hpp"
 #include "worlds.hpp"
 
@@ -19,7 +19,7 @@ TEST(Impact, equal_spheres_head_on_part_as_restitution_says) {
   const double v = 3, h = 0.01;
   for (double e : {0.0, 0.3, 1.0})
     for (double gap : {0.0, 0.29 * v * h, 2.5 * v * h}) {
-      World world =
+      Lab world =
           make_world(testing_world(), {{.velocity = {v, 0, 0}}, {.position = {2 + gap, 0, 0}}},
                      {.friction = 0.5, .restitution = e});
       advance(world, h, 5);
@@ -35,12 +35,12 @@ TEST(Impact, equal_spheres_head_on_part_as_restitution_says) {
 /// A sphere that meets the floor at `theta` from the normal, one step later.
 Sphere after_oblique_impact(double theta, double v, double radius, const ContactLaw& law) {
   const double h = 1e-3, height = radius + 0.4 * h * v * std::cos(theta);
-  World world = make_world(alone(),
-                           {{.radius = radius,
-                             .mass = 2,
-                             .position = {0, 0, height},
-                             .velocity = {v * std::sin(theta), 0, -v * std::cos(theta)}}},
-                           law);
+  Lab world = make_world(alone(),
+                         {{.radius = radius,
+                           .mass = 2,
+                           .position = {0, 0, height},
+                           .velocity = {v * std::sin(theta), 0, -v * std::cos(theta)}}},
+                         law);
   world.planes = {floor_plane};
   advance(world, h, 1);
   return spheres_of(world)[0];
@@ -75,7 +75,7 @@ TEST(Impact, cradle_follows_the_simultaneous_law) {
     std::vector<Sphere> balls(n);
     for (int k = 0; k < n; ++k) balls[k].position = {2.0 * k, 0, 0};
     balls[0].velocity = {v, 0, 0};
-    World world = make_world(testing_world(), balls, {.restitution = e});
+    Lab world = make_world(testing_world(), balls, {.restitution = e});
     advance(world, h, 1);
     const auto after = spheres_of(world);
     // A chain of n contacts multiplies the solver's 1e-10 by about n^2.
@@ -96,7 +96,7 @@ TEST(Impact, a_fast_sphere_is_never_missed_however_long_the_step) {
         for (int z = -2; z <= 2; ++z)
           spheres.push_back({.mass = 100, .position = {first, 2.0 * y, 2.0 * z}});
       spheres[0].position = {0, 0.1, -0.05};  // not head-on
-      World world = make_world(testing_world(), spheres, {.friction = 0.3, .restitution = 0.3});
+      Lab world = make_world(testing_world(), spheres, {.friction = 0.3, .restitution = 0.3});
       const int steps = static_cast<int>(std::ceil(start)) + 2;
       advance(world, h, steps);
       const auto after = spheres_of(world);
@@ -119,7 +119,7 @@ TEST(Impact, a_fast_sphere_is_never_missed_however_long_the_step) {
 TEST(Friction, a_sliding_sphere_starts_to_roll) {
   const double v0 = 1, mu = 0.2, g = 9.8, r = 0.3;
   const double rolls_at = 2 * v0 / (7 * mu * g), h = rolls_at / 100.3;
-  World world =
+  Lab world =
       make_world(testing_world(), {{.radius = r, .position = {0, 0, r}, .velocity = {v0, 0, 0}}},
                  {.friction = mu});
   world.planes = {floor_plane};
@@ -143,7 +143,7 @@ TEST(Friction, a_sphere_on_an_incline_rolls_up_to_three_and_a_half_mu) {
   const int steps = 20;
   for (double mu : {0.0, 0.1, 0.3})
     for (double slope : {0.2, 0.34, 0.36, 1.0}) {
-      World world = make_world(alone(), {{.radius = r, .position = {0, 0, r}}}, {.friction = mu});
+      Lab world = make_world(alone(), {{.radius = r, .position = {0, 0, r}}}, {.friction = mu});
       const double theta = std::atan(slope);
       world.planes = {floor_plane};
       world.uniform_gravity = {g * std::sin(theta), 0, -g * std::cos(theta)};
@@ -168,11 +168,11 @@ TEST(Gravity, each_contact_of_a_column_carries_what_is_above_it) {
   std::vector<Sphere> column(n);
   for (int k = 0; k < n; ++k)
     column[k] = {.radius = r, .mass = m, .position = {0, 0, r + 2 * r * k}};
-  World world = make_world(alone(), column, {.friction = 0.5});
+  Lab world = make_world(alone(), column, {.friction = 0.5});
   world.planes = {floor_plane};
   world.uniform_gravity = {0, 0, -g};
   advance(world, h, 3);  // the first kick is of half a step
-  const Pairs& pairs = world.neighbours.pairs;
+  const Pairs& pairs = world.rigid.neighbours.pairs;
   std::int64_t seen = 0;
   for (Index p = 0; p < pairs.size(); ++p) {
     const Index i = pairs.i[p], j = pairs.j[p];
@@ -193,7 +193,7 @@ TEST(Gravity, two_bodies_fall_together_and_bounce_as_kepler_and_restitution_say)
                        (std::acos(std::sqrt(ratio)) + std::sqrt(ratio * (1 - ratio)));
   const double impact = std::sqrt(2 * mu * (1 / (2 * r) - 1 / x0));  // relative speed
   for (double h : {falls / 200.4, falls / 400.4}) {
-    World world = make_world(
+    Lab world = make_world(
         alone(),
         {{.mass = m, .position = {-x0 / 2, 0, 0}}, {.mass = m, .position = {x0 / 2, 0, 0}}},
         {.friction = 0.5, .restitution = e});
@@ -233,8 +233,8 @@ TEST(Gravity, two_bodies_fall_together_and_bounce_as_kepler_and_restitution_say)
 /// which it opens.
 std::pair<double, double> pulled_apart(double pull, double h, int steps, double range) {
   const double m = 2;
-  World world = make_world(alone(), {{.mass = m}, {.mass = m, .position = {2, 0, 0}}},
-                           {.friction = 0.5, .cohesion = 10, .cohesion_range = range});
+  Lab world = make_world(alone(), {{.mass = m}, {.mass = m, .position = {2, 0, 0}}},
+                         {.friction = 0.5, .cohesion = 10, .cohesion_range = range});
   for (int k = 0; k < steps; ++k) {
     for (Index b = 0; b < world.bodies.owned; ++b)
       world.bodies.velocity[b].x() += (world.bodies.id[b] == 0 ? -1 : 1) * pull * h / m;
@@ -274,10 +274,10 @@ TEST(Cohesion, breaking_a_bond_takes_force_times_range) {
 TEST(Cohesion, as_an_impulse_takes_its_bound_in_every_step) {
   const double m = 2, reduced = 1, bound = 3, h = 0.01;
   for (double speed : {2.9, 3.1, 7.0}) {
-    World world = make_world(alone(),
-                             {{.mass = m, .velocity = {-speed / 2, 0, 0}},
-                              {.mass = m, .position = {2, 0, 0}, .velocity = {speed / 2, 0, 0}}},
-                             {.cohesion = bound, .cohesion_range = 1, .cohesion_is_impulse = true});
+    Lab world = make_world(alone(),
+                           {{.mass = m, .velocity = {-speed / 2, 0, 0}},
+                            {.mass = m, .position = {2, 0, 0}, .velocity = {speed / 2, 0, 0}}},
+                           {.cohesion = bound, .cohesion_range = 1, .cohesion_is_impulse = true});
     double expected = speed, gap = 0;  // it may close a gap, but no further
     for (int step = 1; step <= 3; ++step) {
       advance(world, h, 1);

@@ -1,6 +1,6 @@
 // Meshes against the solids that they are of, and against sums over all their triangles.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "spall/scene/surface_mesh.hpp"
+#include "scene/surface_mesh.hpp"
 
 #include <Eigen/Geometry>
 #include <cmath>
@@ -8,8 +8,8 @@
 #include <fstream>
 #include <random>
 
-#include "spall/base/require.hpp"
-#include "spall/scene/shape.hpp"
+#include "scene/shape.hpp"
+#include "spall/error.hpp"
 #include "testing.hpp"
 
 namespace spall {

@@ -7,8 +7,8 @@
 
 #include <string>
 
-#include "spall/base/comm.hpp"
-#include "spall/base/require.hpp"
+#include "spall/comm.hpp"
+#include "spall/error.hpp"
 
 namespace spall {
 

@@ -1,9 +1,9 @@
 // Quantities: values to the last bit, and what is said of wrong ones.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "spall/scene/units.hpp"
+#include "keys/units.hpp"
 
-#include "spall/base/require.hpp"
-#include "spall/base/types.hpp"
+#include "spall/error.hpp"
+#include "spall/types.hpp"
 #include "testing.hpp"
 
 namespace spall {

@@ -5,9 +5,7 @@
 #include <array>
 #include <vector>
 
-#include "spall/domain/pack.hpp"
-#include "spall/motion/nonsmooth_step.hpp"
-#include "spall/motion/world.hpp"
+#include "lab.hpp"
 
 namespace spall {
 
@@ -20,11 +18,10 @@ struct Sphere {
 };
 
 /// Sphere k is body k; each rank gets a contiguous share, which may be none.
-inline World make_world(const Comm& comm, const std::vector<Sphere>& spheres,
-                        const ContactLaw& law) {
-  World world;
+inline Lab make_world(const Comm& comm, const std::vector<Sphere>& spheres, const ContactLaw& law) {
+  Lab world;
   world.comm = comm;
-  world.law = law;
+  world.contact = law;
   const auto all = static_cast<BodyId>(spheres.size());
   const BodyId first = all * comm.rank / comm.size, end = all * (comm.rank + 1) / comm.size;
   Bodies& bodies = world.bodies;
@@ -46,7 +43,7 @@ inline World make_world(const Comm& comm, const std::vector<Sphere>& spheres,
 }
 
 /// All spheres by id, on every rank. Collective.
-inline std::vector<Sphere> spheres_of(const World& world) {
+inline std::vector<Sphere> spheres_of(const Lab& world) {
   const Bodies& bodies = world.bodies;
   std::vector<double> rows;
   for (Index b = 0; b < bodies.owned; ++b) {
@@ -72,7 +69,7 @@ inline SolverSettings solved_exactly() {
 }
 
 /// `steps` steps of `h`, with gravity's field evaluated in each.
-inline void advance(World& world, double h, int steps,
+inline void advance(Lab& world, double h, int steps,
                     const SolverSettings& solver = solved_exactly()) {
   for (int k = 0; k < steps; ++k) nonsmooth_step(world, h, solver, 1);
 }

@@ -106,7 +106,7 @@ def table(rows):
     def setting(row):
         return float(row["across"]), float(row["width"]), float(row["duration_us"])
 
-    lines = ["| shot | t/D | across | width / D | until, us | front / V | measured | radial / V | hole / D | measured "
+    lines = ["| shot | t/D | across | width / D | until, us | front / V | bounds | radial / V | hole / D | formulas "
              "| growth | contour L/W | molten |", "|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|"]
     for name in [s["id"] for s in DATA["shots"]] + ["hiermaier"]:
         speed, thickness, diameter = shot(name)
@@ -164,7 +164,7 @@ def main():
     parser.add_argument("--ranks", type=int, default=2)
     parser.add_argument("--program", type=Path, default=ROOT / "build/release/spall")
     parser.add_argument("--duration", type=float, help="s")
-    parser.add_argument("--pictures", action="store_true", help="seven snapshots and their report")
+    parser.add_argument("--pictures", action="store_true", help="eight snapshots and their report")
     parser.add_argument("--set", action="append", default=[], help="change a key of the case")
     parser.add_argument("--table", action="store_true", help="run nothing")
     options = parser.parse_args()

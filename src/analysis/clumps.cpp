@@ -1,6 +1,6 @@
 // Union-find on each rank, then the smallest id wanders across the boundaries until it rests.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "spall/analysis/clumps.hpp"
+#include "analysis/clumps.hpp"
 
 #include <algorithm>
 #include <array>
@@ -51,16 +51,6 @@ void for_each_packed(const std::vector<double>& rows, F&& f) {
 }
 
 }  // namespace
-
-Links links_of(const Contacts& contacts, double tolerance) {
-  Links links;
-  for (Index c = 0; c < contacts.size(); ++c) {
-    if (contacts.j[c] == ground || contacts.gap[c] > tolerance) continue;
-    links.i.push_back(contacts.i[c]);
-    links.j.push_back(contacts.j[c]);
-  }
-  return links;
-}
 
 std::vector<BodyId> find_clumps(const Comm& comm, const Ghosts& ghosts, const Bodies& bodies,
                                 const Links& links) {

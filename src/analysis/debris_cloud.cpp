@@ -1,13 +1,13 @@
 // Percentiles by bisection and maps by sums: nothing is gathered but the list of fragments.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "spall/analysis/debris_cloud.hpp"
+#include "analysis/debris_cloud.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "spall/base/require.hpp"
-#include "spall/scene/shape.hpp"
+#include "scene/shape.hpp"
+#include "spall/error.hpp"
 
 namespace spall {
 namespace {
@@ -239,7 +239,8 @@ Cloud measure_cloud(const Comm& comm, const Bodies& bodies, const Target& target
       double* const origin = &sums[of_plate ? 3 : 0];
       origin[0] += m;
       origin[1] += m * f.axial;
-      if (target.melt_energy > 0 && bodies.has.heat && bodies.heat[b] > target.melt_energy * m)
+      if (target.melt_energy > 0 && bodies.has(Field::heat) &&
+          bodies.heat[b] > target.melt_energy * m)
         origin[2] += m;
     } else if (f.depth < -target.thickness - target.diameter / 4 && f.axial < 0) {
       sums[6] += m;

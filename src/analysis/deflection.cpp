@@ -1,6 +1,6 @@
 // Every sum runs over disjoint sets: clump, ejecta, impactor.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "spall/analysis/deflection.hpp"
+#include "analysis/deflection.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -8,7 +8,7 @@
 #include <cmath>
 #include <vector>
 
-#include "spall/base/require.hpp"
+#include "spall/error.hpp"
 
 namespace spall {
 

@@ -1,6 +1,6 @@
 // Sums over the spheres and two searches: no body leaves its rank.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "spall/analysis/interior.hpp"
+#include "analysis/interior.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -8,7 +8,7 @@
 #include <cmath>
 #include <vector>
 
-#include "spall/base/require.hpp"
+#include "spall/error.hpp"
 
 namespace spall {
 

@@ -1,13 +1,14 @@
 // Collective calls with their return codes checked.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "spall/base/comm.hpp"
+#include "spall/comm.hpp"
 
 #include <petscsys.h>
 
 #include <cstdlib>
 #include <numeric>
 
-#include "spall/base/require.hpp"
+#include "base/kernels.hpp"
+#include "spall/error.hpp"
 
 namespace spall {
 namespace {
@@ -144,6 +145,7 @@ Session::Session(int& argc, char**& argv) {
   (void)argv;
   if (PetscInitialize(nullptr, nullptr, nullptr, nullptr) != 0) std::abort();
   PetscPopSignalHandler();
+  use_instructions(static_cast<Instructions>(world().min(static_cast<double>(instructions()))));
 }
 
 Session::~Session() {

@@ -1,12 +1,12 @@
 // PetscSF does the messages; its roots are owned rows, its leaves ghost rows of the same array.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "spall/domain/ghosts.hpp"
+#include "domain/ghosts.hpp"
 
 #include <petscsf.h>
 
 #include <map>
 
-#include "spall/base/require.hpp"
+#include "spall/error.hpp"
 
 namespace spall {
 

@@ -1,12 +1,12 @@
 // Ranks publish boxes around small clusters of their bodies; a body goes where it touches a box.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "spall/domain/halo.hpp"
+#include "domain/halo.hpp"
 
 #include <algorithm>
 #include <array>
 
-#include "spall/base/require.hpp"
-#include "spall/domain/pack.hpp"
+#include "spall/error.hpp"
+#include "state/pack.hpp"
 
 namespace spall {
 namespace {
@@ -128,18 +128,18 @@ Ghosts make_halo(const Comm& comm, Bodies& bodies, std::vector<double>& reach, c
         row.insert(row.end(), remote.shift.data(), remote.shift.data() + 3);
         row.push_back(b);
         row.push_back(reach[b]);
-        pack_row(bodies, b, row);
+        pack_row(bodies, b, trait::ghosted, row);
       }
     }
   }
 
   const auto incoming = comm.exchange(outgoing);
-  const std::size_t width = 5 + packed_row_width(bodies);
+  const std::size_t width = 5 + packed_row_width(bodies, trait::ghosted);
   // Fields grow once, and by no more than they need.
   std::size_t arriving = 0;
   for (const auto& rows : incoming) arriving += rows.size();
   const std::size_t size = bodies.owned + arriving / width;
-  for_each_field(bodies, [&](const char*, auto& field) { field.reserve(size); });
+  for_each_field(bodies, [&](const auto&, auto& field) { field.reserve(size); });
   std::vector<Origin> origins;
   shifts.clear();
   for (int rank = 0; rank < comm.size; ++rank) {
@@ -148,7 +148,7 @@ Ghosts make_halo(const Comm& comm, Bodies& bodies, std::vector<double>& reach, c
       shifts.emplace_back(rows[k], rows[k + 1], rows[k + 2]);
       origins.push_back({rank, static_cast<Index>(rows[k + 3])});
       reach.push_back(rows[k + 4]);
-      unpack_rows(bodies, std::span(rows).subspan(k + 5, width - 5));
+      unpack_rows(bodies, std::span(rows).subspan(k + 5, width - 5), trait::ghosted);
       bodies.position.back() += shifts.back();
     }
   }
@@ -156,12 +156,14 @@ Ghosts make_halo(const Comm& comm, Bodies& bodies, std::vector<double>& reach, c
 }
 
 void refresh_ghosts(const Ghosts& ghosts, Bodies& bodies) {
-  for (auto* field :
-       {&bodies.position, &bodies.velocity, &bodies.angular_velocity, &bodies.acceleration})
-    ghosts.gather_begin(flat(*field), 3);
-  for (auto* field :
-       {&bodies.position, &bodies.velocity, &bodies.angular_velocity, &bodies.acceleration})
-    ghosts.gather_end(flat(*field), 3);
+  const auto for_each_refreshed = [&](auto&& f) {
+    for_each_field(bodies, [&]<class T>(const TypedField<T>& info, auto& field) {
+      if (info.is(trait::refreshed))
+        f(reinterpret_cast<double*>(field.data()), static_cast<int>(packed_width<T>));
+    });
+  };
+  for_each_refreshed([&](double* rows, int width) { ghosts.gather_begin(rows, width); });
+  for_each_refreshed([&](double* rows, int width) { ghosts.gather_end(rows, width); });
 }
 
 }  // namespace spall

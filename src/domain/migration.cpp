@@ -1,15 +1,15 @@
 // Rows travel as doubles with the bits of whatever they hold.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "spall/domain/migration.hpp"
+#include "domain/migration.hpp"
 
 #include <algorithm>
 #include <bit>
 #include <numeric>
 #include <unordered_map>
 
-#include "spall/base/require.hpp"
-#include "spall/domain/morton.hpp"
-#include "spall/domain/pack.hpp"
+#include "base/morton.hpp"
+#include "spall/error.hpp"
+#include "state/pack.hpp"
 
 namespace spall {
 namespace {
@@ -84,7 +84,7 @@ void sort_bodies(const Comm& comm, Bodies& bodies) {
   std::sort(order.begin(), order.end(), [&](Index a, Index b) {
     return key[a] != key[b] ? key[a] < key[b] : bodies.id[a] < bodies.id[b];
   });
-  for_each_field(bodies, [&](const char*, auto& field) {
+  for_each_field(bodies, [&](const auto&, auto& field) {
     auto sorted = field;
     for (Index b = 0; b < bodies.owned; ++b) sorted[b] = field[order[b]];
     field.swap(sorted);
@@ -95,7 +95,7 @@ void migrate(const Comm& comm, Bodies& bodies, ContactMemory& memory,
              const std::vector<int>& owner) {
   // Most bodies stay: only those that leave are packed. They may be half of all: nothing here grows
   // by more than it needs.
-  const std::size_t width = packed_row_width(bodies);
+  const std::size_t width = packed_row_width(bodies, trait::migrated);
   std::vector<std::size_t> leave(comm.size, 0);
   for (Index b = 0; b < bodies.owned; ++b) ++leave[owner[b]];
   std::vector<std::vector<double>> outgoing(comm.size);
@@ -106,8 +106,8 @@ void migrate(const Comm& comm, Bodies& bodies, ContactMemory& memory,
     if (owner[b] == comm.rank)
       stays.push_back(b);
     else
-      pack_row(bodies, b, outgoing[owner[b]]);
-  for_each_field(bodies, [&](const char*, auto& field) {
+      pack_row(bodies, b, trait::migrated, outgoing[owner[b]]);
+  for_each_field(bodies, [&](const auto&, auto& field) {
     for (std::size_t k = 0; k < stays.size(); ++k) field[k] = field[stays[k]];
   });
   resize(bodies, static_cast<Index>(stays.size()));
@@ -116,8 +116,8 @@ void migrate(const Comm& comm, Bodies& bodies, ContactMemory& memory,
   outgoing.clear();
   std::size_t arriving = 0;
   for (const auto& rows : incoming) arriving += rows.size() / width;
-  for_each_field(bodies, [&](const char*, auto& field) { field.reserve(field.size() + arriving); });
-  for (const auto& rows : incoming) unpack_rows(bodies, rows);
+  for_each_field(bodies, [&](const auto&, auto& field) { field.reserve(field.size() + arriving); });
+  for (const auto& rows : incoming) unpack_rows(bodies, rows, trait::migrated);
   incoming.clear();
   bodies.owned = bodies.size();
   sort_bodies(comm, bodies);

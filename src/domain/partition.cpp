@@ -1,6 +1,6 @@
 // Cells are few (some 64 a rank), so every rank holds the whole graph and cuts it the same way.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "spall/domain/partition.hpp"
+#include "domain/partition.hpp"
 
 #include <metis.h>
 
@@ -11,7 +11,7 @@
 #include <numeric>
 #include <set>
 
-#include "spall/base/require.hpp"
+#include "spall/error.hpp"
 
 namespace spall {
 namespace {

@@ -1,6 +1,6 @@
 // One pass over the owned bodies and one reduction.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "spall/output/diagnostics.hpp"
+#include "output/diagnostics.hpp"
 
 #include <algorithm>
 #include <array>
@@ -25,12 +25,12 @@ Diagnostics diagnose(const World& world) {
     d.momentum_scale += m * v.norm();
     d.angular_momentum_scale += m * x.norm() * v.norm();
     translation += m * v.squaredNorm() / 2;
-    if (!bodies.has.angular_velocity) continue;
-    const double inertia = 0.4 * m * bodies.radius[b] * bodies.radius[b];
+    if (!bodies.has(Field::angular_velocity)) continue;
+    const double inertia = moment_of_inertia(m, bodies.radius[b]);
     d.angular_momentum += inertia * bodies.angular_velocity[b];
     rotation += inertia * bodies.angular_velocity[b].squaredNorm() / 2;
   }
-  std::array<double, 18> sums{d.mass,
+  std::array<double, 19> sums{d.mass,
                               moment[0],
                               moment[1],
                               moment[2],
@@ -47,7 +47,8 @@ Diagnostics diagnose(const World& world) {
                               world.ledger.dissipated,
                               world.ledger.cohesion_work,
                               world.ledger.corrections,
-                              squares};
+                              squares,
+                              world.ledger.own_work};
   world.comm.sum(sums);
   d.mass = sums[0];
   d.centre = d.mass > 0 ? Vec3(Vec3(sums[1], sums[2], sums[3]) / d.mass) : Vec3::Zero();
@@ -62,6 +63,7 @@ Diagnostics diagnose(const World& world) {
   d.dissipated = sums[14];
   d.cohesion_work = sums[15];
   d.corrections = sums[16];
+  d.own_work = sums[18];
   return d;
 }
 

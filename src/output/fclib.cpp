@@ -1,12 +1,12 @@
 // Each rank reads an equal part of every array; W's numbers then go to the owners of their rows.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "spall/output/fclib.hpp"
+#include "output/fclib.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "h5.hpp"
-#include "spall/base/require.hpp"
+#include "output/h5.hpp"
+#include "spall/error.hpp"
 
 namespace spall {
 namespace {

@@ -1,6 +1,6 @@
 // A rename outlives the process; fsync of file and folder around it outlives the machine.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "files.hpp"
+#include "output/files.hpp"
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -11,7 +11,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "spall/base/require.hpp"
+#include "spall/error.hpp"
 
 namespace spall {
 

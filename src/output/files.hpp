@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "spall/base/comm.hpp"
+#include "spall/comm.hpp"
 
 namespace spall {
 

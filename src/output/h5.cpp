@@ -1,12 +1,12 @@
 // Every HDF5 return code is checked here; HDF5's own printing is off, its words go into the Error.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "h5.hpp"
+#include "output/h5.hpp"
 
 #include <algorithm>
 #include <array>
 #include <limits>
 
-#include "spall/base/require.hpp"
+#include "spall/error.hpp"
 
 namespace spall::h5 {
 
@@ -58,11 +58,13 @@ Handle text_type(std::size_t length, const std::string& name) {
   return type;
 }
 
-void add_attribute(hid_t object, const char* key, hid_t type, hid_t space, const void* value,
-                   const std::string& name) {
-  Handle attribute = make(H5Acreate2(object, key, type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose,
-                          "H5Acreate2", name);
-  check(H5Awrite(attribute, type, value), "H5Awrite", name);
+/// `plain`, or where there are names their enumeration.
+Handle type_of(hid_t plain, const Names& names, const std::string& name) {
+  Handle type = names.empty() ? make(H5Tcopy(plain), H5Tclose, "H5Tcopy", name)
+                              : make(H5Tenum_create(plain), H5Tclose, "H5Tenum_create", name);
+  for (std::int32_t k = 0; k < std::ssize(names); ++k)
+    check(H5Tenum_insert(type, names[k].c_str(), &k), "H5Tenum_insert", name);
+  return type;
 }
 
 /// Memory and file selections of `rows`; a rank without rows takes part with none.
@@ -139,19 +141,28 @@ void File::group(const std::string& name) {
        H5Gclose, "H5Gcreate2", place(name));
 }
 
-void File::attribute(const std::string& name, const char* key, const std::string& text) {
+void File::add_attribute(const std::string& name, const char* key, hid_t type,
+                         std::span<const hsize_t> shape, const void* value) {
+  const auto rank = static_cast<int>(shape.size());
   Handle object = make(H5Oopen(file_, name.c_str(), H5P_DEFAULT), H5Oclose, "H5Oopen", place(name));
-  Handle space = make(H5Screate(H5S_SCALAR), H5Sclose, "H5Screate", place(name));
+  Handle space = make(H5Screate_simple(rank, shape.data(), nullptr), H5Sclose, "H5Screate_simple",
+                      place(name));
+  Handle attribute = make(H5Acreate2(object, key, type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose,
+                          "H5Acreate2", place(name));
+  check(H5Awrite(attribute, type, value), "H5Awrite", place(name));
+}
+
+void File::attribute(const std::string& name, const char* key, const std::string& text) {
   // One byte at least: HDF5 has no empty strings of fixed length.
-  add_attribute(object, key, text_type(text.size(), place(name)), space, text.c_str(), place(name));
+  add_attribute(name, key, text_type(text.size(), place(name)), {}, text.c_str());
+}
+
+void File::attribute(const std::string& name, const char* key, int value) {
+  add_attribute(name, key, H5T_NATIVE_INT, {}, &value);
 }
 
 void File::attribute(const std::string& name, const char* key, std::span<const int> values) {
-  Handle object = make(H5Oopen(file_, name.c_str(), H5P_DEFAULT), H5Oclose, "H5Oopen", place(name));
-  const hsize_t size = values.size();
-  Handle space =
-      make(H5Screate_simple(1, &size, nullptr), H5Sclose, "H5Screate_simple", place(name));
-  add_attribute(object, key, H5T_NATIVE_INT, space, values.data(), place(name));
+  add_attribute(name, key, H5T_NATIVE_INT, std::array{hsize_t{values.size()}}, values.data());
 }
 
 void File::attribute(const std::string& name, const char* key, std::span<const std::string> texts) {
@@ -159,11 +170,8 @@ void File::attribute(const std::string& name, const char* key, std::span<const s
   for (const auto& text : texts) width = std::max(width, text.size());
   std::string padded;
   for (const auto& text : texts) padded += text + std::string(width - text.size(), '\0');
-  Handle object = make(H5Oopen(file_, name.c_str(), H5P_DEFAULT), H5Oclose, "H5Oopen", place(name));
-  const hsize_t size = texts.size();
-  Handle space =
-      make(H5Screate_simple(1, &size, nullptr), H5Sclose, "H5Screate_simple", place(name));
-  add_attribute(object, key, text_type(width, place(name)), space, padded.data(), place(name));
+  add_attribute(name, key, text_type(width, place(name)), std::array{hsize_t{texts.size()}},
+                padded.data());
 }
 
 void File::link(const std::string& object, const std::string& name) {
@@ -213,8 +221,9 @@ Handle File::create_dataset(const std::string& name, hid_t type, hsize_t width, 
               H5Dclose, "H5Dcreate2", place(name));
 }
 
-void File::write_rows(const std::string& name, hid_t type, hsize_t width, const void* values,
-                      const Rows& rows, bool as_frame) {
+void File::write_rows(const std::string& name, hid_t plain, hsize_t width, const void* values,
+                      const Rows& rows, bool as_frame, const Names& names) {
+  const Handle type = type_of(plain, names, place(name));
   Handle set = create_dataset(name, type, width, rows.total, as_frame);
   if (rows.total == 0) return;
   Handle space = make(H5Dget_space(set), H5Sclose, "H5Dget_space", place(name));
@@ -230,8 +239,10 @@ void File::write_same(const std::string& name, hid_t type, hsize_t width, const 
     check(H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values), "H5Dwrite", place(name));
 }
 
-void File::write_view_raw(const std::string& name, hid_t type, hsize_t width,
-                          std::span<const Source> sources, hsize_t total, bool as_frames) {
+void File::write_view_raw(const std::string& name, hid_t plain, hsize_t width,
+                          std::span<const Source> sources, hsize_t total, bool as_frames,
+                          const Names& names) {
+  const Handle type = type_of(plain, names, place(name));
   std::vector<hsize_t> dimensions;
   if (as_frames) dimensions.push_back(sources.size());
   dimensions.push_back(total);
@@ -240,9 +251,11 @@ void File::write_view_raw(const std::string& name, hid_t type, hsize_t width,
   Handle space =
       make(H5Screate_simple(rank, dimensions.data(), nullptr), H5Sclose, "H5Screate_simple", name);
   Handle list = make(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, "H5Pcreate", name);
-  const double absent = std::numeric_limits<double>::quiet_NaN();
-  if (H5Tget_class(type) == H5T_FLOAT)
-    check(H5Pset_fill_value(list, type, &absent), "H5Pset_fill_value", name);
+  const double no_number = std::numeric_limits<double>::quiet_NaN();
+  const std::int64_t nobody = -1;  // the bits of -1 in shorter integers too
+  const void* absent =
+      H5Tget_class(type) == H5T_FLOAT ? static_cast<const void*>(&no_number) : &nobody;
+  check(H5Pset_fill_value(list, type, absent), "H5Pset_fill_value", name);
   for (std::size_t k = 0; k < sources.size(); ++k) {
     std::vector<hsize_t> start(rank, 0), count = dimensions;
     if (as_frames) {
@@ -307,7 +320,10 @@ void File::read_raw(const std::string& name, hid_t type, hsize_t width, void* va
 void write_h5md(File& file) {
   file.group("/h5md/author");
   file.group("/h5md/creator");
+  file.group("/h5md/modules/units");
   file.attribute("/h5md", "version", std::array{1, 1});
+  file.attribute("/h5md/modules/units", "version", std::array{1, 0});
+  file.attribute("/h5md/modules/units", "system", "SI");
   file.attribute("/h5md/author", "name", "unknown");
   file.attribute("/h5md/creator", "name", "spall");
   file.attribute("/h5md/creator", "version", SPALL_VERSION);

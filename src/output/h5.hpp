@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "spall/base/comm.hpp"
-#include "spall/base/types.hpp"
+#include "spall/comm.hpp"
+#include "spall/types.hpp"
 
 namespace spall::h5 {
 
@@ -90,6 +90,8 @@ struct Source {
   hsize_t rows;
 };
 
+using Names = std::vector<std::string>;
+
 /// A file of all ranks of a communicator, or of this rank alone. Names are paths inside the file;
 /// missing groups are made. On a file of all ranks every call is collective.
 class File {
@@ -105,6 +107,7 @@ class File {
   void group(const std::string& name);
   /// Attributes of the object `name`.
   void attribute(const std::string& name, const char* key, const std::string& text);
+  void attribute(const std::string& name, const char* key, int value);
   void attribute(const std::string& name, const char* key, std::span<const int> values);
   void attribute(const std::string& name, const char* key, std::span<const std::string> texts);
   /// A second name for an object of this file, and one for an object of another file.
@@ -115,10 +118,11 @@ class File {
   std::string read_text(const std::string& name) const;
 
   /// Writes this rank's rows; the dataset is (total) or (total, 3), with `as_frame` (1, total, …).
+  /// Integers with `names` are an enumeration, in which names[k] stands for k.
   template <class T>
   void write(const std::string& name, std::span<const T> values, const Rows& rows,
-             bool as_frame = false) {
-    write_rows(name, Layout<T>::type(), Layout<T>::width, values.data(), rows, as_frame);
+             bool as_frame = false, const Names& names = {}) {
+    write_rows(name, Layout<T>::type(), Layout<T>::width, values.data(), rows, as_frame, names);
   }
   /// A small array that is the same on all ranks.
   template <class T>
@@ -126,11 +130,11 @@ class File {
     write_same(name, Layout<T>::type(), Layout<T>::width, values.data(), values.size());
   }
   /// A dataset (`total` rows) whose rows lie in other files; with `as_frames` (one frame a source,
-  /// `total`, …). Rows that a source lacks read as NaN. For files of this rank alone.
+  /// `total`, …). Rows that a source lacks read as NaN or -1. For files of this rank alone.
   template <class T>
   void write_view(const std::string& name, std::span<const Source> sources, hsize_t total,
-                  bool as_frames) {
-    write_view_raw(name, Layout<T>::type(), Layout<T>::width, sources, total, as_frames);
+                  bool as_frames, const Names& names = {}) {
+    write_view_raw(name, Layout<T>::type(), Layout<T>::width, sources, total, as_frames, names);
   }
   bool exists(const std::string& name) const;
   hsize_t total_rows(const std::string& name) const;
@@ -150,14 +154,18 @@ class File {
 
  private:
   File(Handle file, const Comm* comm, std::string path);
+  /// No shape: a scalar.
+  void add_attribute(const std::string& name, const char* key, hid_t type,
+                     std::span<const hsize_t> shape, const void* value);
   void write_rows(const std::string& name, hid_t type, hsize_t width, const void* values,
-                  const Rows& rows, bool as_frame);
+                  const Rows& rows, bool as_frame, const Names& names);
   void write_same(const std::string& name, hid_t type, hsize_t width, const void* values,
                   hsize_t count);
   Handle create_dataset(const std::string& name, hid_t type, hsize_t width, hsize_t rows,
                         bool as_frame);
   void write_view_raw(const std::string& name, hid_t type, hsize_t width,
-                      std::span<const Source> sources, hsize_t total, bool as_frames);
+                      std::span<const Source> sources, hsize_t total, bool as_frames,
+                      const Names& names);
   void read_raw(const std::string& name, hid_t type, hsize_t width, void* values,
                 const std::optional<Rows>& rows) const;
   hsize_t total_values(const std::string& name) const;
@@ -169,7 +177,7 @@ class File {
   std::string path_;
 };
 
-/// The group that makes a file H5MD 1.1 (de Buyl, Colberg & Hoefling 2014).
+/// The group that makes a file H5MD 1.1 (de Buyl, Colberg & Hoefling 2014), with units of the SI.
 void write_h5md(File& file);
 
 }  // namespace spall::h5

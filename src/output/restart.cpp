@@ -1,37 +1,26 @@
 // One HDF5 file of all ranks: rows as they are distributed, with a checksum for each dataset.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "spall/output/restart.hpp"
+#include "output/restart.hpp"
 
 #include <array>
 #include <bit>
+#include <cstring>
 #include <filesystem>
-#include <type_traits>
 
-#include "files.hpp"
-#include "h5.hpp"
-#include "spall/base/require.hpp"
+#include "base/hash.hpp"
+#include "output/files.hpp"
+#include "output/h5.hpp"
+#include "spall/error.hpp"
+#include "state/pack.hpp"
 
 namespace spall {
 
 namespace {
 
-constexpr int format_version = 3;
+constexpr int format_version = 4;
 
-/// Bijective mixing of 64 bits (splitmix64's, Steele et al. 2014).
-std::uint64_t mix(std::uint64_t x) {
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
-  return x ^ (x >> 31);
-}
-
-std::uint64_t word(double value) {
-  return std::bit_cast<std::uint64_t>(value);
-}
-std::uint64_t word(std::int32_t value) {
-  return static_cast<std::uint64_t>(value);
-}
-std::uint64_t word(std::int64_t value) {
-  return static_cast<std::uint64_t>(value);
+std::string place_of(const FieldInfo& info) {
+  return std::string("/bodies/") + info.name;
 }
 
 /// A sum over all values of their mixed bits and places: the same for any distribution of rows.
@@ -40,10 +29,9 @@ std::int64_t checksum(const Comm& comm, std::span<const T> values, const h5::Row
   std::uint64_t sum = 0;
   for (std::size_t k = 0; k < values.size(); ++k) {
     std::uint64_t bits = mix(rows.begin + k + 1);
-    if constexpr (std::is_same_v<T, Vec3>)
-      for (double x : values[k]) bits = mix(bits ^ word(x));
-    else
-      bits = mix(bits ^ word(values[k]));
+    std::array<std::uint64_t, packed_width<T>> words{};
+    std::memcpy(words.data(), &values[k], sizeof(T));
+    for (std::uint64_t word : words) bits = mix(bits ^ word);
     sum += bits;
   }
   return comm.sum(std::bit_cast<std::int64_t>(sum));
@@ -135,14 +123,13 @@ RestartState read_state(const Comm& comm, const std::string& path) {
 
   auto rows = rows_to_read(comm, file.read<std::int64_t>("/layout/bodies"));
   state.bodies.owned = static_cast<Index>(rows.count);
-  state.bodies.has = {.angular_velocity = file.exists("/bodies/angular_velocity"),
-                      .acceleration = file.exists("/bodies/acceleration"),
-                      .heat = file.exists("/bodies/heat"),
-                      .kick = file.exists("/bodies/kick"),
-                      .bonds = file.exists("/bodies/bonds")};
-  for_each_field(state.bodies, [&](const std::string& name, auto& field) {
-    read_checked(file, comm, "/bodies/" + name, field, rows);
+  state.bodies.fields = {};
+  for (const FieldInfo& info : field_table)
+    if (file.exists(place_of(info))) state.bodies.fields |= {info.field};
+  for_each_field(state.bodies, [&](const auto& info, auto& field) {
+    if (info.is(trait::restarted)) read_checked(file, comm, place_of(info), field, rows);
   });
+  fill_fields(state.bodies);
   rows = rows_to_read(comm, file.read<std::int64_t>("/layout/contacts"));
   for_each_contact_field(state.contacts, [&](const std::string& name, auto& field) {
     read_checked(file, comm, "/contacts/" + name, field, rows);
@@ -182,10 +169,11 @@ void write_restart(const Comm& comm, const std::string& path, const RestartState
     return h5::rows_in_rank_order(comm, count);
   };
   auto rows = layout("/layout/bodies", state.bodies.owned);
-  for_each_field(state.bodies, [&](const std::string& name, const auto& field) {
-    using Value = typename std::decay_t<decltype(field)>::value_type;
-    const std::vector<Value> owned(field.begin(), field.begin() + state.bodies.owned);
-    write_checked(file, comm, "/bodies/" + name, owned, rows);
+  for_each_field(state.bodies, [&]<class T>(const TypedField<T>& info, const auto& field) {
+    if (!info.is(trait::restarted)) return;
+    const std::vector<T> owned(field.begin(), field.begin() + state.bodies.owned);
+    write_checked(file, comm, place_of(info), owned, rows);
+    if (*info.unit) file.attribute(place_of(info), "unit", info.unit);
   });
   rows = layout("/layout/contacts", std::ssize(state.contacts.i));
   ContactMemory contacts = state.contacts;

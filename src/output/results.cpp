@@ -1,13 +1,13 @@
 // One list of rows, two ways to write it.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "spall/output/results.hpp"
+#include "output/results.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 
-#include "files.hpp"
-#include "spall/base/require.hpp"
+#include "output/files.hpp"
+#include "spall/error.hpp"
 
 namespace spall {
 

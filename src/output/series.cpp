@@ -1,24 +1,24 @@
 // The CSV is the record; the HDF5 file is made from it, so it never disagrees.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "spall/output/series.hpp"
+#include "output/series.hpp"
 
 #include <array>
 #include <cstdlib>
 #include <filesystem>
 
-#include "files.hpp"
-#include "h5.hpp"
-#include "spall/base/require.hpp"
+#include "output/files.hpp"
+#include "output/h5.hpp"
+#include "spall/error.hpp"
 
 namespace spall {
 
-Series::Series(const Comm& comm, const std::string& folder, std::vector<std::string> columns,
+Series::Series(const Comm& comm, const std::string& folder, std::vector<Column> columns,
                std::int64_t resume_step)
     : path_(folder + "/series.csv"), columns_(std::move(columns)), writes_(comm.rank == 0) {
   make_folder(comm, folder);
   if (!writes_) return;
   std::string heading = "step,time";
-  for (const auto& column : columns_) heading += "," + column;
+  for (const auto& column : columns_) heading += "," + column.name;
   std::string text = heading + "\n";
   if (resume_step >= 0 && std::filesystem::exists(path_)) {
     const auto lines = complete_lines(read_whole(path_));
@@ -61,8 +61,9 @@ void Series::write_hdf5() const {
   file.write<double>("/series/time", times);
   file.attribute("/series/time", "unit", "s");
   for (std::size_t c = 0; c < columns_.size(); ++c) {
-    const std::string group = "/observables/" + columns_[c];
+    const std::string group = "/observables/" + columns_[c].name;
     file.write<double>(group + "/value", values[c]);
+    if (!columns_[c].unit.empty()) file.attribute(group + "/value", "unit", columns_[c].unit);
     file.link("/series/step", group + "/step");
     file.link("/series/time", group + "/time");
   }

@@ -1,6 +1,6 @@
 // Bodies to blocks of ids, blocks to one file by all ranks, files to one trajectory.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "spall/output/snapshot.hpp"
+#include "output/snapshot.hpp"
 
 #include <algorithm>
 #include <array>
@@ -10,32 +10,26 @@
 #include <set>
 #include <type_traits>
 
-#include "files.hpp"
-#include "h5.hpp"
-#include "spall/base/require.hpp"
-#include "spall/domain/pack.hpp"
-#include "spall/force/constitutive.hpp"
-#include "spall/scene/scene.hpp"
+#include "output/files.hpp"
+#include "output/h5.hpp"
+#include "scene/scene.hpp"
+#include "spall/error.hpp"
+#include "state/pack.hpp"
 
 namespace spall {
 
 namespace {
 
-/// Fields that stay the same for ever: written once by H5MD's rules, not in time.
-const std::set<std::string> fixed_fields = {"id", "group", "material", "radius", "mass"};
+constexpr unsigned in_snapshots = trait::written | trait::fixed;
 
-const char* unit_of(const std::string& field) {
-  if (field == "position" || field == "radius") return "m";
-  if (field == "velocity" || field == "kick") return "m s-1";
-  if (field == "angular_velocity") return "rad s-1";
-  if (field == "mass") return "kg";
-  if (field == "heat") return "J";
-  if (field == "temperature") return "K";
-  return nullptr;
-}
+/// Beside the fields of the bodies.
+constexpr FieldInfo temperature_info{Field::heat, "temperature", "K",
+                                     "of a solid that had 298 K before it took up its heat",
+                                     trait::written};
 
-std::string dataset(const std::string& field) {
-  return "/particles/all/" + field + (fixed_fields.contains(field) ? "" : "/value");
+/// Where the values of a field stand; what is fixed stands once, by H5MD's rules.
+std::string dataset(const FieldInfo& info) {
+  return std::string("/particles/all/") + info.name + (info.is(trait::fixed) ? "" : "/value");
 }
 
 std::string snapshot_name(std::size_t k) {
@@ -51,32 +45,23 @@ Bodies in_order_of_id(const Comm& comm, const Bodies& bodies, const h5::Rows& ro
     const auto id = static_cast<hsize_t>(bodies.id[b]);
     require(id < rows.total, "body id {} in a set of {} bodies: ids must be 0 … N-1", bodies.id[b],
             rows.total);
-    pack_row(bodies, b, outgoing[std::upper_bound(end.begin(), end.end(), id) - end.begin()]);
+    const auto rank = std::upper_bound(end.begin(), end.end(), id) - end.begin();
+    pack_row(bodies, b, in_snapshots, outgoing[rank]);
   }
   const auto incoming = comm.exchange(outgoing);
-  const std::size_t width = packed_row_width(bodies);
+  const std::size_t width = packed_row_width(bodies, in_snapshots);
   std::vector<const double*> row_of(rows.count, nullptr);
   for (const auto& packed : incoming)
     for (std::size_t at = 0; at < packed.size(); at += width)  // the id is the first field
       row_of[std::bit_cast<BodyId>(packed[at]) - static_cast<BodyId>(rows.begin)] = &packed[at];
   Bodies block;
-  block.has = bodies.has;
+  block.fields = bodies.fields;
   for (std::size_t k = 0; k < row_of.size(); ++k) {
     require(row_of[k] != nullptr, "no body has id {}: ids must be 0 … N-1", rows.begin + k);
-    unpack_rows(block, {row_of[k], width});
+    unpack_rows(block, {row_of[k], width}, in_snapshots);
   }
   block.owned = block.size();
   return block;
-}
-
-void write_metadata(h5::File& file, const std::string& case_text, int ranks) {
-  h5::write_h5md(file);
-  file.group("/particles/all/box");
-  file.attribute("/particles/all/box", "dimension", std::array{3});
-  file.attribute("/particles/all/box", "boundary", std::vector<std::string>(3, "none"));
-  file.write_text("/parameters/case", case_text);
-  file.write_text("/parameters/version", SPALL_VERSION);
-  file.write<int>("/parameters/ranks", std::array{ranks});
 }
 
 /// `step` and `time` of one field; later fields link to the first's.
@@ -94,7 +79,40 @@ void write_frames(h5::File& file, const std::string& field, std::string& first,
   }
 }
 
+/// Names of groups and materials; the impactor comes last.
+FieldNames names_of(const Case& scene) {
+  FieldNames names;
+  const auto add = [&](Field field, std::string name) {
+    auto& before = names[static_cast<int>(field)];
+    while (std::ranges::find(before, name) != before.end()) name += "'";
+    before.push_back(name);
+  };
+  for (const Group& group : scene.groups) add(Field::group, group.name);
+  for (const Material& material : scene.materials) add(Field::material, material.name);
+  for (const Phase& phase : scene.phases)
+    if (phase.impactor) add(Field::group, "impactor");
+  return names;
+}
+
+/// `species` is what H5MD calls the material.
+void describe(h5::File& file, const FieldInfo& info) {
+  if (*info.unit) file.attribute(dataset(info), "unit", info.unit);
+  if (info.field == Field::material) file.link(dataset(info), "/particles/all/species");
+}
+
 }  // namespace
+
+std::string describe_output_fields() {
+  std::string text = "\nFields of bodies in snapshots and trajectories (H5MD)\n";
+  const auto add = [&](const FieldInfo& info) {
+    text += fmt::format("{:<23}{:<15}{:<12}{}\n", info.name, info.unit,
+                        info.is(trait::always) ? "always" : "if needed", info.meaning);
+  };
+  for (const FieldInfo& info : field_table)
+    if (info.is(in_snapshots)) add(info);
+  add(temperature_info);
+  return text;
+}
 
 SnapshotWriter::SnapshotWriter(Comm comm, std::string folder, const Case& scene,
                                std::int64_t resume_step)
@@ -103,11 +121,33 @@ SnapshotWriter::SnapshotWriter(Comm comm, std::string folder, const Case& scene,
       case_text_(scene.text),
       title_(scene.title),
       materials_(scene.materials),
+      names_(names_of(scene)),
+      period_(scene.period),
       gravity_(scene.gravity),
       map_(scene.gravity_map),
       fields_(fields_of(scene)) {
   make_folder(comm_, folder_ + "/snapshots");
   find_written(resume_step);
+}
+
+void SnapshotWriter::write_metadata(h5::File& file) const {
+  h5::write_h5md(file);
+  const std::string box = "/particles/all/box";
+  std::vector<std::string> boundary;
+  for (double size : period_.size) boundary.emplace_back(size > 0 ? "periodic" : "none");
+  file.group(box);
+  file.attribute(box, "dimension", 3);
+  file.attribute(box, "boundary", boundary);
+  // Zero along what does not repeat. The lower corner, which H5MD leaves out, stands beside.
+  const auto write_corner = [&](const std::string& name, const Vec3& corner) {
+    file.write<double>(name, {corner.data(), 3});
+    file.attribute(name, "unit", "m");
+  };
+  if (period_.any()) write_corner(box + "/edges", period_.size);
+  if (period_.any()) write_corner(box + "/offset", period_.low);
+  file.write_text("/parameters/case", case_text_);
+  file.write_text("/parameters/version", SPALL_VERSION);
+  file.write<int>("/parameters/ranks", std::array{comm_.size});
 }
 
 void SnapshotWriter::find_written(std::int64_t resume_step) {
@@ -125,7 +165,7 @@ void SnapshotWriter::find_written(std::int64_t resume_step) {
         if (keep) {
           found.push_back(static_cast<double>(step));
           found.push_back(file.read<double>("/particles/all/position/time").at(0));
-          found.push_back(static_cast<double>(file.total_rows("/particles/all/id")));
+          found.push_back(static_cast<double>(file.total_rows("/particles/all/radius")));
           continue;
         }
       }
@@ -141,9 +181,11 @@ void SnapshotWriter::find_written(std::int64_t resume_step) {
 
 template <class F>
 void SnapshotWriter::for_each_output(const Bodies& bodies, F&& f) const {
-  for_each_field(bodies, f);
+  for_each_field(bodies, [&](const FieldInfo& info, const auto& values) {
+    if (info.is(in_snapshots)) f(info, values);
+  });
   const auto warms = [](const Material& m) { return m.solid && m.solid->specific_heat > 0; };
-  if (!bodies.has.heat || std::none_of(materials_.begin(), materials_.end(), warms)) return;
+  if (!bodies.has(Field::heat) || std::none_of(materials_.begin(), materials_.end(), warms)) return;
   std::vector<double> temperatures;
   for (Index b = 0; b < bodies.size(); ++b) {
     const Material& material = materials_[bodies.material[b]];
@@ -151,25 +193,25 @@ void SnapshotWriter::for_each_output(const Bodies& bodies, F&& f) const {
                                ? temperature(*material.solid, bodies.heat[b] / bodies.mass[b])
                                : std::nan(""));
   }
-  f("temperature", temperatures);
+  f(temperature_info, temperatures);
 }
 
 void SnapshotWriter::write(const Bodies& bodies, std::int64_t step, double time) {
   const auto rows =
       h5::equal_rows(comm_.rank, comm_.size, comm_.sum(static_cast<std::int64_t>(bodies.owned)));
   const Bodies block = in_order_of_id(comm_, bodies, rows);
-  fields_ = bodies.has;
+  fields_ = bodies.fields;
 
   const std::string path = folder_ + "/" + snapshot_name(written_.size());
   auto file = h5::File::create(unfinished(path), comm_);
-  write_metadata(file, case_text_, comm_.size);
+  write_metadata(file);
   std::string first;
-  for_each_output(block, [&](const std::string& field, const auto& values) {
+  for_each_output(block, [&](const FieldInfo& info, const auto& values) {
     using Value = typename std::decay_t<decltype(values)>::value_type;
-    const bool fixed = fixed_fields.contains(field);
-    file.write<Value>(dataset(field), values, rows, !fixed);
-    if (unit_of(field)) file.attribute(dataset(field), "unit", unit_of(field));
-    if (!fixed) write_frames(file, field, first, std::array{step}, std::array{time});
+    const bool fixed = info.is(trait::fixed);
+    file.write<Value>(dataset(info), values, rows, !fixed, names_[static_cast<int>(info.field)]);
+    describe(file, info);
+    if (!fixed) write_frames(file, info.name, first, std::array{step}, std::array{time});
   });
   if (map_) write_gravity(file, bodies);
   file.close();
@@ -213,19 +255,20 @@ void SnapshotWriter::write_trajectory() const {
   }
   const std::string path = folder_ + "/trajectory.h5";
   auto file = h5::File::create(unfinished(path));
-  write_metadata(file, case_text_, comm_.size);
+  write_metadata(file);
   std::string first;
   Bodies none;
-  none.has = fields_;
-  for_each_output(none, [&](const std::string& field, const auto& values) {
+  none.fields = fields_;
+  for_each_output(none, [&](const FieldInfo& info, const auto& values) {
     using Value = typename std::decay_t<decltype(values)>::value_type;
-    const bool fixed = fixed_fields.contains(field);
+    const bool fixed = info.is(trait::fixed);
     std::vector<h5::Source> sources;
     for (std::size_t k = fixed ? written_.size() - 1 : 0; k < written_.size(); ++k)
       sources.push_back({snapshot_name(k), static_cast<hsize_t>(written_[k].rows)});
-    file.write_view<Value>(dataset(field), sources, most, !fixed);
-    if (unit_of(field)) file.attribute(dataset(field), "unit", unit_of(field));
-    if (!fixed) write_frames(file, field, first, steps, times);
+    file.write_view<Value>(dataset(info), sources, most, !fixed,
+                           names_[static_cast<int>(info.field)]);
+    describe(file, info);
+    if (!fixed) write_frames(file, info.name, first, steps, times);
   });
   file.link_outside("series.h5", "/observables", "/observables");
   file.close();
@@ -243,21 +286,21 @@ void SnapshotWriter::write_xdmf() const {
         "  <Topology TopologyType=\"Polyvertex\" NumberOfElements=\"{}\" NodesPerElement=\"1\"/>\n",
         written_[k].time, rows);
     Bodies none;
-    none.has = fields_;
-    for_each_output(none, [&](const std::string& field, const auto& values) {
+    none.fields = fields_;
+    for_each_output(none, [&](const FieldInfo& info, const auto& values) {
       using Value = typename std::decay_t<decltype(values)>::value_type;
       constexpr bool is_vector = std::is_same_v<Value, Vec3>;
-      const bool fixed = fixed_fields.contains(field);
-      const bool is_place = field == "position";
+      const bool fixed = info.is(trait::fixed);
+      const bool is_place = info.field == Field::position;
       text += is_place
                   ? "  <Geometry GeometryType=\"XYZ\">"
                   : fmt::format("  <Attribute Name=\"{}\" Center=\"Node\" AttributeType=\"{}\">",
-                                field, is_vector ? "Vector" : "Scalar");
+                                info.name, is_vector ? "Vector" : "Scalar");
       text += fmt::format(
           "<DataItem Format=\"HDF\" NumberType=\"{}\" Precision=\"{}\" Dimensions=\"{}{}{}\">"
           "{}:{}</DataItem>{}\n",
           std::is_integral_v<Value> ? "Int" : "Float", sizeof(Value) / (is_vector ? 3 : 1),
-          fixed ? "" : "1 ", rows, is_vector ? " 3" : "", snapshot_name(k), dataset(field),
+          fixed ? "" : "1 ", rows, is_vector ? " 3" : "", snapshot_name(k), dataset(info),
           is_place ? "</Geometry>" : "</Attribute>");
     });
     text += "</Grid>\n";

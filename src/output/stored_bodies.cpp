@@ -1,14 +1,14 @@
 // Reads what a packing needs from a restart file; what moved there comes to rest.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "spall/output/stored_bodies.hpp"
+#include "output/stored_bodies.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <numeric>
 
-#include "h5.hpp"
-#include "spall/base/require.hpp"
+#include "output/h5.hpp"
+#include "spall/error.hpp"
 
 namespace spall {
 namespace {
@@ -40,7 +40,7 @@ std::vector<StoredBody> read_bodies(const std::string& path) {
 Case with_stored_bodies(Case scene) {
   for (Group& group : scene.groups) {
     Packing& packing = group.packing;
-    if (packing.kind != PackingKind::file) continue;
+    if (packing.file.empty() || !packing.stored.empty()) continue;
     require(std::filesystem::is_regular_file(packing.file), "{}: there is no file '{}'",
             group.place, packing.file);
     try {

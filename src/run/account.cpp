@@ -1,6 +1,6 @@
 // Energy: kinetic + potentials + dissipated - given stays what it was; the rest is unexplained.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "spall/run/account.hpp"
+#include "run/account.hpp"
 
 #include <algorithm>
 
@@ -13,14 +13,10 @@ void Account::book_event(const Diagnostics& before, double potential_before,
   angular_momentum_ += after.angular_momentum - before.angular_momentum;
 }
 
-void Account::book_cohesion(double before, double after, double bonds) {
-  given_ -= (after - before) * bonds;
-}
-
 Balance Account::balance(const Diagnostics& sums, double gravitational, double bonds) {
   Balance result{.sums = sums, .gravitational = gravitational, .bonds = bonds};
-  const double energy =
-      sums.kinetic + gravitational + bonds + sums.dissipated - sums.corrections - given_;
+  const double energy = sums.kinetic + gravitational + bonds + sums.dissipated - sums.corrections -
+                        sums.own_work - given_;
   if (opened_ == 0) {
     opened_ = 1;
     initial_ = energy;

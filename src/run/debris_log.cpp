@@ -1,25 +1,13 @@
 // Names of columns stand beside their values, in for_each_column.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "spall/run/debris_log.hpp"
+#include "run/debris_log.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "spall/motion/potential_step.hpp"
-
 namespace spall {
-namespace {
-
-/// Neighbours hold together where a bond has any force, at most up to half the way to the second
-/// neighbours of a lattice.
-double bond_length(const PairPotential& p) {
-  return std::min(p.cutoff, (1 + std::sqrt(2.0)) / 2 * p.distance);
-}
-
-}  // namespace
-
 DebrisLog::DebrisLog(const Case& scene) {
   if (!scene.debris) return;
   target_ = find_target(scene);
@@ -37,7 +25,8 @@ std::string DebrisLog::read_out(const World& world, double time) {
       c.radial / target_->speed, c.hole / target_->diameter, c.hole_spread / target_->diameter);
 }
 
-void DebrisLog::conclude(World& world, bool bonded, double time, ResultTable& table) {
+void DebrisLog::conclude(const World& world, const Engine& engine, bool bonded, double time,
+                         ResultTable& table) {
   if (!target_) return;
   const Target& t = *target_;
   if (rows_.empty() || rows_.back().time < time) read_out(world, time);
@@ -58,13 +47,8 @@ void DebrisLog::conclude(World& world, bool bonded, double time, ResultTable& ta
   const double momentum = last.projectile_momentum + last.plate_momentum;
   table.add("debris", "momentum_forward", momentum, "kg m/s");
   if (bonded) {
-    Links links;
-    for_each_near_pair(world, bond_length(world.potential), [&](Index i, Index j, bool bound) {
-      if (!bound) return;
-      links.i.push_back(i);
-      links.j.push_back(j);
-    });
-    const Fragments f = find_fragments(world.comm, world.near.ghosts, world.bodies, links, t);
+    const LinkedBodies linked = engine.links(world);
+    const Fragments f = find_fragments(world.comm, linked.ghosts, linked.bodies, linked.links, t);
     table.add("fragments", "pieces", f.pieces, "", "of two bodies or more, in the debris");
     table.add("fragments", "singles", f.singles, "", "bodies alone");
     table.add("fragments", "largest", f.largest, "kg");

@@ -1,6 +1,6 @@
 // Rates and times left are those of the present phase: its steps cost alike.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "spall/run/progress.hpp"
+#include "run/progress.hpp"
 
 #include <fmt/format.h>
 #include <mpi.h>
@@ -48,8 +48,9 @@ void Progress::show(const Clock& clock, const State& state) {
       "speed "
       "{:.2e} m/s",
       phase.name, clock.step_in_phase, readable_time(clock.time), rate,
-      phase.until_settled ? "<" : "", readable_time(rate > 0 ? steps_left / rate : infinity),
-      state.contacts, state.residual, state.rms_speed);
+      phase.until == PhaseEnd::settled ? "<" : "",
+      readable_time(rate > 0 ? steps_left / rate : infinity), state.contacts, state.residual,
+      state.rms_speed);
   fmt::print("{}\n", line);
   std::fflush(stdout);
 }

@@ -1,6 +1,6 @@
 // Names of columns stand beside their values.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "spall/run/record.hpp"
+#include "run/record.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,36 +12,36 @@ const std::vector<std::string> stages = {"gravity", "neighbours", "contacts", "s
 
 namespace {
 
-/// `f(name, value)` for every column beside the stages' seconds.
+/// `f(name, unit, value)` for every column beside the stages' seconds.
 template <class F>
 void for_each_column(double phase, double contacts, const Balance& b, const StepReport& report,
                      double overlap, F&& f) {
   const Diagnostics& sums = b.sums;
   const SolverReport& solver = report.solver;
-  auto vector = [&](const std::string& name, const Vec3& v) {
-    for (int k = 0; k < 3; ++k) f(name + "_" + "xyz"[k], v[k]);
+  auto vector = [&](const std::string& name, const char* unit, const Vec3& v) {
+    for (int k = 0; k < 3; ++k) f(name + "_" + "xyz"[k], unit, v[k]);
   };
-  f("phase", phase);
-  f("contacts", contacts);
-  f("kinetic", sums.kinetic);
-  f("gravitational", b.gravitational);
-  f("bonds", b.bonds);
-  f("dissipated", sums.dissipated);
-  f("corrections", sums.corrections);
-  f("unexplained", b.unexplained_energy);
-  vector("momentum", sums.momentum);
-  vector("angular", sums.angular_momentum);
-  f("momentum_drift", b.momentum_drift);
-  f("angular_drift", b.angular_momentum_drift);
-  f("rms_speed", sums.rms_speed);
-  f("gyration_radius", sums.gyration_radius);
-  f("residual", solver.residual);
-  f("residual_prox", solver.residual_prox);
-  f("residual_max", solver.residual_max);
-  f("residual_rms", solver.residual_rms);
-  f("products", static_cast<double>(solver.products));
-  f("corrections_products", static_cast<double>(report.correction_products));
-  f("overlap", overlap);
+  f("phase", "", phase);
+  f("contacts", "", contacts);
+  f("kinetic", "J", sums.kinetic);
+  f("gravitational", "J", b.gravitational);
+  f("bonds", "J", b.bonds);
+  f("dissipated", "J", sums.dissipated);
+  f("corrections", "J", sums.corrections);
+  f("unexplained", "J", b.unexplained_energy);
+  vector("momentum", "kg m s-1", sums.momentum);
+  vector("angular", "kg m+2 s-1", sums.angular_momentum);
+  f("momentum_drift", "kg m s-1", b.momentum_drift);
+  f("angular_drift", "kg m+2 s-1", b.angular_momentum_drift);
+  f("rms_speed", "m s-1", sums.rms_speed);
+  f("gyration_radius", "m", sums.gyration_radius);
+  f("residual", "", solver.residual);
+  f("residual_prox", "", solver.residual_prox);
+  f("residual_max", "m s-1", solver.residual_max);
+  f("residual_rms", "m s-1", solver.residual_rms);
+  f("products", "", static_cast<double>(solver.products));
+  f("corrections_products", "", static_cast<double>(report.correction_products));
+  f("overlap", "", overlap);
 }
 
 }  // namespace
@@ -55,18 +55,21 @@ void Record::book(const StepReport& report) {
   unconverged_ += report.solver.converged ? 0 : 1;
 }
 
-std::vector<std::string> Record::columns() {
-  std::vector<std::string> names;
-  for_each_column(0, 0, {}, {}, 0, [&](const std::string& name, double) { names.push_back(name); });
-  for (const auto& stage : stages) names.push_back("seconds_" + stage);
-  return names;
+std::vector<Column> Record::columns() {
+  std::vector<Column> columns;
+  for_each_column(0, 0, {}, {}, 0, [&](const std::string& name, const char* unit, double) {
+    columns.push_back({name, unit});
+  });
+  for (const auto& stage : stages) columns.push_back({"seconds_" + stage, "s"});
+  return columns;
 }
 
 std::vector<double> Record::row(std::int64_t phase, std::int64_t contacts, const Balance& balance,
                                 const StepReport& report, double overlap, const StageTimes& times) {
   std::vector<double> values;
   for_each_column(static_cast<double>(phase), static_cast<double>(contacts), balance, report,
-                  overlap, [&](const std::string&, double value) { values.push_back(value); });
+                  overlap,
+                  [&](const std::string&, const char*, double value) { values.push_back(value); });
   for (const auto& stage : stages) values.push_back(times.at(stage));
   return values;
 }

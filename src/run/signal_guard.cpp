@@ -1,6 +1,6 @@
 // The handler leaves a note only.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "signal_guard.hpp"
+#include "run/signal_guard.hpp"
 
 #include <csignal>
 #include <iterator>

@@ -1,9 +1,9 @@
 // Reads, solves, prints.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "spall/run/solve_file.hpp"
+#include "run/solve_file.hpp"
 
-#include "spall/base/require.hpp"
-#include "spall/output/fclib.hpp"
+#include "output/fclib.hpp"
+#include "spall/error.hpp"
 
 namespace spall {
 

@@ -1,6 +1,6 @@
 // Times count as reached within half a step.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "timetable.hpp"
+#include "run/timetable.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "spall/output/restart.hpp"
-#include "spall/scene/case.hpp"
+#include "output/restart.hpp"
+#include "scene/case.hpp"
 
 namespace spall {
 

@@ -1,12 +1,10 @@
 // Collects at fixed times, because dv keeps rising while ejecta leave.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "spall/run/verdict.hpp"
+#include "run/verdict.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-
-#include "spall/contact/narrow_phase.hpp"
 
 namespace spall {
 
@@ -20,13 +18,10 @@ void Verdict::impactor_added(const World& world, BodyId impactor, double restitu
   rows_.clear();
 }
 
-std::string Verdict::read_out(const World& world, double since_impact) {
-  // Whatever touches or is within the range of cohesion hangs together.
-  const Contacts contacts = find_contacts(world.bodies, world.planes, world.neighbours.pairs, 0,
-                                          world.law.cohesion_range);
-  const Deflection d = measure_deflection(world.comm, world.neighbours.ghosts, world.bodies,
-                                          links_of(contacts, infinity), world.gravity.constant,
-                                          before_, since_impact);
+std::string Verdict::read_out(const World& world, const Engine& engine, double since_impact) {
+  const LinkedBodies linked = engine.links(world);
+  const Deflection d = measure_deflection(world.comm, linked.ghosts, linked.bodies, linked.links,
+                                          world.gravity.constant, before_, since_impact);
   rows_.push_back({.since_impact = since_impact,
                    .dv = d.dv,
                    .beta = d.beta,

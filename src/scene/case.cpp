@@ -1,22 +1,23 @@
 // Reads a case: one line a key, with its unit, its range and its meaning.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "spall/scene/case.hpp"
+#include "scene/case.hpp"
 
 #include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 
-#include "debris.hpp"
-#include "materials.hpp"
-#include "penalty_keys.hpp"
-#include "potential_keys.hpp"
-#include "read_group.hpp"
-#include "section.hpp"
-#include "spall/base/require.hpp"
-#include "spall/scene/shape.hpp"
+#include "keys/section.hpp"
+#include "scene/debris.hpp"
+#include "scene/engines.hpp"
+#include "scene/materials.hpp"
+#include "scene/read_group.hpp"
+#include "scene/read_walls.hpp"
+#include "scene/shape.hpp"
+#include "spall/error.hpp"
 
 namespace spall {
 namespace {
@@ -28,41 +29,37 @@ constexpr Choice<GravityMethod> gravity_methods[] = {{"none", GravityMethod::non
                                                      {"tree", GravityMethod::tree},
                                                      {"auto", GravityMethod::automatic}};
 constexpr Choice<bool> cohesion_laws[] = {{"force", false}, {"impulse", true}};
-constexpr Choice<bool> aims[] = {{"head-on", true}, {"line", false}};
-constexpr Choice<Method> methods[] = {{"nonsmooth", Method::nonsmooth},
-                                      {"potential", Method::potential},
-                                      {"penalty", Method::penalty}};
-constexpr Choice<bool> ends[] = {{"time", false}, {"settled", true}};
+constexpr Choice<Aiming> aims[] = {{"head-on", Aiming::head_on}, {"line", Aiming::line}};
+constexpr Choice<PhaseEnd> ends[] = {{"time", PhaseEnd::time}, {"settled", PhaseEnd::settled}};
 
-void read_contact(Section& in, ContactLaw& law, std::optional<DerivedLaw>& derived) {
-  read_derived_law(in, "cohesion, cohesion_range and friction follow from its strengths", derived);
+void read_contact(Section& in, Case& scene) {
+  in.take("material", "cohesion, cohesion_range and friction follow from its strengths",
+          scene.contact_of);
+  if (in.has("material")) scene.contact_of_place = in.place("material");
+  ContactLaw law;
   in.take("friction", "Coulomb's coefficient", law.friction, not_negative(number));
   in.take("restitution", "of normal speeds", law.restitution, fraction);
   in.take("cohesion", "attraction of every pair closer than cohesion_range", law.cohesion,
           not_negative(force));
   in.take("cohesion_range", "gap up to which cohesion acts", law.cohesion_range,
           not_negative(length));
+  in.check("cohesion", law.cohesion == 0 || law.cohesion_range > 0 || !scene.contact_of.empty(),
+           "needs a cohesion_range: the gap up to which it acts");
   in.take("cohesion_law", "impulse: cohesion is N s a step, as the reference engine reads it",
           law.cohesion_is_impulse, cohesion_laws);
-  in.check("cohesion", law.cohesion == 0 || law.cohesion_range > 0 || derived,
-           "needs a cohesion_range: the gap up to which it acts");
-}
-
-void read_solver(Section& in, SolverSettings& settings) {
-  in.take("method", "", settings.method, solver_methods);
-  in.take("friction", "", settings.friction, friction_models);
-  in.take("tolerance", "on the residual, relative to that without impulses", settings.tolerance,
-          positive(number));
-  std::int64_t max_iterations = settings.max_iterations;
-  in.take("max_iterations", "a step", max_iterations, 1);
-  settings.max_iterations = static_cast<int>(std::min<std::int64_t>(max_iterations, 1 << 30));
-  in.take("prox", "eps of the proximal Coulomb problem; 0: none", settings.prox,
-          not_negative(number));
-  in.take("relaxation", "of sor", settings.relaxation, Quantity{number, 0, 2, false});
+  scene.contact = law;
+  scene.contact_between =
+      read_between<ContactLaw>(in, [](Section& s, Between<ContactLaw>& between) {
+        between.take(s, "friction", &ContactLaw::friction, not_negative(number));
+        between.take(s, "restitution", &ContactLaw::restitution, fraction);
+        between.take(s, "cohesion", &ContactLaw::cohesion, not_negative(force));
+        between.take(s, "cohesion_range", &ContactLaw::cohesion_range, positive(length));
+      });
 }
 
 void read_impactor(Section& in, Impactor& impactor) {
-  in.need("mass", "its material is named impactor", impactor.mass, positive(mass));
+  in.need("mass", "its material is [materials.impactor], or one of its density", impactor.mass,
+          positive(mass));
   in.radius("", impactor.radius);
   in.need("speed", "relative to the target's centre of mass", impactor.speed, positive(speed));
   in.take("direction", "of flight", impactor.direction, any(number));
@@ -70,20 +67,34 @@ void read_impactor(Section& in, Impactor& impactor) {
   in.take("offset", "of the line of flight from the target's centre of mass", impactor.offset,
           any(length));
   in.take("aim", "head-on: the line is shifted through the centre of the first sphere it meets",
-          impactor.head_on, aims);
+          impactor.aim, aims);
   in.check("direction", !impactor.direction.isZero(0), "is zero");
   impactor.direction.normalize();
+  impactor.place = in.place();
 }
 
-void read_phase(Section& in, Phase& phase, const SolverSettings& solver) {
+/// The engine of a phase by the name that `method` gives.
+void read_engine(Section& in, Phase& phase) {
+  const auto engines = all_engines();
+  std::vector<std::string_view> names;
+  std::string help;
+  for (const EngineType* type : engines) {
+    names.push_back(type->name);
+    help += fmt::format("{}{}: {}", help.empty() ? "" : "; ", type->name, type->help);
+  }
+  std::size_t chosen = 0;
+  in.take("method", help, chosen, names);
+  phase.engine = engines[chosen];
+}
+
+void read_phase(Section& in, Phase& phase, const EngineSettings& engines) {
   in.need("name", "", phase.name);
-  in.take("method", "potential: bodies act by [pair_potential] alone; penalty: by [penalty]",
-          phase.method, methods);
+  read_engine(in, phase);
   in.need("step", "", phase.step, positive(time));
   in.need("duration", "with until = \"settled\" the longest", phase.duration, positive(time));
   in.check("step", phase.step <= phase.duration, "is longer than the duration");
-  in.take("until", "", phase.until_settled, ends);
-  if (in.reads(phase.until_settled))
+  in.take("until", "", phase.until, ends);
+  if (in.reads(phase.until == PhaseEnd::settled))
     in.need("settled_speed", "rms speed below which bodies are settled", phase.settled_speed,
             positive(speed));
   in.take("cohesion", "from the start of this phase on", phase.cohesion, not_negative(force));
@@ -92,10 +103,9 @@ void read_phase(Section& in, Phase& phase, const SolverSettings& solver) {
   if (in.table("impactor", "added at the start of the phase",
                [&](Section& s) { read_impactor(s, impactor); }))
     phase.impactor = impactor;
-  SolverSettings changed = solver;
-  if (in.table("solver", "where it differs from [solver]",
-               [&](Section& s) { read_solver(s, changed); }))
-    phase.solver = changed;
+  phase.settings = engines;
+  for (const EngineType* type : all_engines())
+    if (in.reads(type == phase.engine)) type->read_phase(in, phase.settings);
 }
 
 std::optional<Grid> read_gravity_map(Section& in) {
@@ -130,26 +140,10 @@ void read_case_keys(Section& in, Case& scene) {
     material.name = name;
     read_material(s, material);
   });
-  in.table("contact", "where two bodies meet",
-           [&](Section& s) { read_contact(s, scene.contact, scene.contact_of); });
-  PairPotential potential;
-  if (in.table("pair_potential", "between bodies, in phases with method = \"potential\"",
-               [&](Section& s) { read_pair_potential(s, potential, scene.potential_of); }))
-    scene.potential = potential;
-  PenaltySettings penalty;
-  if (in.table("penalty",
-               "springs and dashpots between bodies, in phases with method = \"penalty\"",
-               [&](Section& s) { read_penalty(s, penalty); }))
-    scene.penalty = penalty;
+  in.table("contact", "where two bodies meet", [&](Section& s) { read_contact(s, scene); });
+  for (const EngineType* type : all_engines()) type->read(in, scene.engines);
   in.tables("groups", "[[groups]]: recipes of bodies", [&](Section& s) {
     read_group(s, scene.groups.emplace_back(), scene.materials, folder);
-  });
-  in.tables("planes", "[[planes]]: half-spaces that never move", [&](Section& s) {
-    Plane& plane = scene.planes.emplace_back();
-    s.take("point", "on the surface", plane.point, any(length));
-    s.take("normal", "to the free side", plane.normal, any(number));
-    s.check("normal", !plane.normal.isZero(0), "is zero");
-    plane.normal.normalize();
   });
   read_walls(in, scene);
   in.table("gravity", "of bodies on each other, and uniform", [&](Section& s) {
@@ -164,9 +158,8 @@ void read_case_keys(Section& in, Case& scene) {
     s.check("map", !scene.gravity_map || scene.gravity.method != GravityMethod::none,
             "needs a method of self-gravity");
   });
-  in.table("solver", "of contact impulses", [&](Section& s) { read_solver(s, scene.solver); });
   in.tables("phases", "[[phases]]: in the order in which they run",
-            [&](Section& s) { read_phase(s, scene.phases.emplace_back(), scene.solver); });
+            [&](Section& s) { read_phase(s, scene.phases.emplace_back(), scene.engines); });
   in.table("output", "snapshots, time series and restarts", [&](Section& s) {
     s.take("snapshot_every", "simulated; 0: at the ends of phases only",
            scene.output.snapshot_every, not_negative(time));
@@ -192,7 +185,7 @@ void read_case_keys(Section& in, Case& scene) {
 }
 
 /// What single keys cannot tell: names told twice, and parts that need each other.
-void check_whole(const Case& scene) {
+void check_whole(const Case& scene, Groups groups) {
   const auto twice = [&](std::string_view what, const auto& things) {
     for (auto a = things.begin(); a != things.end(); ++a)
       for (auto b = things.begin(); b != a; ++b)
@@ -200,25 +193,44 @@ void check_whole(const Case& scene) {
   };
   twice("groups", scene.groups);
   twice("phases", scene.phases);
-  require(!scene.groups.empty(), "{}: no bodies: it has no [[groups]]", scene.file);
+  require(groups == Groups::may_lack || !scene.groups.empty(),
+          "{}: no bodies: it has no [[groups]]", scene.file);
   require(!scene.phases.empty(), "{}: nothing to run: it has no [[phases]]", scene.file);
   const auto has_impactor = [](const Phase& phase) { return phase.impactor.has_value(); };
   require(std::ranges::count_if(scene.phases, has_impactor) <= 1,
           "{}: two phases have an impactor; there can be one", scene.file);
   require(scene.read_out.empty() || std::ranges::any_of(scene.phases, has_impactor),
           "{}: read_out tells times after the impact, but no phase has an impactor", scene.file);
+  std::vector<MaterialUse> uses = material_uses(scene);
+  bool struck = false;
   for (const Phase& phase : scene.phases) {
-    if (phase.method == Method::penalty) check_penalty(scene, phase);
-    require(phase.method == Method::penalty || (scene.cylinders.empty() && !scene.period.any()),
-            "{}: [[cylinders]] and [periodic] act in phases of method = \"penalty\" only, not in "
-            "phases.{}",
-            scene.file, phase.name);
-    if (phase.method == Method::potential) check_potential(scene, phase);
+    if (const auto& impactor = phase.impactor) {
+      struck = true;
+      uses.push_back(
+          {.place = impactor->place, .group = "impactor", .material = impactor->material});
+    }
+    phase.engine->check(scene, uses, phase.settings,
+                        {.place = fmt::format("{}: phases.{}", scene.file, phase.name),
+                         .read_outs = !scene.read_out.empty(),
+                         .impactor = struck});
   }
   for (const Phase& phase : scene.phases)
-    require(phase.cohesion.value_or(0) == 0 || scene.contact.cohesion_range > 0,
+    require(phase.cohesion.value_or(0) == 0 || scene.contact.common().cohesion_range > 0,
             "{}: phases.{}.cohesion needs contact.cohesion_range: the gap up to which it acts",
             scene.file, phase.name);
+}
+
+/// The impactor's material is the case's of this name; else one of its density is added.
+void find_material_of(Impactor& impactor, std::vector<Material>& materials) {
+  const std::string name = "impactor";
+  const double density = impactor.mass / ball_volume(impactor.radius);
+  auto found = std::ranges::find(materials, name, &Material::name);
+  if (found == materials.end()) found = materials.insert(found, Material{name, density});
+  constexpr double told_apart = 1e-3;
+  require(std::abs(found->density - density) <= told_apart * density,
+          "{}: its mass and radius give {:.6g} kg/m^3, materials.impactor.density is {:.6g} kg/m^3",
+          impactor.place, density, found->density);
+  impactor.material = static_cast<int>(found - materials.begin());
 }
 
 /// The element of an array of tables that has this place or name; null without one.
@@ -273,7 +285,7 @@ toml::table parse_override(const std::string& text) {
 }  // namespace
 
 Case parse_case(const std::string& text, const std::string& file,
-                const std::vector<std::string>& overrides) {
+                const std::vector<std::string>& overrides, Groups groups) {
   toml::table root;
   try {
     root = toml::parse(text, file);
@@ -292,15 +304,15 @@ Case parse_case(const std::string& text, const std::string& file,
   insert_material_files(root, file, scene.overrides);
   Section::read_all(root, file, [&](Section& in) { read_case_keys(in, scene); });
   draw_orientations(scene);
-  derive_laws(scene);
+  const auto hit =
+      std::ranges::find_if(scene.phases, [](const Phase& p) { return p.impactor.has_value(); });
+  if (hit != scene.phases.end()) find_material_of(*hit->impactor, scene.materials);
+  const std::vector<MaterialUse> uses = material_uses(scene);
+  derive_contact_law(scene, uses);
+  for (const EngineType* type : all_engines()) type->derive(scene, uses, scene.engines);
+  for (Phase& phase : scene.phases) phase.engine->derive(scene, uses, phase.settings);
   find_debris_groups(scene);
-  check_whole(scene);
-  for (Phase& phase : scene.phases)
-    if (phase.impactor) {
-      phase.impactor->material = static_cast<int>(scene.materials.size());
-      scene.materials.push_back(
-          {"impactor", phase.impactor->mass / ball_volume(phase.impactor->radius)});
-    }
+  check_whole(scene, groups);
   return scene;
 }
 

@@ -1,10 +1,10 @@
 // Reads what is to be measured of debris.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "debris.hpp"
+#include "scene/debris.hpp"
 
 #include <algorithm>
 
-#include "spall/base/require.hpp"
+#include "spall/error.hpp"
 
 namespace spall {
 

@@ -1,11 +1,11 @@
-// Random sequential addition, from the largest boulders to the smallest.
+// Boulders graded towards a site: random sequential addition, from the largest to the smallest.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
 #include <random>
 
-#include "spall/scene/packing.hpp"
-#include "spall/scene/shape.hpp"
+#include "scene/packing.hpp"
+#include "scene/shape.hpp"
 
 namespace spall {
 namespace {
@@ -16,7 +16,7 @@ constexpr int sizes_of_2 = 3;  // sizes from one radius to half of it
 /// What the grading wants of one size at a distance from the site.
 class Wanted {
  public:
-  Wanted(const Packing& packing) : grading_(packing.grading), coarsest_(packing.radius) {
+  Wanted(const Grading& grading, double coarsest) : grading_(grading), coarsest_(coarsest) {
     for (double s = 1; s > 1 / span * (1 + 1e-9); s *= std::exp2(-1.0 / sizes_of_2))
       all_ += share(s);
   }
@@ -40,20 +40,43 @@ class Wanted {
   double coarsest_, all_ = 0;
 };
 
+void read(Section& in, Packing& packing) {
+  using namespace dimension;
+  Grading grading;
+  in.take("site", "of graded: where spheres are smallest", grading.site, any(length));
+  in.need("smallest", "of graded: largest radius at the site", grading.smallest, positive(length));
+  in.need("growth", "of graded: largest radius over distance from the site", grading.growth,
+          positive(number));
+  in.take("exponent", "of graded: N(>r) ~ r^-exponent over a factor of 4 below the largest",
+          grading.exponent, any(number));
+  in.take("fill", "of graded: part of the volume, 0.5 is near the most", grading.fill,
+          Quantity{number, 0, 1, false});
+  in.check("smallest", grading.smallest <= packing.radius, "is more than radius");
+  packing.own = grading;
+}
+
+void place(const PackingRequest& request) {
+  place_graded(request.volume, request.packing.radius,
+               std::any_cast<const Grading&>(request.packing.own), request.seed,
+               [&](const Vec3& center, double radius) { request.put(center, radius, {}); });
+}
+
 }  // namespace
 
-void place_graded(const Volume& volume, const Packing& packing, std::uint64_t seed,
+extern const PackingType graded_packing;
+const PackingType graded_packing{.name = "graded", .read = read, .place = place};
+
+void place_graded(const Volume& volume, double largest, const Grading& grading, std::uint64_t seed,
                   const std::function<void(const Vec3&, double)>& place) {
-  const Wanted wanted(packing);
-  const Vec3 half = half_widths(volume), site = packing.grading.site;
+  const Wanted wanted(grading, largest);
+  const Vec3 half = half_widths(volume), site = grading.site;
   // The standard distributions differ from library to library; the engine does not.
   std::mt19937_64 engine(seed);
   const auto uniform = [&] { return static_cast<double>(engine() >> 11) * 0x1p-53; };
 
   const std::int64_t expected = 1 << 20;
   SphereSet spheres(volume.center, half, expected);
-  for (double r = packing.radius; r > packing.grading.smallest / span;
-       r *= std::exp2(-1.0 / sizes_of_2)) {
+  for (double r = largest; r > grading.smallest / span; r *= std::exp2(-1.0 / sizes_of_2)) {
     const double reach = wanted.reach(r);
     const Vec3 low = (volume.center - half).cwiseMax(site - Vec3::Constant(reach));
     const Vec3 room = (volume.center + half).cwiseMin(site + Vec3::Constant(reach)) - low;

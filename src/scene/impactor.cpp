@@ -1,12 +1,12 @@
 // Sweeps the impactor along its line to the first body in its way.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "spall/scene/impactor.hpp"
+#include "scene/impactor.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
-#include "spall/base/require.hpp"
+#include "spall/error.hpp"
 
 namespace spall {
 namespace {
@@ -69,7 +69,7 @@ Aim aim_impactor(const Comm& comm, const Impactor& impactor, const Bodies& bodie
   Vec3 through = target.center + impactor.offset;
   Meeting met = first_meeting(comm, bodies, through, direction, impactor.radius);
   // Each shift brings the impactor to an earlier meeting, so this ends.
-  for (BodyId struck = -1; impactor.head_on && met.id != struck;) {
+  for (BodyId struck = -1; impactor.aim == Aiming::head_on && met.id != struck;) {
     struck = met.id;
     through = met.center;
     met = first_meeting(comm, bodies, through, direction, impactor.radius);

@@ -1,13 +1,14 @@
 // Solids from files or tables; the laws between their spheres.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "materials.hpp"
+#include "scene/materials.hpp"
 
 #include <algorithm>
 #include <filesystem>
 #include <sstream>
 
-#include "spall/base/require.hpp"
-#include "spall/scene/packing.hpp"
+#include "engine/between.hpp"
+#include "scene/packing.hpp"
+#include "spall/error.hpp"
 
 namespace spall {
 namespace {
@@ -35,30 +36,6 @@ void read_solid(Section& in, Solid& solid) {
           positive(specific_energy));
 }
 
-/// The lattice that all groups of a material share.
-Lattice lattice_of_material(const Case& scene, const DerivedLaw& law, const Solid*& solid) {
-  const auto found = std::ranges::find(scene.materials, law.material, &Material::name);
-  require(
-      found != scene.materials.end() && found->solid,
-      "{} = \"{}\" is not a solid of [materials]: one with a file or a table [materials.{}.solid]",
-      law.place, law.material, law.material);
-  solid = &*found->solid;
-  const Group* first = nullptr;
-  for (const Group& group : scene.groups) {
-    const Lattice lattice = lattice_of(group.packing);
-    if (&scene.materials[group.material] != &*found || lattice.neighbours == 0) continue;
-    if (!first) first = &group;
-    const Lattice other = lattice_of(first->packing);
-    require(lattice.neighbours == other.neighbours && lattice.distance == other.distance,
-            "{}: the lattice is not that of groups.{}, which is of the same material; a law that "
-            "follows from the material needs one lattice",
-            group.place, first->name);
-  }
-  require(first, "{} = \"{}\": no group of it is a lattice, from which the law follows", law.place,
-          law.material);
-  return lattice_of(first->packing);
-}
-
 }  // namespace
 
 void read_material(Section& in, Material& material) {
@@ -68,16 +45,27 @@ void read_material(Section& in, Material& material) {
   if (in.table("solid", "constants of a solid; left out: from file",
                [&](Section& s) { read_solid(s, solid); }))
     material.solid = solid;
-  if (in.reads(!material.solid))
+  if (in.reads(!material.solid)) {
     in.need("density", "of one sphere; of a solid's lattice it follows from the solid's",
             material.density, positive(density));
-  if (material.solid) material.density = solid.density;
+    in.take("youngs_modulus", "of penalty contact: hertz", material.youngs_modulus,
+            positive(pressure));
+    in.take("poisson_ratio", "of penalty contact: hertz", material.poisson_ratio,
+            Quantity{number, 0, 0.5});
+  }
+  if (material.solid) {
+    material.density = solid.density;
+    material.youngs_modulus = solid.youngs_modulus;
+    material.poisson_ratio = solid.poisson_ratio;
+  }
 }
 
-void read_derived_law(Section& in, std::string_view meaning, std::optional<DerivedLaw>& law) {
-  std::string material;
-  in.take("material", meaning, material);
-  if (in.has("material")) law = {material, in.place("material")};
+int find_material(const Section& in, const std::string& name,
+                  const std::vector<Material>& materials) {
+  const auto found = std::ranges::find(materials, name, &Material::name);
+  in.check("material", found != materials.end() || !in.has("material"),
+           fmt::format("= \"{}\" is not in [materials]", name));
+  return found == materials.end() ? same_material : static_cast<int>(found - materials.begin());
 }
 
 void insert_material_files(toml::table& root, const std::string& file,
@@ -114,34 +102,61 @@ void insert_material_files(toml::table& root, const std::string& file,
 void draw_orientations(Case& scene) {
   std::uint64_t stream = scene.seed * 0x9E3779B97F4A7C15u;
   for (Group& group : scene.groups) {
-    if (group.packing.random_orientation) group.packing.rotation = random_rotation(stream);
+    if (group.packing.orientation == Orientation::random)
+      group.packing.rotation = random_rotation(stream);
     ++stream;
   }
 }
 
-void derive_laws(Case& scene) {
-  const Solid* solid = nullptr;
-  if (scene.potential_of) {
-    const Lattice lattice = lattice_of_material(scene, *scene.potential_of, solid);
-    PairPotential& p = *scene.potential;
-    PairPotential derived =
-        morse_law(*solid, lattice, scene.potential_of->match, scene.potential_of->place);
-    derived.damping = p.damping;
-    if (p.breaking_strain > 0) {
-      derived.breaking_strain = p.breaking_strain;
-      derived.cutoff = (1 + 2 * p.breaking_strain) * derived.distance;
-    }
-    p = derived;
-  }
-  if (scene.contact_of) {
-    const Lattice lattice = lattice_of_material(scene, *scene.contact_of, solid);
-    const Cohesion cohesion = cohesion_of(*solid, lattice, scene.contact_of->place);
-    // What the case says itself counts.
-    ContactLaw& law = scene.contact;
-    if (law.cohesion == 0) law.cohesion = cohesion.force;
-    if (law.cohesion_range == 0) law.cohesion_range = cohesion.range;
-    if (law.friction == 0) law.friction = cohesion.friction;
-  }
+namespace {
+
+void derive_cohesion(Case& scene, std::span<const MaterialUse> uses) {
+  if (scene.contact_of.empty()) return;
+  const auto found = std::ranges::find(scene.materials, scene.contact_of, &Material::name);
+  require(
+      found != scene.materials.end() && found->solid,
+      "{} = \"{}\" is not a solid of [materials]: one with a file or a table [materials.{}.solid]",
+      scene.contact_of_place, scene.contact_of, scene.contact_of);
+  const auto material = static_cast<int>(found - scene.materials.begin());
+  const Lattice lattice = shared_lattice(scene, uses, material, scene.contact_of_place);
+  const Cohesion cohesion = cohesion_of(*found->solid, lattice, scene.contact_of_place);
+  // What the case says itself counts.
+  ContactLaw law = scene.contact.common();
+  if (law.cohesion == 0) law.cohesion = cohesion.force;
+  if (law.cohesion_range == 0) law.cohesion_range = cohesion.range;
+  if (law.friction == 0) law.friction = cohesion.friction;
+  scene.contact = law;
+}
+
+}  // namespace
+
+void derive_contact_law(Case& scene, std::span<const MaterialUse> uses) {
+  derive_cohesion(scene, uses);
+  scene.contact =
+      laws_between(scene.contact.common(), scene.materials, scene.contact_between,
+                   [](ContactLaw& law, const Between<ContactLaw>& between) {
+                     law.own_cohesion = between.changes_any(&ContactLaw::cohesion);
+                     require(law.cohesion == 0 || law.cohesion_range > 0,
+                             "{}: its cohesion needs a cohesion_range: the gap up to which it acts",
+                             between.pair.place);
+                   });
+}
+
+std::vector<MaterialUse> material_uses(const Case& scene) {
+  std::vector<MaterialUse> uses;
+  for (const Group& group : scene.groups)
+    uses.push_back({.place = group.place,
+                    .group = group.name,
+                    .material = group.material,
+                    .lattice = lattice_of(group.packing),
+                    .fixed = group.fixed});
+  for (const SceneSphere& sphere : scene.spheres)
+    uses.push_back({.place = fmt::format("{}: sphere", scene.file),
+                    .group = "spheres",
+                    .material = find_material(scene.materials, sphere.material, scene.file),
+                    .mean_mass = sphere.mass,
+                    .fixed = sphere.fixed});
+  return uses;
 }
 
 }  // namespace spall

@@ -2,16 +2,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "section.hpp"
-#include "spall/scene/case.hpp"
+#include "keys/section.hpp"
+#include "scene/case.hpp"
 
 namespace spall {
 
 /// [materials.NAME]: the density of a sphere, or the constants of a solid.
 void read_material(Section& in, Material& material);
 
-/// The key `material` of a law that may follow from a material.
-void read_derived_law(Section& in, std::string_view meaning, std::optional<DerivedLaw>& law);
+/// The place in `materials` of what the key `material` of a table names; `same_material` where it
+/// is left out.
+int find_material(const Section& in, const std::string& name,
+                  const std::vector<Material>& materials);
 
 /// Puts what the files that materials name hold into their tables [materials.NAME.solid], and the
 /// same as overrides into `overrides`: a restart needs no such file.
@@ -21,7 +23,11 @@ void insert_material_files(toml::table& root, const std::string& file,
 /// Turns the lattices whose orientation is left to the seed.
 void draw_orientations(Case& scene);
 
-/// The laws that the case leaves to its materials, for the lattices of its groups.
-void derive_laws(Case& scene);
+/// What the groups are made of, as laws see it.
+std::vector<MaterialUse> material_uses(const Case& scene);
+
+/// The cohesion that the case leaves to a material, for the lattice of its groups; then the laws of
+/// pairs of materials.
+void derive_contact_law(Case& scene, std::span<const MaterialUse> uses);
 
 }  // namespace spall

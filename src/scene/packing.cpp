@@ -1,13 +1,14 @@
-// Lattices clipped to a volume, and random sequential addition of equal spheres.
+// One sphere, lattices, random sequential addition of equal spheres, bodies of an earlier run.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "spall/scene/packing.hpp"
+#include "scene/packing.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <random>
 
-#include "spall/scene/shape.hpp"
+#include "scene/shape.hpp"
+#include "spall/error.hpp"
 
 namespace spall {
 namespace {
@@ -16,20 +17,21 @@ constexpr double slack = 1e-9;  // of a radius or spacing: a box of exactly n la
 
 /// Calls `visit` with every site of the lattice with spacing `d` in the box [0, room].
 template <class Visit>
-void visit_sites(PackingKind kind, double d, const Vec3& room, Visit&& visit) {
+void visit_sites(LatticeKind kind, double d, const Vec3& room, Visit&& visit) {
   // Rows of spheres along x; every second row and layer of fcc and hcp lies in the gaps of the
   // last.
   const auto site = [&](int i, int j, int k) -> Vec3 {
     const double shift = (j + k) % 2;
     switch (kind) {
-      case PackingKind::fcc:
+      case LatticeKind::simple_cubic:
+        return d * Vec3(i, j, k);
+      case LatticeKind::fcc:
         return d * std::sqrt(0.5) * Vec3(2 * i + shift, j, k);
-      case PackingKind::hcp:
+      case LatticeKind::hcp:
         return d *
                Vec3(i + shift / 2, std::sqrt(3.0) / 2 * (j + k % 2 / 3.0), std::sqrt(2.0 / 3) * k);
-      default:
-        return d * Vec3(i, j, k);
     }
+    return Vec3::Zero();
   };
   const Vec3 end = room.array() + slack * d;
   for (int k = 0; site(0, 0, k).z() <= end.z(); ++k)
@@ -42,19 +44,109 @@ double uniform(std::mt19937_64& engine) {
   return static_cast<double>(engine() >> 11) * 0x1p-53;
 }
 
+double spacing_of(const Packing& packing) {
+  return packing.spacing.value_or(2 * packing.radius);
+}
+
+void read_nothing(Section&, Packing&) {}
+
+void place_single(const PackingRequest& request) {
+  request.put(request.volume.center, request.packing.radius, {});
+}
+
+void read_random(Section& in, Packing& packing) {
+  std::int64_t count = 0;
+  in.need("count", "of random: spheres wholly inside the volume", count, 1);
+  packing.count = count;
+}
+
+void place_random(const PackingRequest& request) {
+  const double radius = request.packing.radius;
+  const std::int64_t count = request.packing.count.value();
+  const std::int64_t placed = place_at_random(
+      request.volume, request.packing, request.seed,
+      [&](const Vec3& center) { return request.is_free(center, radius); },
+      [&](const Vec3& center) { request.put(center, radius, {}); });
+  const double share = ball_volume(radius) / volume_of(request.volume);
+  require(
+      placed == count,
+      "{}: {} spheres of radius {} m would be {:.3f} of the volume; {} ({:.3f}) found a place at "
+      "random: enlarge the volume (random packings end near 0.38) or take a lattice",
+      request.place, count, radius, static_cast<double>(count) * share, placed,
+      static_cast<double>(placed) * share);
+}
+
+constexpr Choice<Orientation> orientations[] = {{"rotation", Orientation::rotation},
+                                                {"random", Orientation::random}};
+
+void read_lattice(Section& in, Packing& packing) {
+  in.take("spacing", "of lattices, between neighbours; 2 radius", packing.spacing,
+          positive(dimension::length));
+  const double diameter = 2 * packing.radius, spacing = packing.spacing.value_or(diameter);
+  in.check("spacing", spacing >= diameter * (1 - 1e-9),
+           fmt::format("= {} m is less than the spheres' diameter, {} m", spacing, diameter));
+  in.take("orientation", "of lattices: random is drawn by seed, another for each group",
+          packing.orientation, orientations);
+}
+
+Lattice simple_cubic(const Packing& packing) {
+  return {6, 1, spacing_of(packing)};
+}
+Lattice close_packed(const Packing& packing) {
+  return {12, std::sqrt(0.5), spacing_of(packing)};
+}
+
+template <LatticeKind kind>
+void place_sites(const PackingRequest& request) {
+  place_lattice(kind, request.volume, request.packing,
+                [&](const Vec3& center) { request.put(center, request.packing.radius, {}); });
+}
+
+void read_file(Section& in, Packing& packing) {
+  in.need("file",
+          "of file: a restart file, beside the case; bodies at rest, centre of mass at center",
+          packing.file);
+}
+
+/// Those bodies of an earlier run that have their centres in the volume.
+void place_stored(const PackingRequest& request) {
+  const Vec3& turn = request.packing.rotation;
+  const Eigen::Matrix3d rotation(Eigen::AngleAxisd(turn.norm(), turn.stableNormalized()));
+  for (const StoredBody& body : request.packing.stored) {
+    const Vec3 center = request.volume.center + rotation * body.position;
+    if (depth(request.volume, center) >= 0) request.put(center, body.radius, body.mass);
+  }
+}
+
 }  // namespace
 
+extern const PackingType random_packing, simple_cubic_packing, fcc_packing, hcp_packing;
+extern const PackingType file_packing;
+const PackingType single_packing{
+    .name = "single", .sized = false, .read = read_nothing, .place = place_single};
+const PackingType random_packing{
+    .name = "random", .keeps_clear = true, .read = read_random, .place = place_random};
+const PackingType simple_cubic_packing{.name = "simple_cubic",
+                                       .turns = true,
+                                       .read = read_lattice,
+                                       .lattice = simple_cubic,
+                                       .place = place_sites<LatticeKind::simple_cubic>};
+const PackingType fcc_packing{.name = "fcc",
+                              .turns = true,
+                              .read = read_lattice,
+                              .lattice = close_packed,
+                              .place = place_sites<LatticeKind::fcc>};
+const PackingType hcp_packing{.name = "hcp",
+                              .turns = true,
+                              .read = read_lattice,
+                              .lattice = close_packed,
+                              .place = place_sites<LatticeKind::hcp>};
+const PackingType file_packing{
+    .name = "file", .sized = false, .turns = true, .read = read_file, .place = place_stored};
+
 Lattice lattice_of(const Packing& packing) {
-  const double d = packing.spacing.value_or(2 * packing.radius);
-  switch (packing.kind) {
-    case PackingKind::fcc:
-    case PackingKind::hcp:
-      return {12, std::sqrt(0.5), d};
-    case PackingKind::simple_cubic:
-      return {6, 1, d};
-    default:
-      return {0, pi / 6, 2 * packing.radius};
-  }
+  if (packing.type->lattice) return packing.type->lattice(packing);
+  return {0, pi / 6, 2 * packing.radius};
 }
 
 /// Shoemake 1992, "Uniform random rotations": a quaternion with two random angles.
@@ -129,9 +221,9 @@ std::optional<SphereSet::Overlap> SphereSet::find_overlap(const Vec3& center, do
   return std::nullopt;
 }
 
-void place_lattice(const Volume& volume, const Packing& packing,
+void place_lattice(LatticeKind kind, const Volume& volume, const Packing& packing,
                    const std::function<void(const Vec3&)>& place) {
-  const double d = packing.spacing.value_or(2 * packing.radius);
+  const double d = spacing_of(packing);
   const bool turned = !packing.rotation.isZero(0);
   Vec3 half = half_widths(volume);
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
@@ -142,7 +234,7 @@ void place_lattice(const Volume& volume, const Packing& packing,
   const Vec3 room = 2 * half - Vec3::Constant(d);
   if ((room.array() < -slack * d).any()) return;
   Vec3 extent = Vec3::Zero();
-  const auto visit = [&](auto&& f) { visit_sites(packing.kind, d, room, f); };
+  const auto visit = [&](auto&& f) { visit_sites(kind, d, room, f); };
   visit([&](const Vec3& site) { extent = extent.cwiseMax(site); });
   visit([&](const Vec3& site) {
     const Vec3 center = volume.center + rotation * (site - extent / 2);

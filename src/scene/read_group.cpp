@@ -1,11 +1,12 @@
 // Volumes and how they are packed: one line a key.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "read_group.hpp"
+#include "scene/read_group.hpp"
 
-#include <algorithm>
 #include <filesystem>
 
-#include "spall/base/require.hpp"
+#include "scene/materials.hpp"
+#include "scene/packing.hpp"
+#include "spall/error.hpp"
 
 namespace spall {
 namespace {
@@ -16,14 +17,6 @@ constexpr Choice<Shape> shapes[] = {
     {"sphere", Shape::sphere},       {"box", Shape::box},
     {"ellipsoid", Shape::ellipsoid}, {"hollow_sphere", Shape::hollow_sphere},
     {"cylinder", Shape::cylinder},   {"mesh", Shape::mesh}};
-constexpr Choice<PackingKind> packings[] = {{"single", PackingKind::single},
-                                            {"random", PackingKind::random},
-                                            {"simple_cubic", PackingKind::simple_cubic},
-                                            {"fcc", PackingKind::fcc},
-                                            {"hcp", PackingKind::hcp},
-                                            {"graded", PackingKind::graded},
-                                            {"file", PackingKind::file}};
-constexpr Choice<bool> orientations[] = {{"rotation", false}, {"random", true}};
 
 void read_volume(Section& in, Volume& volume) {
   in.take("shape", "", volume.shape, shapes);
@@ -51,48 +44,23 @@ void read_volume(Section& in, Volume& volume) {
   }
 }
 
-void read_grading(Section& in, Packing& packing) {
-  Grading& grading = packing.grading;
-  in.take("site", "of graded: where spheres are smallest", grading.site, any(length));
-  in.need("smallest", "of graded: largest radius at the site", grading.smallest, positive(length));
-  in.need("growth", "of graded: largest radius over distance from the site", grading.growth,
-          positive(number));
-  in.take("exponent", "of graded: N(>r) ~ r^-exponent over a factor of 4 below the largest",
-          grading.exponent, any(number));
-  in.take("fill", "of graded: part of the volume, 0.5 is near the most", grading.fill,
-          Quantity{number, 0, 1, false});
-  in.check("smallest", grading.smallest <= packing.radius, "is more than radius");
-}
-
 void read_packing(Section& in, Packing& packing) {
-  in.need("kind", "single: one sphere, the volume itself", packing.kind, packings);
-  const bool single = packing.kind == PackingKind::single;
-  const bool random = packing.kind == PackingKind::random;
-  const bool graded = packing.kind == PackingKind::graded, file = packing.kind == PackingKind::file;
-  const bool lattice = !single && !random && !graded && !file;
-  if (in.reads(!single && !file))
+  const auto types = all_packings();
+  std::vector<std::string_view> names;
+  for (const PackingType* type : types) names.push_back(type->name);
+  std::size_t chosen = 0;
+  in.need("kind", "single: one sphere, the volume itself", chosen, names);
+  packing.type = types[chosen];
+  if (in.reads(packing.type->sized))
     in.radius("of the spheres; of graded: of the largest", packing.radius);
-  if (in.reads(graded)) read_grading(in, packing);
-  if (in.reads(file))
-    in.need("file",
-            "of file: a restart file, beside the case; bodies at rest, centre of mass at center",
-            packing.file);
-  if (in.reads(random)) {
-    std::int64_t count = 0;
-    in.need("count", "of random: spheres wholly inside the volume", count, 1);
-    packing.count = count;
-  }
-  if (in.reads(lattice)) {
-    in.take("spacing", "of lattices, between neighbours; 2 radius", packing.spacing,
-            positive(length));
-    const double diameter = 2 * packing.radius, spacing = packing.spacing.value_or(diameter);
-    in.check("spacing", spacing >= diameter * (1 - 1e-9),
-             fmt::format("= {} m is less than the spheres' diameter, {} m", spacing, diameter));
-  }
-  if (in.reads(lattice))
-    in.take("orientation", "of lattices: random is drawn by seed, another for each group",
-            packing.random_orientation, orientations);
-  if (in.reads(lattice || file))
+  // Lattices have their keys in common, which the reference of all keys lists once.
+  for (auto type = types.begin(); type != types.end(); ++type)
+    if (std::find_if(types.begin(), type,
+                     [&](const PackingType* earlier) { return earlier->read == (*type)->read; }) ==
+            type &&
+        in.reads((*type)->read == packing.type->read))
+      (*type)->read(in, packing);
+  if (in.reads(packing.type->turns))
     in.take("rotation", "of lattices, file: rotation vector", packing.rotation, any(number));
 }
 
@@ -112,11 +80,8 @@ void read_group(Section& in, Group& group, const std::vector<Material>& material
   in.take("spin", "rigid rotation about the volume's center", group.spin, any(spin));
   in.take("fixed", "never moves", group.fixed);
   in.take("total_mass", "the density is scaled to give it", group.total_mass, positive(mass));
-  const auto found = std::ranges::find(materials, material, &Material::name);
-  in.check("material", found != materials.end() || !in.has("material"),
-           fmt::format("= \"{}\" is not in [materials]", material));
-  group.material = static_cast<int>(found - materials.begin());
-  const bool single = group.packing.kind == PackingKind::single;
+  group.material = find_material(in, material, materials);
+  const bool single = group.packing.type == &single_packing;
   in.check("volume", !single || group.volume.shape == Shape::sphere,
            "is not a sphere: a single packing is one sphere");
   if (single) group.packing.radius = group.volume.radius;

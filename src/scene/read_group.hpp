@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "section.hpp"
-#include "spall/scene/case.hpp"
+#include "keys/section.hpp"
+#include "scene/case.hpp"
 
 namespace spall {
 

@@ -1,46 +1,21 @@
 // Runs through the recipes of a case and keeps this rank's share of the bodies.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "spall/scene/scene.hpp"
+#include "scene/scene.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <numeric>
 #include <optional>
 
-#include "spall/base/require.hpp"
-#include "spall/scene/packing.hpp"
-#include "spall/scene/shape.hpp"
+#include "engine/between.hpp"
+#include "scene/packing.hpp"
+#include "scene/shape.hpp"
+#include "spall/error.hpp"
 
 namespace spall {
 namespace {
 
 using IsFree = std::function<bool(const Vec3& center, double radius)>;
 using Place = std::function<void(const Vec3& center, double radius, double mass)>;
-
-void place_group_at_random(const Group& group, std::uint64_t seed, const IsFree& is_free,
-                           const std::function<void(const Vec3&)>& place) {
-  const double radius = group.packing.radius;
-  const std::int64_t count = group.packing.count.value();
-  const std::int64_t placed = place_at_random(
-      group.volume, group.packing, seed, [&](const Vec3& x) { return is_free(x, radius); }, place);
-  const double share = ball_volume(radius) / volume_of(group.volume);
-  require(
-      placed == count,
-      "{}: {} spheres of radius {} m would be {:.3f} of the volume; {} ({:.3f}) found a place at "
-      "random: enlarge the volume (random packings end near 0.38) or take a lattice",
-      group.place, count, radius, static_cast<double>(count) * share, placed,
-      static_cast<double>(placed) * share);
-}
-
-/// Calls `place` with those bodies of an earlier run that have their centres in the volume.
-void place_stored(const Group& group, const Place& place) {
-  const Vec3& turn = group.packing.rotation;
-  const Eigen::Matrix3d rotation(Eigen::AngleAxisd(turn.norm(), turn.stableNormalized()));
-  for (const StoredBody& body : group.packing.stored) {
-    const Vec3 center = group.volume.center + rotation * body.position;
-    if (depth(group.volume, center) >= 0) place(center, body.radius, body.mass);
-  }
-}
 
 /// kg, of a sphere: one of a solid's lattice stands for its cell.
 double mass_of_sphere(const Case& scene, const Group& group, double radius) {
@@ -50,28 +25,20 @@ double mass_of_sphere(const Case& scene, const Group& group, double radius) {
                                                   : material.density * ball_volume(radius);
 }
 
-/// Calls `place` with every body of group `g`; those of a random packing are where `is_free`.
+/// Calls `place` with every body of group `g`; those that keep clear are where `is_free`.
 /// Masses are those before they are scaled to the group's total.
 void place_group(const Case& scene, std::size_t g, const IsFree& is_free, const Place& place) {
   const Group& group = scene.groups[g];
-  const auto place_sized = [&](const Vec3& center, double radius) {
-    place(center, radius, mass_of_sphere(scene, group, radius));
-  };
-  const auto place_equal = [&](const Vec3& center) { place_sized(center, group.packing.radius); };
-  // A stream of its own for each group: changing one leaves the others as they are.
-  const std::uint64_t seed = scene.seed * 0x9E3779B97F4A7C15u + g;
-  switch (group.packing.kind) {
-    case PackingKind::single:
-      return place_equal(group.volume.center);
-    case PackingKind::random:
-      return place_group_at_random(group, seed, is_free, place_equal);
-    case PackingKind::graded:
-      return place_graded(group.volume, group.packing, seed, place_sized);
-    case PackingKind::file:
-      return place_stored(group, place);
-    default:
-      return place_lattice(group.volume, group.packing, place_equal);
-  }
+  group.packing.type->place(
+      {.volume = group.volume,
+       .packing = group.packing,
+       // A stream of its own for each group: changing one leaves the others as they are.
+       .seed = scene.seed * 0x9E3779B97F4A7C15u + g,
+       .place = group.place,
+       .is_free = is_free,
+       .put = [&](const Vec3& center, double radius, std::optional<double> mass) {
+         place(center, radius, mass ? *mass : mass_of_sphere(scene, group, radius));
+       }});
 }
 
 /// Half widths of the box that holds all spheres of a group: those of lattices may stand out.
@@ -147,36 +114,35 @@ std::vector<GroupContent> measure_groups(const Case& scene) {
                   [&](const Vec3&, double radius, double mass) { count(1, radius, mass); });
     }
     require(content.count > 0, "{}: its volume holds no sphere{}", group.place,
-            group.packing.kind == PackingKind::file
-                ? fmt::format(" of '{}'", group.packing.file)
-                : fmt::format(" of radius {} m", group.packing.radius));
+            group.packing.file.empty() ? fmt::format(" of radius {} m", group.packing.radius)
+                                       : fmt::format(" of '{}'", group.packing.file));
     contents.push_back(content);
   }
   return contents;
 }
 
-OptionalFields fields_of(const Case& scene) {
-  const auto uses = [&](Method method) {
-    return std::ranges::any_of(scene.phases, [&](const Phase& p) { return p.method == method; });
-  };
-  const bool nonsmooth = uses(Method::nonsmooth), penalty = uses(Method::penalty);
-  const bool potential = uses(Method::potential) && scene.potential;
-  const bool damped = potential && scene.potential->damping > 0;
-  const bool spins =
-      std::ranges::any_of(scene.groups, [](const Group& g) { return !g.spin.isZero(0); });
-  const bool gravity =
-      scene.gravity.method != GravityMethod::none || !scene.uniform_gravity.isZero(0);
-  return {.angular_velocity = nonsmooth || penalty || spins,
-          .acceleration = nonsmooth || gravity,
-          .heat = penalty || damped,
-          .kick = damped,
-          .bonds = potential && scene.potential->breaking_strain > 0};
+FieldSet fields_of(const Case& scene) {
+  const auto turns = [](const auto& bodies) { return !bodies.spin.isZero(0); };
+  FieldSet fields;
+  if (std::ranges::any_of(scene.groups, turns) || std::ranges::any_of(scene.spheres, turns))
+    fields |= {Field::angular_velocity};
+  if (scene.has_gravity()) fields |= {Field::acceleration};
+  for (const Phase& phase : scene.phases) fields |= phase.engine->fields(scene, phase.settings);
+  return fields;
+}
+
+World make_world(const Comm& comm, const Case& scene) {
+  World world;
+  static_cast<Surroundings&>(world) = scene;
+  world.comm = comm;
+  return world;
 }
 
 Bodies make_bodies(const Case& scene, const Comm& comm) {
   const std::vector<GroupContent> contents = measure_groups(scene);
   std::int64_t all = 0;
   for (const GroupContent& content : contents) all += content.count;
+  all += std::ssize(scene.spheres);
   require(all > 0, "{}: no bodies", scene.file);
   require(all >= comm.size, "{}: {} bodies on {} ranks: run it on at most {}", scene.file, all,
           comm.size, all);
@@ -184,16 +150,15 @@ Bodies make_bodies(const Case& scene, const Comm& comm) {
   const BodyId end_owned = all * (comm.rank + 1) / comm.size;
 
   Bodies bodies;
-  bodies.has = fields_of(scene);
+  bodies.fields = fields_of(scene);
   bodies.owned = static_cast<Index>(end_owned - first_owned);
-  for_each_field(bodies, [&](const char*, auto& field) { field.reserve(bodies.owned); });
+  for_each_field(bodies, [&](const auto&, auto& field) { field.reserve(bodies.owned); });
 
   std::vector<Placed> placed;
   BodyId id = 0;
   for (std::size_t g = 0; g < scene.groups.size(); ++g) {
     const Group& group = scene.groups[g];
     const double factor = mass_factor(group, contents[g]);
-    const bool random = group.packing.kind == PackingKind::random;
     std::optional<SphereSet> spheres;
     if (std::any_of(scene.groups.begin() + g + 1, scene.groups.end(),
                     [&](const Group& later) { return may_touch(group, later); }))
@@ -208,7 +173,7 @@ Bodies make_bodies(const Case& scene, const Comm& comm) {
       return true;
     };
     const auto place = [&](const Vec3& center, double radius, double mass) {
-      if (!random) check_clear(scene, group, placed, id, center, radius);
+      if (!group.packing.type->keeps_clear) check_clear(scene, group, placed, id, center, radius);
       if (spheres) spheres->add(center, radius);
       if (id >= first_owned && id < end_owned) {
         const Index row = append_row(bodies);
@@ -219,12 +184,26 @@ Bodies make_bodies(const Case& scene, const Comm& comm) {
         bodies.mass[row] = factor * mass;
         bodies.position[row] = center;
         bodies.velocity[row] = group.velocity + group.spin.cross(center - group.volume.center);
-        if (bodies.has.angular_velocity) bodies.angular_velocity[row] = group.spin;
+        if (bodies.has(Field::angular_velocity)) bodies.angular_velocity[row] = group.spin;
       }
       ++id;
     };
     place_group(scene, g, is_free, place);
     if (spheres) placed.push_back({g, first, std::move(*spheres)});
+  }
+  for (const SceneSphere& sphere : scene.spheres) {
+    if (id >= first_owned && id < end_owned) {
+      const Index row = append_row(bodies);
+      bodies.id[row] = id;
+      bodies.group[row] = group_of_spheres(scene);
+      bodies.material[row] = find_material(scene.materials, sphere.material, scene.file);
+      bodies.radius[row] = sphere.radius;
+      bodies.mass[row] = sphere.mass;
+      bodies.position[row] = sphere.position;
+      bodies.velocity[row] = sphere.velocity;
+      if (bodies.has(Field::angular_velocity)) bodies.angular_velocity[row] = sphere.spin;
+    }
+    ++id;
   }
   return bodies;
 }

@@ -1,6 +1,6 @@
 // Signed distances to spheres, boxes, ellipsoids, shells, cylinders and meshes.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "spall/scene/shape.hpp"
+#include "scene/shape.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 // Edges are matched once; distances come from a tree of boxes.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "spall/scene/surface_mesh.hpp"
+#include "scene/surface_mesh.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -10,7 +10,7 @@
 #include <numeric>
 #include <sstream>
 
-#include "spall/base/require.hpp"
+#include "spall/error.hpp"
 
 namespace spall {
 namespace {

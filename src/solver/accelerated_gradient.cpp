@@ -4,8 +4,8 @@
 #include <array>
 #include <utility>
 
-#include "spall/base/require.hpp"
-#include "spall/solver/methods.hpp"
+#include "solver/methods.hpp"
+#include "spall/error.hpp"
 
 namespace spall {
 namespace {

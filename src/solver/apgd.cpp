@@ -2,39 +2,39 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <utility>
 
-#include "spall/solver/methods.hpp"
+#include "solver/methods.hpp"
 
 namespace spall {
 namespace {
 
 /// The nearest admissible impulses in the Euclidean metric of the paper.
-inline void project_euclidean(const ContactBlock<1, double>& block, DoublePack* p) {
+inline void project_euclidean(const ContactBlock<1, double>& block, Lanes* p) {
   p[0] = larger(p[0], -block.cohesion);
 }
-inline void project_euclidean(const ContactBlock<3, double>& block, DoublePack* p) {
-  const DoublePack* n = block.normal;
-  const DoublePack p_n = dot(p, n);
-  const DoublePack t[3] = {p[0] - p_n * n[0], p[1] - p_n * n[1], p[2] - p_n * n[2]};
+inline void project_euclidean(const ContactBlock<3, double>& block, Lanes* p) {
+  const Lanes* n = block.normal;
+  const Lanes p_n = dot(p, n);
+  const Lanes t[3] = {p[0] - p_n * n[0], p[1] - p_n * n[1], p[2] - p_n * n[2]};
   const auto to =
-      project_cone(p_n, square_root(dot(t, t)), block.friction, block.cohesion, DoublePack{} + 1);
+      project_cone(p_n, square_root(dot(t, t)), block.friction, block.cohesion, Lanes{} + 1);
   for (int d = 0; d < 3; ++d) p[d] = to.tangent_factor * t[d] + to.normal * n[d];
 }
 
 /// Unit impulses along the normals.
-inline void set_normal(const ContactBlock<1, double>&, DoublePack* p) {
-  p[0] = DoublePack{} + 1;
+inline void set_normal(const ContactBlock<1, double>&, Lanes* p) {
+  p[0] = Lanes{} + 1;
 }
-inline void set_normal(const ContactBlock<3, double>& block, DoublePack* p) {
+inline void set_normal(const ContactBlock<3, double>& block, Lanes* p) {
   std::copy_n(block.normal, 3, p);
 }
 
 /// S g: from impulse units to velocities.
-inline void apply_metric(const ContactBlock<1, double>& block, DoublePack* g) {
+inline void apply_metric(const ContactBlock<1, double>& block, Lanes* g) {
   g[0] *= convert<double>(block.a_n);
 }
-inline void apply_metric(const ContactBlock<3, double>& block, DoublePack* g) {
-  const DoublePack a_t = convert<double>(block.a_t);
-  const DoublePack normal = (convert<double>(block.a_n) - a_t) * dot(g, block.normal);
+inline void apply_metric(const ContactBlock<3, double>& block, Lanes* g) {
+  const Lanes a_t = convert<double>(block.a_t);
+  const Lanes normal = (convert<double>(block.a_n) - a_t) * dot(g, block.normal);
   for (int d = 0; d < 3; ++d) g[d] = a_t * g[d] + normal * block.normal[d];
 }
 
@@ -54,12 +54,12 @@ struct Euclidean {
   /// (a - b) . (c - d) over all ranks.
   double difference_product(const Vector& a, const Vector& b, const Vector& c,
                             const Vector& d) const {
-    DoublePack total{};
+    Lanes total{};
     for (std::size_t at = 0; at < a.size(); ++at)
       for (int k = 0; k < dimension; ++k)
         total += convert<double>(counted(system.contacts.blocks[at], system.contacts.owned)) *
                  (a[at].at[k] - b[at].at[k]) * (c[at].at[k] - d[at].at[k]);
-    return system.ghosts.comm().sum(sum(total));
+    return system.ghosts.comm().sum(sum_of_lanes(total));
   }
 };
 

@@ -1,6 +1,6 @@
 // Packing and unpacking: the only place that knows which lane a contact is in.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "spall/solver/contact_blocks.hpp"
+#include "solver/contact_blocks.hpp"
 
 #include <algorithm>
 
@@ -8,7 +8,7 @@ namespace spall {
 namespace {
 
 std::size_t blocks_for(Index contacts) {
-  return (static_cast<std::size_t>(contacts) + lanes - 1) / lanes;
+  return (static_cast<std::size_t>(contacts) + lane_count - 1) / lane_count;
 }
 
 std::size_t total_blocks(const ContactProblem& problem) {
@@ -22,7 +22,7 @@ void for_each_place(const ContactProblem& problem, F&& f) {
   for (Index c = 0; c < problem.contacts(); ++c) {
     const bool interior = c >= problem.boundary;
     const Index k = interior ? c - problem.boundary : c;
-    f(c, (interior ? boundary_blocks : 0) + k / lanes, k % lanes);
+    f(c, (interior ? boundary_blocks : 0) + k / lane_count, k % lane_count);
   }
 }
 
@@ -33,7 +33,7 @@ ContactMetric metric(const ContactProblem& problem, Index c) {
   const double kappa = problem.kappa[c];
   const double a_n =
       problem.inverse_mass[problem.i[c]] + (j == ground ? 0 : problem.inverse_mass[j]);
-  return {a_n, (1 + 2.5 * kappa * kappa) * a_n};
+  return {a_n, (1 + 1 / sphere_inertia * kappa * kappa) * a_n};
 }
 
 double inverse_or_zero(double a) {
@@ -72,8 +72,8 @@ ContactBlocks<dimension, double> pack(const ContactProblem& problem, const Packe
 
   const Index zero_row = packed.rows - 1;
   ContactBlock<dimension, double> empty{};
-  std::fill_n(empty.i, lanes, zero_row);
-  std::fill_n(empty.j, lanes, zero_row);
+  std::fill_n(empty.i, lane_count, zero_row);
+  std::fill_n(empty.j, lane_count, zero_row);
   packed.blocks.assign(total_blocks(problem), empty);
 
   for_each_place(problem, [&](Index c, std::size_t at, int l) {
@@ -135,8 +135,8 @@ ContactBlocks<dimension, float> round(const ContactBlocks<dimension, double>& co
       to.a_t = from.a_t;
       to.inverse_a_t = from.inverse_a_t;
     }
-    std::copy_n(from.i, lanes, to.i);
-    std::copy_n(from.j, lanes, to.j);
+    std::copy_n(from.i, lane_count, to.i);
+    std::copy_n(from.j, lane_count, to.j);
   }
   return rounded;
 }

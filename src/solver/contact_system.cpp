@@ -1,6 +1,6 @@
 // The product and the residual; one exchange each way.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "spall/solver/contact_system.hpp"
+#include "solver/contact_system.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -9,18 +9,17 @@ namespace spall {
 
 template <class Real>
 void multiply(const MatrixRows<Real>& matrix, Rows<3, Real>& rows) {
-  using Half = HalfPack<Real>;
+  using Half = HalfOf<Real>;
   const Index owned = matrix.contacts->owned();
   std::vector<Half> p(static_cast<std::size_t>(owned) + matrix.contacts->ghosts());
-  for (Index c = 0; c < owned; ++c)
-    p[c] = __builtin_shufflevector(rows[c].at, rows[c].at, 0, 1, 2, 3);
+  for (Index c = 0; c < owned; ++c) p[c] = low_half(rows[c].at);
   matrix.contacts->gather(reinterpret_cast<double*>(p.data()), sizeof(Half) / sizeof(double));
   for (Index c = 0; c < owned; ++c) {
     Half u[3] = {};
     for (auto k = matrix.start[c]; k < matrix.start[c + 1]; ++k)
       for (int d = 0; d < 3; ++d) u[d] += matrix.blocks[k].column[d] * p[matrix.column[k]][d];
     const Half sum = u[0] + u[1] + u[2];
-    rows[c].at = __builtin_shufflevector(p[c], sum, 0, 1, 2, 3, 4, 5, 6, 7);
+    rows[c].at = joined(p[c], sum);
   }
 }
 template void multiply(const MatrixRows<double>&, Rows<3, double>&);
@@ -58,11 +57,11 @@ Impulses<dimension, double> ContactSystem<dimension>::gradient(const DoubleRows&
 template <int dimension>
 double ContactSystem<dimension>::metric_product(const DoubleImpulses& a,
                                                 const DoubleImpulses& b) const {
-  DoublePack total{};
+  Lanes total{};
   for (std::size_t at = 0; at < a.size(); ++at)
     total += convert<double>(counted(contacts.blocks[at], contacts.owned)) *
              spall::metric_product(contacts.blocks[at], a[at].at, b[at].at);
-  return ghosts.comm().sum(sum(total));
+  return ghosts.comm().sum(sum_of_lanes(total));
 }
 
 template <int dimension>

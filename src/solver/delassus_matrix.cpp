@@ -1,13 +1,13 @@
 // Numbers go to the ranks that own their rows; there they become blocks in the order of columns.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "spall/solver/delassus_matrix.hpp"
+#include "solver/delassus_matrix.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <map>
 
-#include "spall/base/require.hpp"
+#include "spall/error.hpp"
 
 namespace spall {
 namespace {
@@ -153,7 +153,7 @@ MatrixRows<double> pack(const DelassusMatrix& matrix, double unit) {
   for (const Eigen::Matrix3d& block : matrix.block) {
     auto& to = packed.blocks.emplace_back();
     for (int d = 0; d < 3; ++d)
-      to.column[d] = HalfPack<double>{block(0, d), block(1, d), block(2, d), 0} / unit;
+      to.column[d] = HalfOf<double>{block(0, d), block(1, d), block(2, d), 0} / unit;
   }
   return packed;
 }
@@ -162,8 +162,7 @@ MatrixRows<float> round(const MatrixRows<double>& matrix) {
   MatrixRows<float> rounded{matrix.contacts, matrix.start, matrix.column, {}, matrix.outside};
   for (const auto& block : matrix.blocks) {
     auto& to = rounded.blocks.emplace_back();
-    for (int d = 0; d < 3; ++d)
-      to.column[d] = __builtin_convertvector(block.column[d], HalfPack<float>);
+    for (int d = 0; d < 3; ++d) to.column[d] = convert<float>(block.column[d]);
   }
   return rounded;
 }

@@ -1,10 +1,12 @@
-// Boundary contacts are taken all at once, damped so that no body moves too far, from velocities
-// that both ranks hold alike; interior ones after them, one by one.
+// Projected Gauss-Seidel: boundary contacts all at once, then interior ones, one by one.
 // SPDX-License-Identifier: BSD-3-Clause
+//
+// Boundary contacts start from velocities that both ranks hold alike. They are damped so that no
+// body moves too far.
 #include <algorithm>
 #include <utility>
 
-#include "spall/solver/methods.hpp"
+#include "solver/methods.hpp"
 
 namespace spall {
 namespace {
@@ -15,7 +17,7 @@ constexpr int sweeps_a_check = 10;  // fresh product and residual
 template <int dimension>
 struct OneContact {
   const ContactBlock<dimension, double>& block;
-  int l;
+  std::size_t l;
 
   Vec3 normal() const { return {block.normal[0][l], block.normal[1][l], block.normal[2][l]}; }
 
@@ -61,7 +63,7 @@ struct OneContact {
     for (int d = 0; d < 3; ++d) at[d] += sign * inverse_mass * change[d];
     if constexpr (dimension == 3) {
       const Vec3 n = normal();
-      const double w = -2.5 * inverse_mass * block.kappa[l];
+      const double w = -1 / sphere_inertia * inverse_mass * block.kappa[l];
       at[4] += w * (n[1] * change[2] - n[2] * change[1]);
       at[5] += w * (n[2] * change[0] - n[0] * change[2]);
       at[6] += w * (n[0] * change[1] - n[1] * change[0]);
@@ -113,7 +115,7 @@ struct OneContact {
 template <int dimension, class F>
 void for_each_contact(const ContactBlocks<dimension, double>& contacts, BlockRange range, F&& f) {
   for (std::size_t at = range.first; at < range.last; ++at)
-    for (int l = 0; l < lanes; ++l)
+    for (std::size_t l = 0; l < lane_count; ++l)
       if (contacts.blocks[at].i[l] != contacts.rows - 1)
         f(OneContact<dimension>{contacts.blocks[at], l}, at);
 }

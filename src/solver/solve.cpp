@@ -2,8 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 
-#include "spall/base/require.hpp"
-#include "spall/solver/methods.hpp"
+#include "base/kernels.hpp"
+#include "solver/methods.hpp"
+#include "spall/error.hpp"
 
 namespace spall {
 namespace {
@@ -77,17 +78,17 @@ Candidate<dimension> warm_start(const ContactSystem<dimension>& system,
   Candidate<dimension> warm{std::move(impulse), {}, {}};
   make_admissible(system, warm.impulse);
   warm.velocity = system.product(warm.impulse);
-  DoublePack curvature{}, slope{};
+  Lanes curvature{}, slope{};
   for (std::size_t at = 0; at < warm.impulse.size(); ++at) {
     const auto& block = system.contacts.blocks[at];
-    const DoublePack* p = warm.impulse[at].at;
-    const DoublePack weight = convert<double>(counted(block, system.contacts.owned));
-    DoublePack change[dimension];
+    const Lanes* p = warm.impulse[at].at;
+    const Lanes weight = convert<double>(counted(block, system.contacts.owned));
+    Lanes change[dimension];
     scaled_velocity(block, warm.velocity.data(), change);
     curvature += weight * metric_product(block, p, change);
     slope += weight * metric_product(block, p, block.free_impulse);
   }
-  double sums[2] = {sum(curvature), sum(slope)};
+  double sums[2] = {sum_of_lanes(curvature), sum_of_lanes(slope)};
   system.ghosts.comm().sum(sums);
   const double part = sums[0] > 0 ? std::clamp(-sums[1] / sums[0], 0.0, 1.0) : 0;
   for (auto& block : warm.impulse)
@@ -188,16 +189,20 @@ std::int64_t checked_count(const ContactProblem& problem, const Ghosts& ghosts,
 
 }  // namespace
 
-SolverReport evaluate(const ContactProblem& problem, const Ghosts& ghosts, FrictionModel friction,
-                      const std::vector<Vec3>& impulse) {
+SPALL_KERNEL(SolverReport, evaluate,
+             (const ContactProblem& problem, const Ghosts& ghosts, FrictionModel friction,
+              const std::vector<Vec3>& impulse),
+             (problem, ghosts, friction, impulse)) {
   const std::int64_t count = checked_count(problem, ghosts, {.friction = friction}, impulse);
   if (count == 0) return {};
   return problem.dimension == 1 ? evaluate_packed<1>(problem, ghosts, friction, count, impulse)
                                 : evaluate_packed<3>(problem, ghosts, friction, count, impulse);
 }
 
-SolverResult solve(const ContactProblem& problem, const Ghosts& ghosts,
-                   const SolverSettings& settings, std::vector<Vec3>& impulse) {
+SPALL_KERNEL(SolverResult, solve,
+             (const ContactProblem& problem, const Ghosts& ghosts, const SolverSettings& settings,
+              std::vector<Vec3>& impulse),
+             (problem, ghosts, settings, impulse)) {
   const double began = MPI_Wtime();
   const Comm& comm = ghosts.comm();
   const std::int64_t count = checked_count(problem, ghosts, settings, impulse);

@@ -4,7 +4,7 @@
 #include <deque>
 #include <utility>
 
-#include "spall/solver/methods.hpp"
+#include "solver/methods.hpp"
 
 namespace spall {
 namespace {
@@ -35,7 +35,7 @@ Candidate<dimension> spectral_gradient(const ContactSystem<dimension>& system,
     Impulses<dimension, double> direction = p;
     add_scaled(direction, -step, gradient);
     for (std::size_t at = 0; at < p.size(); ++at) {
-      DoublePack to[dimension];
+      Lanes to[dimension];
       project<FrictionModel::convex>(system.contacts.blocks[at], direction[at].at, to);
       for (int d = 0; d < dimension; ++d) direction[at].at[d] = to[d] - p[at].at[d];
     }

@@ -1,0 +1,79 @@
+// What an impact did: the clump that is left, its velocity change, the ejecta, the new orbit.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <span>
+
+#include "analysis/clumps.hpp"
+#include "scene/case.hpp"
+#include "spall/bodies.hpp"
+#include "spall/comm.hpp"
+
+namespace spall {
+
+/// The instant at which the impactor was added. All other bodies of finite mass are the target.
+struct BeforeImpact {
+  BodyId impactor = -1;
+  double impactor_mass = 0;               ///< kg, m
+  double target_mass = 0;                 ///< kg, M
+  Vec3 target_velocity = Vec3::Zero();    ///< m/s, mass-weighted mean
+  Vec3 relative_velocity = Vec3::Zero();  ///< m/s, U: impactor less target
+  Vec3 direction() const { return relative_velocity.normalized(); }  ///< of flight
+  double speed() const { return relative_velocity.norm(); }          ///< m/s
+};
+/// Collective.
+BeforeImpact before_impact(const Comm& comm, const Bodies& bodies, BodyId impactor);
+
+/// Bodies of the target that are not in the largest clump. Velocities are relative to the target's
+/// before the impact; `back` is against the impactor's direction of flight.
+struct Ejecta {
+  std::int64_t count = 0;
+  double mass = 0;               ///< kg
+  Vec3 momentum = Vec3::Zero();  ///< kg m/s
+  double v_ejecta = 0;           ///< m/s, sum of the speeds back of those that move back: thesis
+                                 ///< Table 3.15's "sum of speeds towards the incident direction"
+  double back_momentum = 0;      ///< kg m/s, the same sum weighted by mass
+  double fastest = 0;            ///< m/s
+  /// Half-aperture, degrees (upwards to 0.1), of the cone about the mean direction (that of
+  /// `momentum`) that holds half or 90 % of sum m |v|. 0 without ejecta.
+  double cone_half = 0, cone_most = 0;
+};
+
+struct Deflection {
+  double since_impact = 0;        ///< s
+  std::int64_t clumps = 0;        ///< connected pieces of the target, single bodies included
+  Clump clump;                    ///< the heaviest of them, with the bodies its gravity holds
+  double dv = 0;                  ///< m/s, of the clump, along the impactor's direction of flight
+  Vec3 dv_vector = Vec3::Zero();  ///< m/s
+  /// Momentum enhancement from M dv = m U + m (beta - 1) (E.U) E (Cheng et al. 2023, Nature 616),
+  /// E the direction of what left (ejecta and impactor): M (dv.E) / (m U.E); 1 if nothing left.
+  double beta = 1;
+  double beta_along = 1;  ///< M dv / (m |U|): the same in one dimension
+  Ejecta ejecta;
+  Vec3 impactor_velocity = Vec3::Zero();  ///< m/s, relative to the target before the impact
+  bool impactor_bound = false;            ///< held by the clump's gravity
+  /// dv = dv_impactor + dv_rebound + dv_ejecta: what m U brought, what the impactor kept, what the
+  /// ejecta took; each over the clump's mass, m/s.
+  double dv_impactor = 0, dv_rebound = 0, dv_ejecta = 0;
+  double closure = 0;  ///< |clump + ejecta + impactor - m U| / (m |U|)
+};
+
+/// `links` connect bodies that hang together; those of the impactor do not count, so it neither
+/// joins pieces nor belongs to one. Collective.
+Deflection measure_deflection(const Comm& comm, const Ghosts& ghosts, const Bodies& bodies,
+                              const Links& links, double gravity_constant,
+                              const BeforeImpact& before, double since_impact);
+
+/// The orbit of a binary's secondary after a velocity change along its motion (thesis
+/// eqs. 3.3, 3.4).
+struct Orbit {
+  double a_new = 0;  ///< m, semi-major axis
+  double T_new = 0;  ///< s
+  double dT = 0;     ///< s, T_new - T_old
+};
+Orbit new_orbit(const Binary& binary, double dv);
+
+/// s, of an orbit with semi-major axis `a` (m) about `mu` (m^3/s^2).
+double orbit_period(double a, double mu);
+
+}  // namespace spall

@@ -1,0 +1,22 @@
+// Bodies and what their contacts remember move to their new owners.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "spall/bodies.hpp"
+#include "spall/comm.hpp"
+#include "state/contact_memory.hpp"
+
+namespace spall {
+
+/// Sends every owned body to rank `owner[b]` and drops all ghosts. On arrival bodies lie along a
+/// space-filling curve. `memory` must hold each contact once over all ranks, on a rank that owns
+/// one of its bodies. Afterwards every rank holds the contacts of its bodies. Collective.
+void migrate(const Comm& comm, Bodies& bodies, ContactMemory& memory,
+             const std::vector<int>& owner);
+
+/// Owned bodies in the order of a space-filling curve; ghosts are dropped.
+void sort_bodies(const Comm& comm, Bodies& bodies);
+
+}  // namespace spall

@@ -1,0 +1,68 @@
+// What every engine is: a way to advance a world by steps, with a memory of its own.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "domain/ghosts.hpp"
+#include "pairs/bonds.hpp"
+#include "pairs/links.hpp"
+#include "solver/report.hpp"
+#include "state/contact_memory.hpp"
+#include "state/world.hpp"
+
+namespace spall {
+
+/// What steps were; sums are over this rank's part until reduced by whoever prints them.
+struct StepReport {
+  int steps = 1;                ///< made
+  SolverReport solver;          ///< of engines that solve for impulses
+  std::int64_t contacts = 0;    ///< counted on one rank each
+  double energy = 0;            ///< J, that pairs held at the start, if asked for
+  double gravity_work = 0;      ///< J, of the kick at the start
+  double overlap = 0;           ///< largest overlap over the smaller radius, on this rank
+  int correction_products = 0;  ///< of the problem that took overlaps apart
+};
+
+/// What is asked of an engine.
+struct StepRequest {
+  double h = 0;         ///< s
+  int most_steps = 1;   ///< the field of gravity may be held so long
+  bool energy = false;  ///< tell what pairs held at the start
+};
+
+/// What an engine keeps from one search for pairs to the next, and over a restart.
+struct PairMemory {
+  ContactMemory contacts;
+  std::optional<Bonds> bonds;
+};
+
+/// A method of phases. Questions are const and move nothing; all calls are collective.
+class Engine {
+ public:
+  virtual ~Engine() = default;
+
+  /// Throws Error that begins with `place` where steps of `h` (s) are too long for this world.
+  virtual void check_step(const World& world, double h, const std::string& place) const = 0;
+
+  /// Advances the world by one step where contacts are solved for, else by up to `most_steps`, the
+  /// last of which ends at the next kick of gravity at the latest.
+  virtual StepReport advance(World& world, const StepRequest& request) = 0;
+
+  /// J over all ranks: what pairs hold, as they are.
+  virtual double energy(const World& world) const = 0;
+
+  /// What the pairs remember now.
+  virtual PairMemory remember(const World& world) const = 0;
+  /// The next step searches pairs anew and starts from this; ghosts are dropped.
+  virtual void restart_pairs(World& world, PairMemory memory) = 0;
+
+  /// Brings the fields that follow from the pairs (damage) up to date.
+  virtual void measure_fields(World&) const {}
+  /// Pairs that hold together: that touch, are within the range of cohesion, or are bound.
+  virtual LinkedBodies links(const World& world) const = 0;
+};
+
+}  // namespace spall

@@ -1,0 +1,58 @@
+// Steps of smooth forces, whatever the forces: a splitting into kicks and drifts.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "engine/engine.hpp"
+#include "gravity/kick.hpp"
+
+namespace spall {
+
+/// A symplectic integrator of H = T + V: a drift, then pairs of a kick and a drift; all are shares
+/// of the step. The kicks add up to 1, and so do the drifts.
+struct Splitting {
+  struct Stage {
+    double kick, drift;
+  };
+  double first_drift = 0;
+  std::vector<Stage> stages;
+};
+
+/// Second order, one evaluation of the forces a step: drift, kick, drift.
+inline const Splitting leapfrog{0.5, {{1, 0.5}}};
+
+/// Gives the kick of gravity that is due and says how many steps of `h` may follow: up to
+/// `most_steps`, the last of which ends at the next kick at the latest. Collective.
+StepReport begin_smooth_steps(World& world, double h, int most_steps);
+/// They were made: bodies have moved.
+void end_smooth_steps(World& world, int steps);
+
+/// Advances the world by up to `most_steps` steps of `h` (s), the last of which ends at the next
+/// kick of gravity at the latest; positions and velocities belong to its end. `forces` has
+///
+///   begin(h)                    of a step; owned velocities are current
+///   drift(t)                    moves owned bodies by their velocities
+///   kick(t, drift, next_drift)  forces where bodies are, the kick by them, then the two drifts,
+///                               each rounded as if alone, while a body is in the cache
+///   end()                       owned positions and velocities are current
+///
+/// Collective.
+template <class Forces>
+StepReport smooth_steps(World& world, Forces&& forces, const Splitting& scheme, double h,
+                        int most_steps) {
+  StepReport report = begin_smooth_steps(world, h, most_steps);
+  forces.begin(h);
+  forces.drift(scheme.first_drift * h);
+  for (int step = 1; step <= report.steps; ++step)
+    for (std::size_t k = 0; k < scheme.stages.size(); ++k) {
+      const auto& [kick, drift] = scheme.stages[k];
+      const bool goes_on = k + 1 == scheme.stages.size() && step < report.steps;
+      forces.kick(kick * h, drift * h, goes_on ? scheme.first_drift * h : 0);
+    }
+  forces.end();
+  end_smooth_steps(world, report.steps);
+  return report;
+}
+
+}  // namespace spall

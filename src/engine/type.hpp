@@ -1,0 +1,64 @@
+// An engine as a case sees it: its name, keys, fields and checks. The table is scene/engines.cpp.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "engine/engine.hpp"
+#include "engine/settings.hpp"
+#include "keys/section.hpp"
+
+namespace spall {
+
+/// A group of bodies as laws see it.
+struct MaterialUse {
+  std::string place;     ///< where the case asks for it, for messages
+  std::string group;     ///< its name
+  int material = 0;      ///< index into the materials
+  Lattice lattice = {};  ///< no neighbours: none
+  double mean_mass = 0;  ///< kg; 0: not known yet
+  bool fixed = false;
+};
+
+/// The lattice that all lattices of a material share. Throws Error, which begins with `place` where
+/// there is none.
+Lattice shared_lattice(const Surroundings& around, std::span<const MaterialUse> uses, int material,
+                       const std::string& place);
+
+/// A phase as its engine sees it.
+struct PhaseView {
+  std::string place;       ///< "cases/x.toml: phases.impact"
+  bool read_outs = false;  ///< the deflection is asked for
+  bool impactor = false;   ///< there is one, whose material no law of materials can name
+};
+
+struct EngineType {
+  std::string_view name;  ///< of `method` in a phase
+  std::string_view help;  ///< in a line
+  bool deflects = false;  ///< its contacts tell what hangs together: read-outs of dv
+  bool solves = false;    ///< for impulses: results tell its residuals
+
+  /// Reads its own tables of a case.
+  void (*read)(Section& in, EngineSettings& settings);
+  /// Reads its keys of a phase, where it has any; `settings` begin as those of the case.
+  void (*read_phase)(Section& in, EngineSettings& settings) = [](Section&, EngineSettings&) {};
+  /// Completes the laws by the materials in use, where they need it: throws Error, with file, line
+  /// and key, where one cannot be derived. Called for every type.
+  void (*derive)(const Surroundings& around, std::span<const MaterialUse> uses,
+                 EngineSettings& settings) = [](const Surroundings&, std::span<const MaterialUse>,
+                                                EngineSettings&) {};
+  /// Throws Error where a phase of this type asks for what it does not model.
+  void (*check)(const Surroundings& around, std::span<const MaterialUse> uses,
+                const EngineSettings& settings, const PhaseView& phase);
+  /// Fields that it requests.
+  FieldSet (*fields)(const Surroundings& around, const EngineSettings& settings);
+  /// Its laws in words and the longest step, for `spall check`; uses with masses.
+  std::string (*describe)(const Surroundings& around, std::span<const MaterialUse> uses,
+                          const EngineSettings& settings);
+  std::unique_ptr<Engine> (*make)(const EngineSettings& settings);
+};
+
+}  // namespace spall

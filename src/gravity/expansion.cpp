@@ -1,0 +1,149 @@
+// The multipoles' kernels, unrolled over multi-indices, for eight cells or bodies at a time.
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// A file of its own, because compilers need their time for it.
+#include "gravity/expansion.hpp"
+
+namespace spall {
+
+template <int P, bool rates>
+[[gnu::flatten]] void measure_bodies(std::span<const Eight> leaf, Moments<P>& row) {
+  const Vec3 center = row.center(), v = row.mean_velocity();
+  double spread = 0;
+  std::array<Lanes, term_count(P - 1)> sums{};
+  for (const Eight& e : leaf) {
+    const Lanes dx = e.vx - v.x(), dy = e.vy - v.y(), dz = e.vz - v.z();
+    if constexpr (rates)
+      spread += sum_of_lanes(e.mass * estimate_sqrt(dx * dx + (dy * dy + dz * dz)));
+    const auto s = powers<P - 1>(e.x - center.x(), e.y - center.y(), e.z - center.z());
+    unroll<term_count(P - 1)>([&](auto k) { sums[k] += e.mass * s[k]; });
+  }
+  for (int k = term_count(1); k < term_count(P - 1); ++k) row.row[k] = sum_of_lanes(sums[k]);
+  row.row[Moments<P>::spread] = spread;
+}
+
+template <int P>
+[[gnu::flatten]] void add_moments(Moments<P>& whole, const Moments<P>& part) {
+  const Vec3 s = part.center() - whole.center();
+  const auto shift = powers<P - 1>(s.x(), s.y(), s.z());
+  unroll<term_count(P - 1)>([&](auto k) {
+    constexpr MultiIndex n = multi_indices<P - 1>[k];
+    if constexpr (n.order() >= 2)
+      unroll<term_count(P - 1)>([&](auto l) {
+        constexpr MultiIndex from = multi_indices<P - 1>[l];
+        if constexpr (from.inside(n) && from.order() != 1)
+          whole.row[k] += part.row[l] * shift[(n - from).place()];
+      });
+  });
+  whole.row[Moments<P>::spread] +=
+      part.row[Moments<P>::spread] +
+      part.row[0] * (part.mean_velocity() - whole.mean_velocity()).norm();
+}
+
+template <int P, bool rates>
+[[gnu::flatten]] void attract_by_far(std::span<const Moments<P>* const> far,
+                                     const Moments<P>& target, double radius,
+                                     LocalField<P>& field) {
+  using Row = Moments<P>;
+  Row nothing;  // at the target itself, where derivatives are 0
+  Vec3::Map(&nothing.row[1]) = target.center();
+  std::array<Lanes, term_count(P)> sums{};
+  Lanes rate{}, rate_by_speed{};
+  for (std::size_t k = 0; k < far.size(); k += lane_count) {
+    Lanes m[Row::width];
+    for (int block = 0; block < Row::width; block += 8) {
+      Lanes part[lane_count];
+      for (std::size_t lane = 0; lane < lane_count; ++lane) {
+        const Row& row = k + lane < far.size() ? *far[k + lane] : nothing;
+        part[lane] = *reinterpret_cast<const Lanes*>(row.row.data() + block);
+      }
+      transpose(part);
+      for (std::size_t n = 0; n < lane_count; ++n) m[block + n] = part[n];
+    }
+    const Lanes x = m[1] - target.row[1], y = m[2] - target.row[2], z = m[3] - target.row[3];
+    const Lanes r2 = x * x + (y * y + z * z);
+    const Lanes inverse = inverse_sqrt(r2);
+    const auto d = derivatives<P>(x, y, z, inverse);
+    unroll<term_count(P)>([&](auto to) {
+      constexpr MultiIndex n = multi_indices<P>[to];
+      unroll<term_count(P - 1)>([&](auto from) {
+        constexpr MultiIndex i = multi_indices<P>[from];
+        if constexpr (i.order() != 1 && i.order() + n.order() <= P)
+          sums[to] += m[from] * d[(i + n).place()];
+      });
+    });
+    if constexpr (rates) {
+      const Lanes vx = m[Row::velocity] - target.row[Row::velocity];
+      const Lanes vy = m[Row::velocity + 1] - target.row[Row::velocity + 1];
+      const Lanes vz = m[Row::velocity + 2] - target.row[Row::velocity + 2];
+      // From the edge of this cell to the centre of the other.
+      const Lanes edge = r2 * inverse - radius;
+      const Lanes weight = select(inverse > 0.0, 1.0 / (edge * edge * edge), Lanes{});
+      rate += weight * (m[Row::spread] + m[0] * estimate_sqrt(vx * vx + (vy * vy + vz * vz)));
+      rate_by_speed += weight * m[0];
+    }
+  }
+  unroll<term_count(P)>([&](auto to) {
+    constexpr double sign = multi_indices<P>[to].order() % 2 == 0 ? 1 : -1;
+    field.terms[to] += sign * sum_of_lanes(sums[to]);
+  });
+  field.rate += sum_of_lanes(rate);
+  field.rate_by_speed += sum_of_lanes(rate_by_speed);
+}
+
+template <int P>
+[[gnu::flatten]] LocalField<P> shifted(const LocalField<P>& field, const Vec3& s,
+                                       double velocity_change) {
+  LocalField<P> result;
+  const auto shift = powers<P>(s.x(), s.y(), s.z());
+  unroll<term_count(P)>([&](auto k) {
+    constexpr MultiIndex n = multi_indices<P>[k];
+    unroll<term_count(P)>([&](auto l) {
+      constexpr MultiIndex from = multi_indices<P>[l];
+      if constexpr (n.inside(from)) result.terms[k] += field.terms[l] * shift[(from - n).place()];
+    });
+  });
+  result.rate = field.rate + field.rate_by_speed * velocity_change;
+  result.rate_by_speed = field.rate_by_speed;
+  return result;
+}
+
+template <int P, bool rates>
+[[gnu::flatten]] void attract_by_field(const LocalField<P>& field, const Moments<P>& row,
+                                       std::span<Eight> leaf) {
+  const Vec3 center = row.center(), v = row.mean_velocity();
+  for (Eight& e : leaf) {
+    const auto s = powers<P>(e.x - center.x(), e.y - center.y(), e.z - center.z());
+    unroll<term_count(P)>([&](auto k) {
+      constexpr MultiIndex n = multi_indices<P>[k];
+      e.pull.potential += field.terms[k] * s[k];
+      if constexpr (n.order() < P) {
+        e.pull.x += field.terms[(n + unit_index(0)).place()] * s[k];
+        e.pull.y += field.terms[(n + unit_index(1)).place()] * s[k];
+        e.pull.z += field.terms[(n + unit_index(2)).place()] * s[k];
+      }
+    });
+    if constexpr (rates) {
+      const Lanes dx = e.vx - v.x(), dy = e.vy - v.y(), dz = e.vz - v.z();
+      e.pull.rate +=
+          field.rate + field.rate_by_speed * estimate_sqrt(dx * dx + (dy * dy + dz * dz));
+    }
+  }
+}
+
+#define SPALL_FOR_RATES(P, rates)                                                               \
+  template void measure_bodies<P, rates>(std::span<const Eight>, Moments<P>&);                  \
+  template void attract_by_far<P, rates>(std::span<const Moments<P>* const>, const Moments<P>&, \
+                                         double, LocalField<P>&);                               \
+  template void attract_by_field<P, rates>(const LocalField<P>&, const Moments<P>&,             \
+                                           std::span<Eight>);
+#define SPALL_FOR_ORDER(P)                                                      \
+  template void add_moments<P>(Moments<P>&, const Moments<P>&);                 \
+  template LocalField<P> shifted<P>(const LocalField<P>&, const Vec3&, double); \
+  SPALL_FOR_RATES(P, false)                                                     \
+  SPALL_FOR_RATES(P, true)
+SPALL_FOR_ORDER(4)
+SPALL_FOR_ORDER(5)
+SPALL_FOR_ORDER(6)
+
+}  // namespace spall

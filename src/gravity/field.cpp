@@ -1,0 +1,107 @@
+// Checks what gravity cannot do, picks the method, and says how long a field may be held.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "gravity/field.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "gravity/direct.hpp"
+#include "gravity/tree.hpp"
+#include "spall/error.hpp"
+
+namespace spall {
+namespace {
+
+/// Throws on every rank if any rank has rows that gravity cannot work with.
+void require_sound(const Comm& comm, std::span<const double> mass, std::span<const Vec3> position,
+                   std::span<const Vec3> velocity) {
+  std::int64_t bad_masses = 0, bad_places = 0;
+  for (double m : mass) bad_masses += !(m >= 0 && std::isfinite(m));
+  for (const Vec3& x : position) bad_places += !x.allFinite();
+  bad_masses = comm.sum(bad_masses);
+  bad_places = comm.sum(bad_places);
+  require(bad_masses == 0,
+          "self-gravity needs finite masses, but {} bodies have an infinite or negative one: a "
+          "body that never moves cannot take part; give it a mass or switch self-gravity off",
+          bad_masses);
+  require(bad_places == 0, "self-gravity: {} bodies are at a place that is not finite", bad_places);
+  const bool rates = comm.any(!velocity.empty());
+  const bool odd = position.size() != mass.size() || (rates && velocity.size() != mass.size());
+  require(!comm.any(odd), "self-gravity: numbers of masses, positions and velocities differ");
+}
+
+/// Bodies for which a tree costs as much as the exact sum, in which a body meets all others.
+/// Measured from accuracies of 1e-2 to 1e-6 (bench/results/gravity.md).
+double break_even(double accuracy) {
+  return 2500 * std::pow(1e-3 / accuracy, 0.25);
+}
+
+}  // namespace
+
+GravityMethod choose_gravity(const GravitySettings& settings, std::int64_t bodies) {
+  if (settings.method != GravityMethod::automatic) return settings.method;
+  return static_cast<double>(bodies) > 2 * break_even(settings.accuracy) ? GravityMethod::tree
+                                                                         : GravityMethod::direct;
+}
+
+std::string describe_gravity(const GravitySettings& settings, std::int64_t bodies) {
+  const std::string why = settings.method == GravityMethod::automatic ? " (automatic)" : "";
+  switch (choose_gravity(settings, bodies)) {
+    case GravityMethod::direct:
+      return fmt::format("exact sum over the pairs of {} bodies{}", bodies, why);
+    case GravityMethod::tree: {
+      const TreeSettings tree = tree_settings(settings.accuracy);
+      return fmt::format("tree of order {} over {} bodies, rms force error {:.0e}{}", tree.order,
+                         bodies, settings.accuracy, why);
+    }
+    case GravityMethod::none:
+    case GravityMethod::automatic:  // chosen above
+      break;
+  }
+  return "none";
+}
+
+GravityField evaluate_gravity(const Comm& comm, const GravitySettings& settings,
+                              std::span<const double> mass, std::span<const Vec3> position,
+                              std::span<const Vec3> velocity) {
+  if (settings.method == GravityMethod::none)
+    return {std::vector<Vec3>(mass.size(), Vec3::Zero()), std::vector<double>(mass.size(), 0.0),
+            std::vector<double>(velocity.size(), 0.0)};
+  require_sound(comm, mass, position, velocity);
+  const auto bodies = comm.sum(static_cast<std::int64_t>(mass.size()));
+  if (choose_gravity(settings, bodies) == GravityMethod::direct)
+    return evaluate_gravity_direct(comm, settings.constant, mass, position, velocity);
+  return evaluate_gravity_tree(comm, settings.constant, tree_settings(settings.accuracy), mass,
+                               position, velocity);
+}
+
+GravityField evaluate_gravity_at(const Comm& comm, const GravitySettings& settings,
+                                 std::span<const double> mass, std::span<const Vec3> position,
+                                 std::span<const Vec3> places) {
+  // Massless bodies feel the others and are not felt.
+  std::vector<double> all_mass(mass.begin(), mass.end());
+  std::vector<Vec3> all_places(position.begin(), position.end());
+  all_mass.resize(mass.size() + places.size(), 0.0);
+  all_places.insert(all_places.end(), places.begin(), places.end());
+  GravityField field = evaluate_gravity(comm, settings, all_mass, all_places, {});
+  const auto first = static_cast<std::ptrdiff_t>(mass.size());
+  field.acceleration.erase(field.acceleration.begin(), field.acceleration.begin() + first);
+  field.potential.erase(field.potential.begin(), field.potential.begin() + first);
+  return field;
+}
+
+double holding_time(const Comm& comm, const GravitySettings& settings, std::span<const double> mass,
+                    const GravityField& field) {
+  double squares = 0, fastest_change = 0;  // N^2, N/s
+  for (std::size_t b = 0; b < mass.size(); ++b) {
+    squares += mass[b] * mass[b] * field.acceleration[b].squaredNorm();
+    fastest_change = std::max(fastest_change, mass[b] * field.rate[b]);
+  }
+  squares = comm.sum(squares);
+  fastest_change = comm.max(fastest_change);
+  const auto count = comm.sum(static_cast<std::int64_t>(mass.size()));
+  if (squares == 0 || fastest_change == 0) return infinity;
+  return settings.refresh * std::sqrt(squares / static_cast<double>(count)) / fastest_change;
+}
+
+}  // namespace spall

@@ -1,0 +1,95 @@
+// Kicks act at the positions of their instant: a held force on moved bodies would exert a torque.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "gravity/kick.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "gravity/field.hpp"
+#include "spall/error.hpp"
+
+namespace spall {
+namespace {
+
+/// A body falls no further than this part of its radius between two kicks: a pile at rest is loaded
+/// steadily enough, and bodies that start from rest do not outrun the bound on the field.
+constexpr double longest_fall = 1e-3;
+
+}  // namespace
+
+void evaluate_field(World& world) {
+  GravityKick& kick = world.kick;
+  if (kick.evaluated) return;
+  kick.evaluated = true;
+  if (!world.has_gravity()) return;
+  StageTimer timer(world.times, "gravity");
+  Bodies& bodies = world.bodies;
+  require(bodies.has(Field::acceleration),
+          "gravity needs a field that the bodies were made without");
+  const auto owned = static_cast<std::size_t>(bodies.owned);
+  const auto mass = std::span(bodies.mass).first(owned);
+  const auto velocity = std::span(bodies.velocity).first(kick.may_hold ? owned : 0);
+  const GravityField field = evaluate_gravity(world.comm, world.gravity, mass,
+                                              std::span(bodies.position).first(owned), velocity);
+  double largest = 0, fastest_fall = 0, potential = 0;
+  for (Index b = 0; b < bodies.owned; ++b) {
+    if (!std::isfinite(bodies.mass[b])) continue;
+    bodies.acceleration[b] = field.acceleration[b] + world.uniform_gravity;
+    const double size = bodies.acceleration[b].norm();
+    largest = std::max(largest, size);
+    fastest_fall = std::max(fastest_fall, size / bodies.radius[b]);
+    potential +=
+        bodies.mass[b] * (field.potential[b] / 2 - world.uniform_gravity.dot(bodies.position[b]));
+  }
+  kick.largest = world.comm.max(largest);
+  kick.potential = world.comm.sum(potential);
+  kick.fall =
+      world.uniform_gravity.isZero(0) ? std::sqrt(longest_fall / world.comm.max(fastest_fall)) : 0;
+  kick.hold =
+      kick.may_hold ? std::min(kick.fall, holding_time(world.comm, world.gravity, mass, field)) : 0;
+  ++kick.evaluations;
+}
+
+void give_kick(World& world, double h, int most_steps) {
+  GravityKick& kick = world.kick;
+  Bodies& bodies = world.bodies;
+  kick.evaluated = false;
+  kick.steps_left = 1;
+  kick.load = h;
+  if (!world.has_gravity()) return;
+  kick.steps_left =
+      static_cast<int>(std::clamp(kick.hold / h, 1.0, static_cast<double>(most_steps)));
+  kick.may_hold = kick.fall >= 2 * h;
+  kick.closed = kick.interval;
+  kick.interval = kick.steps_left * h;
+  kick.load = (kick.closed + kick.interval) / 2;
+  for (Index b = 0; b < bodies.owned; ++b) bodies.velocity[b] += kick.load * bodies.acceleration[b];
+}
+
+void kick_by_own_forces(World& world, double h) {
+  if (world.own_forces.empty()) return;
+  Bodies& bodies = world.bodies;
+  std::vector<Vec3> force(bodies.owned, Vec3::Zero());
+  for (const OwnForce& add_force : world.own_forces) add_force(bodies, force);
+  for (Index b = 0; b < bodies.owned; ++b) {
+    if (force[b].isZero(0) || !std::isfinite(bodies.mass[b])) continue;
+    const Vec3 change = h / bodies.mass[b] * force[b];
+    world.ledger.own_work += bodies.mass[b] * change.dot(bodies.velocity[b] + change / 2);
+    bodies.velocity[b] += change;
+  }
+}
+
+double work_of_kick(const World& world) {
+  if (!world.has_gravity()) return 0;
+  const Bodies& bodies = world.bodies;
+  double work = 0;
+  for (Index b = 0; b < bodies.owned; ++b) {
+    if (!std::isfinite(bodies.mass[b])) continue;
+    const Vec3 kick = world.kick.load * bodies.acceleration[b];
+    work += bodies.mass[b] * kick.dot(bodies.velocity[b] - kick / 2);
+  }
+  return work;
+}
+
+}  // namespace spall

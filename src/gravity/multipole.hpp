@@ -1,0 +1,130 @@
+// Cartesian multipoles of 1/r: moments of a cell, their field at another cell, and its shifts.
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// With multi-indices n = (nx, ny, nz), |n| = nx + ny + nz, n! = nx! ny! nz!:
+//   moments      M_n = sum_j m_j s_j^n / n!            about the cell's centre of mass
+//   derivatives  D_n(R) = d^n (1/|R|)
+//   field        psi(c + y) = sum_k L_k y^k / k!,  L_k = (-1)^|k| sum_n M_n D_{n+k}(R)
+// with R from the cell that feels to the one that is felt, and |n| + |k| <= P. This cut is the same
+// seen from either cell, so the forces of two cells on each other cancel exactly (Dehnen 2002).
+#pragma once
+
+#include <array>
+#include <utility>
+
+#include "spall/lanes.hpp"
+#include "spall/types.hpp"
+
+namespace spall {
+
+/// Number of multi-indices with |n| <= order.
+constexpr int term_count(int order) {
+  return (order + 1) * (order + 2) * (order + 3) / 6;
+}
+
+struct MultiIndex {
+  int x, y, z;
+  constexpr int order() const { return x + y + z; }
+  constexpr int operator[](int axis) const { return axis == 0 ? x : axis == 1 ? y : z; }
+  constexpr MultiIndex operator+(MultiIndex o) const { return {x + o.x, y + o.y, z + o.z}; }
+  constexpr MultiIndex operator-(MultiIndex o) const { return {x - o.x, y - o.y, z - o.z}; }
+  constexpr bool inside(MultiIndex o) const { return x <= o.x && y <= o.y && z <= o.z; }
+  /// Place in arrays: by order, then x before y before z.
+  constexpr int place() const { return term_count(order() - 1) + (y + z) * (y + z + 1) / 2 + z; }
+};
+
+constexpr MultiIndex unit_index(int axis) {
+  return {axis == 0, axis == 1, axis == 2};
+}
+
+template <int P>
+inline constexpr auto multi_indices = [] {
+  std::array<MultiIndex, term_count(P)> all{};
+  for (int x = 0; x <= P; ++x)
+    for (int y = 0; x + y <= P; ++y)
+      for (int z = 0; x + y + z <= P; ++z) all[MultiIndex{x, y, z}.place()] = {x, y, z};
+  return all;
+}();
+
+/// Calls f with the compile-time numbers 0 … N-1: loops over multi-indices leave no arithmetic on
+/// indices to the run.
+template <int N, class F>
+[[gnu::always_inline]] inline void unroll(F&& f) {
+  [&]<int... k>(std::integer_sequence<int, k...>) {
+    (f(std::integral_constant<int, k>{}), ...);
+  }
+  (std::make_integer_sequence<int, N>{});
+}
+
+/// s^n / n! for |n| <= P.
+template <int P, class T>
+[[gnu::always_inline]] inline std::array<T, term_count(P)> powers(const T& x, const T& y,
+                                                                  const T& z) {
+  std::array<T, term_count(P)> result;
+  result[0] = T{} + 1.0;
+  const std::array<T, 3> s{x, y, z};
+  unroll<term_count(P)>([&](auto k) {
+    constexpr MultiIndex n = multi_indices<P>[k];
+    if constexpr (n.order() > 0) {
+      constexpr int axis = n.x > 0 ? 0 : n.y > 0 ? 1 : 2;
+      result[k] = result[(n - unit_index(axis)).place()] * (s[axis] * (1.0 / n[axis]));
+    }
+  });
+  return result;
+}
+
+/// D_n for |n| <= P, eight separations at once; all 0 where the separation is 0.
+/// With f_m = (-1)^m (2m-1)!!/r^(2m+1): R^m_0 = f_m, R^m_{n+e} = n_e R^{m+1}_{n-e} + s_e R^{m+1}_n,
+/// D = R^0 (McMurchie & Davidson 1978).
+template <int P>
+[[gnu::always_inline]] inline std::array<Lanes, term_count(P)> derivatives(const Lanes& x,
+                                                                           const Lanes& y,
+                                                                           const Lanes& z,
+                                                                           const Lanes& inverse) {
+  const std::array<Lanes, 3> s{x, y, z};
+  const Lanes inverse2 = inverse * inverse;
+  std::array<std::array<Lanes, term_count(P)>, P + 1> r;
+  r[0][0] = inverse;
+  for (int m = 0; m < P; ++m) r[m + 1][0] = r[m][0] * inverse2 * -(2.0 * m + 1);
+  unroll<P>([&](auto step) {
+    constexpr int m = P - 1 - step;
+    unroll<term_count(P - m)>([&](auto k) {
+      constexpr MultiIndex n = multi_indices<P>[k];
+      if constexpr (n.order() > 0) {
+        // The axis with the smallest exponent: an exponent of 1 costs one multiplication.
+        constexpr auto rank = [](int e) { return e == 0 ? 1000 : e; };
+        constexpr int axis = rank(n.x) <= rank(n.y) && rank(n.x) <= rank(n.z) ? 0
+                             : rank(n.y) <= rank(n.z)                         ? 1
+                                                                              : 2;
+        constexpr MultiIndex less = n - unit_index(axis);
+        r[m][k] = s[axis] * r[m + 1][less.place()];
+        if constexpr (n[axis] > 1)
+          r[m][k] += (n[axis] - 1.0) * r[m + 1][(less - unit_index(axis)).place()];
+      }
+    });
+  });
+  return r[0];
+}
+
+/// The moments of a cell in one row, as the kernels read them: mass, centre of mass (in the place
+/// of the dipole, which is zero about it), orders 2 … P-1, mean velocity, sum of m |v - mean|.
+template <int P>
+struct Moments {
+  static constexpr int velocity = term_count(P - 1);
+  static constexpr int spread = velocity + 3;
+  static constexpr int width = (spread + 1 + 7) / 8 * 8;
+  alignas(64) std::array<double, width> row{};
+
+  Vec3 center() const { return {row[1], row[2], row[3]}; }
+  Vec3 mean_velocity() const { return {row[velocity], row[velocity + 1], row[velocity + 2]}; }
+};
+
+/// The field about a cell's centre: L_k, and the bound on its rate in a form that can be shifted:
+/// `rate` + `rate_by_speed` * |v - mean velocity of the cell|.
+template <int P>
+struct LocalField {
+  std::array<double, term_count(P)> terms{};
+  double rate = 0, rate_by_speed = 0;
+};
+
+}  // namespace spall

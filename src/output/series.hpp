@@ -1,0 +1,40 @@
+// The time series of a run: one row of named numbers a step, as CSV and as HDF5.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <fstream>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "spall/comm.hpp"
+
+namespace spall {
+
+struct Column {
+  std::string name, unit;  ///< "m s-1", by H5MD's rules; "": a pure number
+};
+
+/// `folder`/series.csv: a heading, then one line a row: step, time and the columns, with every
+/// digit that a double has. Rank 0 writes and flushes each row, so a killed run loses none; on
+/// other ranks nothing happens. `write_hdf5` puts the same into `folder`/series.h5 as H5MD
+/// observables.
+class Series {
+ public:
+  /// `columns` without step and time. On resuming, rows after `resume_step` (and a torn last line)
+  /// are dropped; the columns must be the same. Collective.
+  Series(const Comm& comm, const std::string& folder, std::vector<Column> columns,
+         std::int64_t resume_step = -1);
+
+  void append(std::int64_t step, double time, std::span<const double> values);
+  void write_hdf5() const;
+
+ private:
+  std::string path_;
+  std::vector<Column> columns_;
+  bool writes_;
+  std::ofstream file_;
+};
+
+}  // namespace spall

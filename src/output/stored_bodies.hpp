@@ -1,0 +1,14 @@
+// Bodies of an earlier run, for cases that start from them.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "scene/case.hpp"
+
+namespace spall {
+
+/// The case with what its groups of packing "file" take from restart files: positions from the
+/// common centre of mass, radii and masses, in order of id. Throws Error with the group's place.
+/// Each rank reads for itself.
+Case with_stored_bodies(Case scene);
+
+}  // namespace spall

@@ -1,0 +1,72 @@
+// The list in the order of the rows, pairs with ghosts first; impulses by the ids of their bodies.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pairs/broad_phase.hpp"
+
+#include <array>
+
+#include "pairs/grid.hpp"
+#include "pairs/recall.hpp"
+
+namespace spall {
+
+Pairs find_pairs(const Bodies& bodies, std::span<const double> reach,
+                 const std::vector<Plane>& planes) {
+  // Rows come in the order of their cells.
+  std::vector<Index> partners;
+  std::vector<std::array<std::size_t, 2>> of_row(bodies.owned);
+  std::size_t first = 0;
+  find_partners(bodies, {.of_rows = reach}, ListedWith::lower_row, partners, [&](Index row) {
+    of_row[row] = {first, partners.size()};
+    first = partners.size();
+  });
+
+  Pairs boundary, interior;
+  const auto add = [&](Index a, Index b, std::int32_t plane) {
+    if (b >= 0 && bodies.id[a] > bodies.id[b]) std::swap(a, b);
+    Pairs& part = a >= bodies.owned || b >= bodies.owned ? boundary : interior;
+    part.i.push_back(a);
+    part.j.push_back(b);
+    part.plane.push_back(plane);
+  };
+  for (Index b = 0; b < bodies.owned; ++b)
+    for (std::size_t k = of_row[b][0]; k < of_row[b][1]; ++k) add(b, partners[k], -1);
+  for (Index b = 0; b < bodies.owned; ++b)
+    for (std::size_t k = 0; k < planes.size(); ++k)
+      if (planes[k].normal.dot(bodies.position[b] - planes[k].point) <= bodies.radius[b] + reach[b])
+        add(b, ground, static_cast<std::int32_t>(k));
+
+  Pairs pairs = std::move(boundary);
+  pairs.boundary = pairs.size();
+  pairs.i.insert(pairs.i.end(), interior.i.begin(), interior.i.end());
+  pairs.j.insert(pairs.j.end(), interior.j.begin(), interior.j.end());
+  pairs.plane.insert(pairs.plane.end(), interior.plane.begin(), interior.plane.end());
+  pairs.impulse.assign(pairs.size(), Vec3::Zero());
+  return pairs;
+}
+
+ContactMemory remember(const Bodies& bodies, const Pairs& pairs, bool once) {
+  const auto is_kept = [&](Index p) {
+    return !pairs.impulse[p].isZero(0) && !(once && pairs.i[p] >= bodies.owned);
+  };
+  std::size_t count = 0;
+  for (Index p = 0; p < pairs.size(); ++p) count += is_kept(p);
+  ContactMemory memory;
+  memory.reserve(count);
+  for (Index p = 0; p < pairs.size(); ++p)
+    if (is_kept(p))
+      memory.add(bodies.id[pairs.i[p]],
+                 pairs.j[p] == ground ? -1 - pairs.plane[p] : bodies.id[pairs.j[p]],
+                 pairs.impulse[p]);
+  return memory;
+}
+
+void recall(const Bodies& bodies, const ContactMemory& memory, Pairs& pairs) {
+  const Recall kept(bodies, memory);
+  for (Index p = 0; p < pairs.size(); ++p) {
+    const Index m = pairs.j[p] == ground ? kept.of_wall(pairs.i[p], pairs.plane[p])
+                                         : kept.of_pair(pairs.i[p], pairs.j[p]);
+    if (m >= 0) pairs.impulse[p] = memory.impulse[m];
+  }
+}
+
+}  // namespace spall

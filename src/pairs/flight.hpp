@@ -1,0 +1,52 @@
+// The box of all velocities bounds how soon pairs must be found anew; how far ahead to look then.
+// The same for every force between near pairs.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "pairs/near_pairs.hpp"
+#include "spall/comm.hpp"
+#include "spall/lanes.hpp"
+
+namespace spall {
+
+inline RowHalf half_row(const Vec3& v, double w) {
+  return RowHalf{v[0], v[1], v[2], w};
+}
+inline Vec3 vector_of(const RowHalf& half) {
+  return {half[0], half[1], half[2]};
+}
+
+/// The box that holds some vectors.
+struct Box {
+  RowHalf low = RowHalf{} + infinity, high = RowHalf{} - infinity;
+  void add(const RowHalf& v) {
+    low = smaller(v, low);
+    high = larger(v, high);
+  }
+  void add(const Vec3& v) { add(half_row(v, 0)); }
+  /// Of the boxes of all ranks. Collective.
+  Box united(const Comm& comm) const;
+  Vec3 centre() const { return vector_of((low + high) / 2); }
+  double diagonal() const { return vector_of(high - low).norm(); }
+};
+
+Box velocities_of(const Bodies& bodies);
+
+/// Bodies have flown at these velocities for `h` (s): no two came nearer by more than the diagonal.
+/// Collective.
+void book_motion(const Comm& comm, const Box& velocities, double h, NearPairs& near);
+
+/// What a skin may be, in units of `length`.
+struct SkinRange {
+  double length;  ///< m
+  double first, least, step, most;
+  double search;  ///< a search costs as much as a sweep over so many pairs a body
+};
+
+/// m: the skin for which a step costs least if the bodies move on as since the last search. A sweep
+/// costs as much as there are pairs, range^3; a search is shared by the steps until the skin is
+/// used up. Counted, not timed, so that a run gives the same bits again. Collective.
+double best_skin(const Comm& comm, const Bodies& bodies, const NearPairs& near,
+                 const SkinRange& range);
+
+}  // namespace spall

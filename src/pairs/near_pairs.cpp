@@ -1,0 +1,155 @@
+// Rows come along a space-filling curve, a window of them at a time.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pairs/near_pairs.hpp"
+
+#include <numeric>
+
+#include "spall/error.hpp"
+#include "spall/lanes.hpp"
+
+namespace spall {
+namespace {
+
+constexpr Index lane_rows = lane_count;
+constexpr Index window_rows = 16 * lane_rows;  // their forces stay in the first cache
+
+/// Rows as they are found, until there are enough for a window.
+class WindowMaker {
+ public:
+  explicit WindowMaker(std::vector<NearWindow>& windows) : windows_(windows) {}
+
+  std::vector<Index>& partners() { return partners_; }
+  /// All partners since the last call belong to `row`.
+  void end_row(Index row) {
+    rows_.push_back({row, first_, static_cast<Index>(partners_.size()) - first_});
+    first_ = static_cast<Index>(partners_.size());
+    if (rows_.size() == window_rows) flush();
+  }
+  void finish() {
+    if (!rows_.empty()) flush();
+    windows_.resize(made_);
+  }
+
+ private:
+  struct Row {
+    Index row, first, count;
+  };
+
+  void flush() {
+    if (made_ == windows_.size()) windows_.emplace_back();
+    NearWindow& window = windows_[made_++];
+    sort_by_count();
+    window.count = static_cast<Index>(rows_.size());
+    while (rows_.size() % lane_rows != 0) rows_.push_back({rows_.back().row, 0, 0});
+    window.rows.clear();
+    for (const Row& row : rows_) window.rows.push_back(doubles_a_row * row.row);
+    window.slots.clear();
+    Index slots = 0;
+    for (std::size_t r = 0; r < rows_.size(); r += lane_rows) {
+      window.slots.push_back(rows_[r].count);
+      slots += rows_[r].count;
+    }
+    window.partners.clear();  // or it would grow to twice what it needs
+    window.partners.resize(static_cast<std::size_t>(slots) * lane_rows);
+    Index* at = window.partners.data();
+    for (std::size_t r = 0; r < rows_.size(); r += lane_rows) {
+      const Index longest = rows_[r].count;
+      for (Index lane = 0; lane < lane_rows; ++lane) {
+        const Row& row = rows_[r + lane];
+        for (Index s = 0; s < longest; ++s)
+          at[s * lane_rows + lane] =
+              doubles_a_row * (s < row.count ? partners_[row.first + s] : row.row);
+      }
+      at += longest * lane_rows;
+    }
+    rows_.clear();
+    partners_.clear();
+    first_ = 0;
+  }
+
+  /// Most partners first.
+  void sort_by_count() {
+    start_.clear();
+    for (const Row& row : rows_) {
+      if (row.count >= static_cast<Index>(start_.size())) start_.resize(row.count + 1, 0);
+      ++start_[row.count];
+    }
+    std::exclusive_scan(start_.rbegin(), start_.rend(), start_.rbegin(), 0);
+    sorted_.resize(rows_.size());
+    for (const Row& row : rows_) sorted_[start_[row.count]++] = row;
+    rows_.swap(sorted_);
+  }
+
+  std::vector<NearWindow>& windows_;
+  std::size_t made_ = 0;
+  std::vector<Row> rows_, sorted_;
+  std::vector<Index> start_;
+  std::vector<Index> partners_;
+  Index first_ = 0;
+};
+
+}  // namespace
+
+void find_near_pairs(const Bodies& bodies, const Reach& reach, std::vector<NearWindow>& windows) {
+  WindowMaker maker(windows);
+  find_partners(bodies, reach, ListedWith::first_cell, maker.partners(),
+                [&](Index row) { maker.end_row(row); });
+  maker.finish();
+}
+
+namespace {
+constexpr double slot_work = 0.1;  // of a pair, beside that of a body
+}
+
+std::vector<double> work_of(const Bodies& bodies, const NearPairs& near, double slot) {
+  std::vector<double> work(bodies.owned, 1.0);
+  if (near.skin == 0) return work;
+  for (const NearWindow& window : near.windows)
+    for (Index r = 0; r < window.count; ++r)
+      work[window.rows[r] / doubles_a_row] += slot * window.slots[r / lane_rows];
+  return work;
+}
+
+void book_search(const Comm& comm, NearPairs& near) {
+  near.moved = 0;
+  near.steps = 0;
+  double pairs = 0;
+  for (const NearWindow& window : near.windows)
+    pairs += static_cast<double>(window.partners.size());
+  near.pairs = comm.sum(pairs);
+}
+
+void find_near_pairs(const Comm& comm, Bodies& bodies, double reach, double skin,
+                     const BondReach& bonded, const std::optional<Bonds>& bonds, NearPairs& near) {
+  near.bonds = {};
+  near.bonds_break = static_cast<bool>(bonded);
+  near.reach = reach;
+  near.skin = skin;
+  {
+    std::vector<double> halo(bodies.owned);
+    for (Index b = 0; b < bodies.owned; ++b) halo[b] = (reach + skin) / 2 - bodies.radius[b];
+    find_ghosts(comm, bodies, {}, halo, near);
+  }
+  near.cells = MotionCells(comm, near.found_at, motion_cell * (reach + skin));
+  find_near_pairs(bodies, {.common = (reach + skin) / 2, .points = true, .skin = skin},
+                  near.windows);
+  if (bonded && bonds)
+    recall_bonds(bodies, *bonds, near);
+  else if (bonded)
+    make_bonds(bodies, near, bonded);
+  book_search(comm, near);
+}
+
+void search_near_pairs(const Comm& comm, Bodies& bodies, double reach, double skin,
+                       const BondReach& bonded, NearPairs& near) {
+  require(!bonded || bodies.has(Field::bonds),
+          "bonds that break need fields that the bodies were made without");
+  search_anew(
+      comm, bodies, near, [&] { return work_of(bodies, near, slot_work); },
+      [&](bool) { return bonded ? bonds_of(bodies, near) : std::nullopt; },
+      [&](const std::optional<Bonds>& bonds) {
+        find_near_pairs(comm, bodies, reach, skin, bonded, bonds, near);
+      });
+}
+
+}  // namespace spall

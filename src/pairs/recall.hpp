@@ -1,0 +1,40 @@
+// What pairs remembered before a search, found by the bodies that it listed.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "spall/bodies.hpp"
+#include "state/contact_memory.hpp"
+
+namespace spall {
+
+/// Entries of a memory that are of owned bodies. Both must outlive it.
+class Recall {
+ public:
+  Recall(const Bodies& bodies, const ContactMemory& memory);
+
+  /// Of a pair of rows, at least one of them owned; -1: there is none. Where there are several it
+  /// is the first.
+  Index of_pair(Index i, Index j) const {
+    if (bodies_.id[i] > bodies_.id[j]) std::swap(i, j);
+    return i < bodies_.owned ? find(i, bodies_.id[j]) : find(j, bodies_.id[i]);
+  }
+  /// Of an owned row and a wall or plane.
+  Index of_wall(Index row, Index wall) const { return find(row, -1 - wall); }
+
+ private:
+  Index find(Index row, BodyId other) const;
+
+  const Bodies& bodies_;
+  struct Entry {
+    BodyId other;
+    Index at;  // in the memory
+  };
+  // Row b's lie at [start[b], start[b + 1]): of the lower id, or of the other where that is owned
+  // by another rank.
+  std::vector<Index> start_;
+  std::vector<Entry> entries_;
+};
+
+}  // namespace spall

@@ -1,0 +1,64 @@
+// A search for pairs, the same for all engines: cut, migrate, fetch ghosts, find, recall.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "domain/ghosts.hpp"
+#include "domain/halo.hpp"
+#include "domain/migration.hpp"
+#include "domain/partition.hpp"
+#include "spall/bodies.hpp"
+#include "spall/comm.hpp"
+#include "state/period.hpp"
+
+namespace spall {
+
+/// What a search leaves to the steps that follow and to the next search.
+struct Search {
+  Ghosts ghosts;
+  std::vector<Vec3> shifts;    ///< m, of ghosts that are images
+  std::vector<Vec3> found_at;  ///< m, owned rows: where bodies were when pairs were found
+  LastCut last_cut;
+  std::int64_t searches = 0;
+};
+
+/// Ghosts and places of bodies as they are now, wrapped into the period; `reach` (m, one an owned
+/// body) grows by the ghosts' rows. Collective.
+inline void find_ghosts(const Comm& comm, Bodies& bodies, const Period& period,
+                        std::vector<double>& reach, Search& search) {
+  if (period.any())
+    for (Index b = 0; b < bodies.owned; ++b)
+      bodies.position[b] = period.wrapped(bodies.position[b]);
+  search.found_at.assign(bodies.position.begin(), bodies.position.begin() + bodies.owned);
+  search.ghosts = make_halo(comm, bodies, reach, period, search.shifts);
+}
+
+/// Searches pairs anew; cuts the domain before where the ranks' work differs by more than a tenth.
+/// What pairs remember goes with them:
+///
+///   work()         of owned bodies, counted over the pairs as they are
+///   keep(cut)      what pairs remember, by ids; each on one rank where the domain is cut
+///   find(kept)     ghosts and pairs, and what was kept for them
+///
+/// There must be a `migrate` for what is kept. Collective.
+template <class Work, class Keep, class Find>
+void search_anew(const Comm& comm, Bodies& bodies, Search& search, Work&& work, Keep&& keep,
+                 Find&& find) {
+  std::vector<double> load = work();
+  const bool cut = needs_cut(comm, load, search.ghosts, search.last_cut);
+  search.found_at = std::vector<Vec3>();  // what comes needs the memory
+  auto kept = keep(cut);
+  if (cut) {
+    const std::vector<int> owner = partition(comm, bodies, load);
+    load = std::vector<double>();
+    migrate(comm, bodies, kept, owner);
+  }
+  load = std::vector<double>();
+  find(std::move(kept));
+  ++search.searches;
+  if (cut) load = work();
+  book_search(comm, cut, load, search.ghosts, search.last_cut);
+}
+
+}  // namespace spall

@@ -1,0 +1,30 @@
+// Penalty contact as an engine: grains that touch by springs and dashpots.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "engine/smooth.hpp"
+#include "engine/type.hpp"
+#include "penalty/penalty.hpp"
+#include "penalty/touch_pairs.hpp"
+
+namespace spall {
+
+struct Penalty final : Engine {
+  ByPair<PenaltySettings> settings;
+  Splitting integrator = leapfrog;
+  TouchPairs touch;
+  std::vector<ForceRow> loads;  ///< of the bodies, while steps go on
+
+  explicit Penalty(const ByPair<PenaltySettings>& of_case) : settings(of_case) {}
+
+  void check_step(const World& world, double h, const std::string& place) const override;
+  StepReport advance(World& world, const StepRequest& request) override;
+  double energy(const World& world) const override;
+  PairMemory remember(const World& world) const override;
+  void restart_pairs(World& world, PairMemory memory) override;
+  LinkedBodies links(const World& world) const override;
+};
+
+extern const EngineType penalty_engine;
+
+}  // namespace spall

@@ -1,0 +1,290 @@
+// The law of a case's settings, and the steps and stiffnesses that resolve a collision.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "penalty/penalty.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "penalty/laws.hpp"
+#include "spall/error.hpp"
+
+namespace spall {
+namespace {
+
+/// C of h < C sqrt(m/k) (thesis eq. 2.3): some twenty steps a collision.
+constexpr double step_limit = 0.15;
+/// Of the time in which a surface wave crosses half a sphere.
+constexpr double rayleigh_part = 0.2;
+/// Of the smaller radius: no deeper may an impact press two bodies into each other.
+constexpr double deepest = 0.5;
+
+struct Member {
+  double id, radius, mass, material;
+};
+
+/// A pair as one body: R, m, and the smaller radius. A wall is a body without bounds.
+struct Reduced {
+  double radius, mass, smaller;
+};
+Reduced reduce(const Member& a, const Member& b) {
+  return {1 / (1 / a.radius + 1 / b.radius), 1 / (1 / a.mass + 1 / b.mass),
+          std::min(a.radius, b.radius)};
+}
+
+/// m, that a collision at `speed` presses the pair together.
+double deepest_overlap(const PenaltyLaw& law, const Reduced& p, double speed) {
+  if (law.model == PenaltyModel::hooke) return speed * std::sqrt(p.mass / law.normal);
+  return std::pow(15 * p.mass * speed * speed / (16 * law.normal * std::sqrt(p.radius)), 0.4);
+}
+
+/// N/m, the largest that a collision at `speed` meets; for jkr at least that of a pair at rest.
+double largest_stiffness(const PenaltyLaw& law, const Reduced& p, double speed) {
+  if (law.model == PenaltyModel::hooke) return law.normal;
+  double a = std::sqrt(p.radius * deepest_overlap(law, p, speed));
+  if (law.adhesion == Adhesion::jkr)
+    a = std::max(a, std::cbrt(1.5 * law.attraction * p.radius * p.radius / law.normal));
+  return 2 * law.normal * a;
+}
+
+constexpr double any_material = -1;
+
+/// The owned body of all ranks of that material, `without` that id, for which `value` is least.
+/// Collective.
+template <class Value>
+std::optional<Member> least(const World& world, double material, double without, Value&& value) {
+  const Bodies& bodies = world.bodies;
+  std::array<double, 5> best{infinity, 0, 0, 0, 0};
+  for (Index b = 0; b < bodies.owned; ++b) {
+    const Member member{static_cast<double>(bodies.id[b]), bodies.radius[b], bodies.mass[b],
+                        static_cast<double>(bodies.material[b])};
+    if (member.id == without || !std::isfinite(member.mass)) continue;
+    if (material != any_material && material != member.material) continue;
+    const double v = value(member);
+    if (v < best[0]) best = {v, member.id, member.radius, member.mass, member.material};
+  }
+  const std::vector<double> all = world.comm.all_gather(best);
+  for (std::size_t k = 0; k < all.size(); k += 5)
+    if (all[k] < best[0] || (all[k] == best[0] && all[k + 1] < best[1]))
+      std::copy_n(&all[k], 5, best.begin());
+  if (!std::isfinite(best[0])) return std::nullopt;
+  return Member{best[1], best[2], best[3], best[4]};
+}
+
+struct Meeting {
+  Member a, b;
+};
+
+/// The two bodies of all for which `value(a, b)` is least, as far as it grows with the size of
+/// either: for each pair of materials that is `there` with a law of its own the least of the first,
+/// then its worst partner, for want of a body a wall. Nothing where no body moves. Collective.
+template <class Value>
+std::optional<Meeting> least_meeting(const World& world, std::vector<double> there, Value&& value) {
+  std::optional<Meeting> best;
+  for (double a : there)
+    for (double b : there) {
+      const auto as_partner = [&](Member m) {
+        if (b != any_material) m.material = b;
+        return m;
+      };
+      const auto first =
+          least(world, a, -1, [&](const Member& m) { return value(m, as_partner(m)); });
+      if (!first) continue;
+      const Member wall = as_partner({-1, infinity, infinity, first->material});
+      const Meeting met{*first, least(world, b, first->id, [&](const Member& m) {
+                                  return value(*first, m);
+                                }).value_or(wall)};
+      if (!best || value(met.a, met.b) < value(best->a, best->b)) best = met;
+    }
+  return best;
+}
+
+std::string name_of(const Member& m) {
+  return std::isfinite(m.radius)
+             ? fmt::format("body {:.0f} (radius {:.4g} m, {:.4g} kg)", m.id, m.radius, m.mass)
+             : "a wall";
+}
+
+/// Of two stiffnesses in series; exact for equal ones.
+double in_series(double a, double b) {
+  return a / (1 + a / b);
+}
+double plane_modulus(const Material& m) {
+  return m.youngs_modulus / (1 - m.poisson_ratio * m.poisson_ratio);
+}
+/// 2 G*, if both bodies were of it.
+double sliding_modulus(const Material& m) {
+  return m.youngs_modulus / ((2 - m.poisson_ratio) * (1 + m.poisson_ratio));
+}
+
+/// Places in the materials, of owned bodies and of walls. Collective.
+std::vector<int> materials_there(const World& world) {
+  if (world.materials.size() <= 1) return {0};
+  std::vector<double> seen(world.materials.size(), 0);
+  for (Index b = 0; b < world.bodies.owned; ++b) seen[world.bodies.material[b]] = 1;
+  const Walls walls = world.walls();
+  for (std::size_t w = 0; w < walls.size(); ++w)
+    if (walls.material(w) != same_material) seen[walls.material(w)] = 1;
+  world.comm.max(seen);
+  std::vector<int> there;
+  for (std::size_t m = 0; m < seen.size(); ++m)
+    if (seen[m] > 0) there.push_back(static_cast<int>(m));
+  return there;
+}
+
+/// What the stiffness must be for overlaps that are `reached` of the deepest.
+std::string stiffer(const World& world, const ByPair<PenaltyLaw>& laws, const Meeting& met,
+                    double reached) {
+  const int a = static_cast<int>(met.a.material), b = static_cast<int>(met.b.material);
+  if (laws.common().model == PenaltyModel::hooke)
+    return fmt::format("penalty.stiffness must be at least {:.3g} N/m",
+                       laws(a, b).normal * reached * reached);
+  const auto of = [&](int m) {
+    const Material& material = world.materials[m];
+    return fmt::format("materials.{}.youngs_modulus must be at least {:.3g} Pa", material.name,
+                       material.youngs_modulus * std::pow(reached, 2.5));
+  };
+  return a == b ? of(a) : of(a) + " and " + of(b);
+}
+
+}  // namespace
+
+PenaltyLaw penalty_law(const PenaltySettings& s, const ContactLaw& contact, const Material& a,
+                       const Material& b) {
+  PenaltyLaw law;
+  law.model = s.model;
+  law.adhesion = s.adhesion;
+  law.friction = contact.friction;
+  law.rolling_friction = s.rolling_friction;
+  law.cohesion = contact.cohesion;
+  law.cohesion_range = contact.cohesion > 0 ? contact.cohesion_range : 0;
+  const double log_e = std::log(contact.restitution);
+  const double beta = -log_e / std::sqrt(pi * pi + log_e * log_e);
+  switch (s.model) {
+    case PenaltyModel::hooke:
+      law.normal = s.stiffness;
+      law.tangential = s.tangential_ratio * s.stiffness;
+      law.damping = 2 * beta;
+      law.tangential_damping = std::sqrt(s.tangential_ratio);
+      break;
+    case PenaltyModel::hertz:
+      law.normal = in_series(plane_modulus(a), plane_modulus(b));
+      law.tangential = 4 * in_series(sliding_modulus(a), sliding_modulus(b));
+      law.damping = 2 * std::sqrt(5 / 6.0) * beta;
+      law.tangential_damping = std::sqrt(law.tangential / (2 * law.normal));
+      break;
+  }
+  switch (s.adhesion) {
+    case Adhesion::none:
+      break;
+    case Adhesion::dmt:
+      law.attraction = 2 * pi * s.work_of_adhesion;
+      break;
+    case Adhesion::jkr:
+      law.attraction = 3 * pi * s.work_of_adhesion;
+      law.neck = std::cbrt(2 * pi * s.work_of_adhesion / law.normal);
+      break;
+  }
+  return law;
+}
+
+ByPair<PenaltyLaw> penalty_laws(const World& world, const ByPair<PenaltySettings>& settings) {
+  const auto material = [&](int m) {
+    return world.materials.empty() ? Material{} : world.materials[m];
+  };
+  PenaltyLaw none;
+  none.model = settings.common().model;
+  none.adhesion = settings.common().adhesion;
+  ByPair<PenaltyLaw> laws(static_cast<int>(world.materials.size()), none);
+  std::optional<PenaltyLaw> first;
+  bool one_law = true;
+  const std::vector<int> there = materials_there(world);
+  for (int a : there)
+    for (int b : there) {
+      if (b < a) continue;
+      const PenaltyLaw law =
+          penalty_law(settings(a, b), world.contact(a, b), material(a), material(b));
+      if (!first) first = law;
+      one_law = one_law && law == *first;
+      if (!world.materials.empty()) laws.set(a, b, law);
+    }
+  return one_law ? first.value_or(none) : laws;
+}
+
+double widest_gap(const PenaltyLaw& law, double radius) {
+  // Two of the largest bodies have the longest neck: it grows with R^(1/3).
+  const double neck =
+      law.adhesion == Adhesion::jkr ? -JkrLanes<double>(law).end_overlap(spread(radius / 2))[0] : 0;
+  return std::max(neck, law.cohesion_range);
+}
+double widest_gap(const ByPair<PenaltyLaw>& laws, double radius) {
+  double widest = 0;
+  laws.for_each([&](const PenaltyLaw& law) { widest = std::max(widest, widest_gap(law, radius)); });
+  return widest;
+}
+
+bool resists_rolling(const ByPair<PenaltyLaw>& laws) {
+  bool any = false;
+  laws.for_each(
+      [&](const PenaltyLaw& law) { any |= law.friction > 0 && law.rolling_friction > 0; });
+  return any;
+}
+
+void check_penalty_step(const World& world, const ByPair<PenaltySettings>& settings, double h,
+                        double speed, const std::string& place) {
+  const std::vector<int> present = materials_there(world);
+  for (int a : present)
+    for (int b : present)
+      require(world.contact(a, b).restitution > 0,
+              "{}: penalty contact needs contact.restitution > 0: no damping gives {:g}", place,
+              world.contact(a, b).restitution);
+  const ByPair<PenaltyLaw> laws = penalty_laws(world, settings);
+  const std::vector<double> there = laws.uniform()
+                                        ? std::vector<double>{any_material}
+                                        : std::vector<double>(present.begin(), present.end());
+  const auto law_of = [&](const Member& a, const Member& b) -> const PenaltyLaw& {
+    return laws(static_cast<int>(a.material), static_cast<int>(b.material));
+  };
+  const auto limit = [&](const Member& a, const Member& b) {
+    const Reduced pair = reduce(a, b);
+    return std::sqrt(pair.mass / largest_stiffness(law_of(a, b), pair, speed));
+  };
+  const std::optional<Meeting> tight = least_meeting(world, there, limit);
+  if (!tight) return;  // nothing moves
+
+  const auto depth = [&](const Member& a, const Member& b) {
+    const Reduced p = reduce(a, b);
+    return -deepest_overlap(law_of(a, b), p, speed) / p.smaller;
+  };
+  // The deepest impact of all: of the heaviest for its size on another.
+  const Meeting deep = *least_meeting(world, there, depth);
+  const double reached = -depth(deep.a, deep.b) / deepest;
+  require(reached <= 1,
+          "{}: {} and {} would pass into each other by {:.3g} of the smaller radius at {:g} m/s, "
+          "at most {:g} may be: {}",
+          place, name_of(deep.a), name_of(deep.b), reached * deepest, speed, deepest,
+          stiffer(world, laws, deep, reached));
+
+  const Reduced pair = reduce(tight->a, tight->b);
+  const double k = largest_stiffness(law_of(tight->a, tight->b), pair, speed);
+  const double longest = step_limit * std::sqrt(pair.mass / k);
+  require(h <= longest,
+          "{}: step = {:g} s is too long for penalty contact: {} and {} meet with m = {:.4g} kg, k "
+          "= {:.4g} N/m at {:g} m/s and need at most {:g} sqrt(m/k) = {:.3g} s",
+          place, h, name_of(tight->a), name_of(tight->b), pair.mass, k, speed, step_limit, longest);
+  if (laws.common().model == PenaltyModel::hooke) return;
+  // pi r sqrt(rho/G)/(0.1631 nu + 0.8766) (Thornton 2015, eq. 5.14); sqrt(rho r^3) is the body's.
+  const auto crossing = [&](const Member& m) {
+    const Material& of = world.materials[static_cast<std::size_t>(m.material)];
+    const double nu = of.poisson_ratio, shear = of.youngs_modulus / (2 * (1 + nu));
+    return pi * std::sqrt(m.mass / (4 / 3.0 * pi * m.radius * shear)) / (0.1631 * nu + 0.8766);
+  };
+  const Member slow = *least(world, any_material, -1, crossing);
+  require(h <= rayleigh_part * crossing(slow),
+          "{}: step = {:g} s is too long for penalty contact: surface waves cross {} in {:.4g} s "
+          "(Rayleigh), of which {:g} may pass in a step: {:.3g} s",
+          place, h, name_of(slow), crossing(slow), rayleigh_part, rayleigh_part * crossing(slow));
+}
+
+}  // namespace spall

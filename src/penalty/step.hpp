@@ -1,0 +1,23 @@
+// Steps of bodies that touch by springs and dashpots: leapfrog as drift, kick, drift.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "penalty/engine.hpp"
+
+namespace spall {
+
+/// Advances the world by up to `most_steps` steps of `h` (s), the last of which ends at the next
+/// kick of gravity at the latest; positions and velocities belong to its end. Throws Error, on
+/// every rank, where bodies have become too fast for the step. Collective.
+StepReport penalty_steps(World& world, Penalty& engine, double h, int most_steps);
+
+/// J over all ranks: elastic, of overlaps as they are, and of cohesion, which is negative. Springs
+/// are not in it: what they hold counts as dissipated until they give it back. Pairs are found
+/// where they are not known. Collective.
+double contact_energy(World& world, Penalty& engine);
+
+/// Largest speed (m/s) at which two bodies may meet, sooner or later: the box that holds all
+/// velocities is that wide. Collective.
+double largest_relative_speed(const World& world);
+
+}  // namespace spall

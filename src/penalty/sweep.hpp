@@ -1,0 +1,341 @@
+// One sweep over all pairs that may touch: forces, springs, and each body's motion as soon as its
+// force is whole.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+
+#include "penalty/laws.hpp"
+#include "penalty/touch_pairs.hpp"
+
+namespace spall {
+
+/// Vectors, or numbers, of the bodies whose rows begin at these places.
+inline LaneVectors gather_body_vectors(const std::vector<Vec3>& vectors, const Index* places) {
+  return gather_vectors(vectors.data()->data(), places);
+}
+inline Lanes gather_body_numbers(const std::vector<double>& numbers, const Index* places) {
+  return gather(numbers.data(), rows_at(places));
+}
+
+/// Eight bodies as contacts see them.
+struct BodyLanes {
+  LaneVectors position, velocity, spin;
+  Lanes radius, inverse_mass;
+};
+
+/// Springs of some lanes, which stand at `from` one after another: all x, then y, then z. Zero in
+/// the other lanes.
+inline LaneVectors load_springs(const double* from, unsigned touching) {
+  const int count = std::popcount(touching);
+  return {load_packed(from, touching), load_packed(from + count, touching),
+          load_packed(from + 2 * count, touching)};
+}
+inline void store_springs(const LaneVectors& v, unsigned touching, double* to) {
+  const int count = std::popcount(touching);
+  store_packed(v.x, touching, to);
+  store_packed(v.y, touching, to + count);
+  store_packed(v.z, touching, to + 2 * count);
+}
+
+/// A law with all that a sweep asks of it at once; one for all lanes, or one for each.
+template <bool has_friction, bool has_rolling, template <class> class NormalOf, class Number>
+struct ContactModel {
+  using Normal = NormalOf<Number>;
+  static constexpr bool frictional = has_friction, rolling = has_rolling, uniform = true;
+  LawConstants<Number> law;
+  Normal normal;
+  bool cohesive;  ///< somebody is
+  double h;       ///< s
+
+  ContactModel(const LawConstants<Number>& of, bool any_cohesion, double step)
+      : law(of), normal(of), cohesive(any_cohesion), h(step) {}
+
+  /// The model of eight pairs, whichever they are.
+  template <class Pair>
+  const ContactModel& of(Pair&&) const {
+    return *this;
+  }
+
+  /// Bodies touch where they overlap; where the law sticks, once they have until the neck ends.
+  LaneMask touches(const Lanes& overlap, const Lanes& radius, unsigned before) const {
+    LaneMask mask = overlap > 0.0;
+    if constexpr (Normal::sticks)
+      if (before != 0) mask |= mask_of_bits(before) & (overlap > normal.end_overlap(radius));
+    return mask;
+  }
+
+  /// The force where bodies touch, attraction alone where they are within its range. `before` are
+  /// the lanes that touched a step ago.
+  ContactForce operator()(ContactLanes& c, const LaneMask& touching, unsigned before,
+                          SpringLanes& spring) const {
+    const LaneMask attracts = c.overlap > -law.cohesion_range;
+    c.overlap = select(touching, c.overlap, Lanes{});
+    ContactForce f = contact_force<frictional, rolling>(normal, law, c, h, spring);
+    f.force = only(touching, f.force);
+    f.power = select(touching, f.power, Lanes{});
+    if (cohesive) {
+      const Lanes pull = select(attracts & ~touching, lanes_of(-law.cohesion), Lanes{});
+      f.force = f.force + pull * c.normal;
+    }
+    if constexpr (frictional) {
+      f.lever = only(touching, f.lever);
+      spring.sliding = only(touching, spring.sliding);
+    }
+    if constexpr (rolling) {
+      f.rolling = only(touching, f.rolling);
+      spring.rolling = only(touching, spring.rolling);
+    }
+    if constexpr (Normal::sticks) {
+      // A neck forms and parts at once: what the energy jumps by is lost.
+      const unsigned now = bits_of_mask(touching);
+      if (now != before) {
+        const Lanes formed =
+            select(mask_of_bits(now & ~before), -normal.energy_at_start(c.radius), Lanes{});
+        const Lanes parted =
+            select(mask_of_bits(before & ~now), normal.energy_at_end(c.radius), Lanes{});
+        f.power += (formed + parted) / h;
+      }
+    }
+    return f;
+  }
+
+  /// J, elastic; attraction within its range included.
+  Lanes energy(const Lanes& overlap, const Lanes& radius, unsigned before) const {
+    const LaneMask touching = touches(overlap, radius, before);
+    const Lanes within = overlap + law.cohesion_range;
+    Lanes elastic =
+        select(touching, normal.energy(select(touching, overlap, Lanes{}), radius), Lanes{});
+    if constexpr (Normal::sticks) {
+      // What the next force will book as lost is still there.
+      const LaneMask touched = mask_of_bits(before);
+      elastic -= select(touching & ~touched, normal.energy_at_start(radius), Lanes{});
+      elastic += select(touched & ~touching, normal.energy_at_end(radius), Lanes{});
+    }
+    return elastic - select(within > 0.0, law.cohesion * within, Lanes{});
+  }
+};
+
+/// Laws by pair of materials, looked up for each lane. Friction is everywhere, if only of none.
+template <bool has_rolling, template <class> class NormalOf>
+struct ContactModels {
+  using Model = ContactModel<true, has_rolling, NormalOf, Lanes>;
+  using Normal = typename Model::Normal;
+  static constexpr bool frictional = true, rolling = has_rolling, uniform = false;
+  const ByPair<PenaltyLaw>& laws;
+  bool cohesive;
+  double h;  ///< s
+
+  /// `pair(l)`: the materials of lane l.
+  template <class Pair>
+  Model of(Pair&& pair) const {
+    constexpr std::size_t count = sizeof(LawConstants<double>) / sizeof(double);
+    std::array<Lanes, count> lanes;
+    for (std::size_t l = 0; l < lane_count; ++l) {
+      const auto [a, b] = pair(l);
+      const LawConstants<double>& law = laws(a, b);
+      const auto row = std::bit_cast<std::array<double, count>>(law);
+      for (std::size_t k = 0; k < count; ++k) lanes[k][l] = row[k];
+    }
+    return Model(std::bit_cast<LawConstants<Lanes>>(lanes), cohesive, h);
+  }
+};
+
+/// Calls `f` with the model of the laws.
+template <template <class> class NormalOf, class F>
+auto with_normal_law(const ByPair<PenaltyLaw>& laws, double h, F&& f) {
+  bool friction = false, cohesion = false;
+  laws.for_each([&](const PenaltyLaw& law) {
+    friction |= law.friction > 0;
+    cohesion |= law.cohesion > 0;
+  });
+  const bool rolling = resists_rolling(laws);
+  if (!laws.uniform()) {
+    if (!rolling) return f(ContactModels<false, NormalOf>{laws, cohesion, h});
+    return f(ContactModels<true, NormalOf>{laws, cohesion, h});
+  }
+  const PenaltyLaw& law = laws.common();
+  if (!friction) return f(ContactModel<false, false, NormalOf, double>(law, cohesion, h));
+  if (!rolling) return f(ContactModel<true, false, NormalOf, double>(law, cohesion, h));
+  return f(ContactModel<true, true, NormalOf, double>(law, cohesion, h));
+}
+template <class F>
+auto with_contact_model(const ByPair<PenaltyLaw>& laws, double h, F&& f) {
+  const PenaltyLaw& common = laws.common();
+  if (common.model == PenaltyModel::hooke) return with_normal_law<HookeLanes>(laws, h, f);
+  switch (common.adhesion) {
+    case Adhesion::none:
+      return with_normal_law<PlainHertzLanes>(laws, h, f);
+    case Adhesion::dmt:
+      return with_normal_law<DmtLanes>(laws, h, f);
+    case Adhesion::jkr:
+      return with_normal_law<JkrLanes>(laws, h, f);
+  }
+  __builtin_unreachable();
+}
+
+/// Of the bodies whose rows begin at these places.
+inline auto materials_of(const Bodies& bodies, const Index* own, const Index* partners) {
+  return [=, of = bodies.material.data()](std::size_t l) {
+    return std::array{of[own[l] / doubles_a_row], of[partners[l] / doubles_a_row]};
+  };
+}
+
+/// Asks for the bodies of the next window's pairs, a slot of them with each slot of this one: the
+/// processor itself looks ahead only a few slots, far less than memory takes to answer.
+class BodiesAhead {
+ public:
+  BodiesAhead(const NearWindow& next, const Bodies& bodies, const ForceRow* rows)
+      : at_(next.partners.data()),
+        end_(at_ + next.partners.size()),
+        position_(bodies.position.data()),
+        velocity_(bodies.velocity.data()),
+        spin_(bodies.angular_velocity.data()),
+        rows_(rows) {}
+  void ask_for_slot() {
+    if (at_ == end_) return;
+    for (std::size_t l = 0; l < lane_count; ++l) {
+      const Index row = at_[l] / doubles_a_row;
+      __builtin_prefetch(position_ + row);
+      __builtin_prefetch(velocity_ + row);
+      __builtin_prefetch(spin_ + row);
+      __builtin_prefetch(rows_ + row, 1);
+    }
+    at_ += lane_count;
+  }
+
+ private:
+  const Index* at_;
+  const Index* end_;
+  const Vec3* position_;
+  const Vec3* velocity_;
+  const Vec3* spin_;
+  const ForceRow* rows_;
+};
+
+/// Adds the forces of all pairs to the rows and steps their springs; `gap` (m) is the widest at
+/// which bodies act on each other. Calls `finish(body)` for each body of a window once nothing will
+/// be added to its row and none of its fields will be asked for again. The forces of ghosts mean
+/// nothing. `equal`: all bodies have the size and mass of the first, which is then read once.
+template <bool equal, class Model, class Finish>
+[[gnu::flatten]] void sweep_contacts(const Bodies& bodies, const Model& model, double gap,
+                                     const std::vector<NearWindow>& windows,
+                                     std::vector<WindowSprings>& springs, ForceRow* rows,
+                                     Finish&& finish) {
+  double* const forces = reinterpret_cast<double*>(rows);
+  const auto number = [](const std::vector<double>& of, const Index* at) {
+    return equal ? spread(of[0]) : gather_body_numbers(of, at);
+  };
+  const auto inverse_mass = [&](const Index* at) -> Lanes { return 1.0 / number(bodies.mass, at); };
+  for (std::size_t w = 0; w < windows.size(); ++w) {
+    const NearWindow& window = windows[w];
+    BodiesAhead ahead(windows[std::min(w + 1, windows.size() - 1)], bodies, rows);
+    WindowSprings& kept = springs[w];
+    const Index* partners = window.partners.data();
+    std::size_t slot = 0, at = 0;  // of the springs
+    for (std::size_t g = 0; g < window.slots.size(); ++g) {
+      const Index* own = window.rows.data() + g * lane_count;
+      const LaneVectors xi = gather_body_vectors(bodies.position, own);
+      const LaneVectors vi = gather_body_vectors(bodies.velocity, own);
+      const Lanes ri = number(bodies.radius, own), wi = inverse_mass(own);
+      LaneVectors spin_i{}, surface_i{};
+      if constexpr (Model::frictional) {
+        spin_i = gather_body_vectors(bodies.angular_velocity, own);
+        surface_i = ri * spin_i;
+      }
+      LaneVectors force{}, lever{}, roll{};
+      Lanes power{};
+      for (Index s = 0; s < window.slots[g]; ++s, ++slot, partners += lane_count) {
+        ahead.ask_for_slot();
+        const LaneVectors apart = gather_body_vectors(bodies.position, partners) - xi;
+        const Lanes rj = number(bodies.radius, partners);
+        const Lanes r2 = dot(apart, apart), radii = ri + rj, reach = radii + gap;
+        const unsigned before = kept.touching[slot];
+        // A row that is its own partner, in a slot that it does not need, is at distance 0.
+        const LaneMask near = (r2 < reach * reach) & (r2 > 0.0);
+        if (!any_lane(near) && before == 0) continue;
+        ContactLanes c;
+        const Lanes inverse = inverse_sqrt(r2), distance = r2 * inverse;
+        const Lanes inverse_radii = 1.0 / radii;
+        c.normal = inverse * apart;
+        c.overlap = select(near, radii - distance, spread(-infinity));
+        c.radius = ri * rj * inverse_radii;
+        c.inverse_mass = wi + inverse_mass(partners);
+        c.kappa = distance * inverse_radii;
+        c.velocity = gather_body_vectors(bodies.velocity, partners) - vi;
+        SpringLanes spring;
+        if constexpr (Model::frictional) {
+          const LaneVectors spin_j = gather_body_vectors(bodies.angular_velocity, partners);
+          c.surface = surface_i + rj * spin_j;
+          c.twist = 0.5 * dot(spin_i + spin_j, c.normal);
+          spring.sliding = load_springs(kept.sliding.data() + at, before);
+          if constexpr (Model::rolling) {
+            c.rolling = spin_j - spin_i;
+            spring.rolling = load_springs(kept.rolling.data() + at, before);
+          }
+        }
+        // Two bodies that never move do nothing to each other.
+        const auto& law = model.of(materials_of(bodies, own, partners));
+        const LaneMask touching = law.touches(c.overlap, c.radius, before) & (c.inverse_mass > 0.0);
+        const ContactForce f = law(c, touching, before, spring);
+        const unsigned now = bits_of_mask(touching);
+        if (now != before) set_touching(kept, slot, at, now, Model::rolling);
+        force = force + f.force;
+        power += f.power;
+        add_lanes(f.force, 0.5 * f.power, partners, forces);
+        if constexpr (Model::frictional) {
+          store_springs(spring.sliding, now, kept.sliding.data() + at);
+          LaneVectors torque = rj * f.lever;
+          lever = lever + f.lever;
+          if constexpr (Model::rolling) {
+            store_springs(spring.rolling, now, kept.rolling.data() + at);
+            torque = torque + f.rolling;
+            roll = roll + f.rolling;
+          }
+          add_lanes(torque, Lanes{}, partners, forces + 4);
+        }
+        at += 3 * std::popcount(now);
+      }
+      add_lanes(spread(-1) * force, 0.5 * power, own, forces);
+      if constexpr (Model::frictional) add_lanes(ri * lever - roll, Lanes{}, own, forces + 4);
+    }
+    for (Index r = 0; r < window.count; ++r) finish(window.rows[r] / doubles_a_row);
+  }
+}
+
+/// J, elastic, of all pairs; those with a ghost count half, as both ranks have them.
+template <class Model>
+double sweep_contact_energy(const Bodies& bodies, const Model& model, double gap,
+                            const std::vector<NearWindow>& windows,
+                            const std::vector<WindowSprings>& springs) {
+  double energy = 0;
+  for (std::size_t w = 0; w < windows.size(); ++w) {
+    const NearWindow& window = windows[w];
+    const Index* partners = window.partners.data();
+    std::size_t slot = 0;
+    for (std::size_t g = 0; g < window.slots.size(); ++g) {
+      const Index* own = window.rows.data() + g * lane_count;
+      const LaneVectors xi = gather_body_vectors(bodies.position, own);
+      const Lanes ri = gather_body_numbers(bodies.radius, own);
+      for (Index s = 0; s < window.slots[g]; ++s, ++slot, partners += lane_count) {
+        const LaneVectors apart = gather_body_vectors(bodies.position, partners) - xi;
+        const Lanes rj = gather_body_numbers(bodies.radius, partners);
+        const Lanes r2 = dot(apart, apart), radii = ri + rj, reach = radii + gap;
+        const LaneMask near = (r2 < reach * reach) & (r2 > 0.0);
+        if (!any_lane(near)) continue;
+        Lanes share;
+        for (std::size_t l = 0; l < lane_count; ++l)
+          share[l] = partners[l] / doubles_a_row < bodies.owned ? 1 : 0.5;
+        const Lanes u = model.of(materials_of(bodies, own, partners))
+                            .energy(select(near, radii - root_of(r2), spread(-gap)),
+                                    ri * rj / radii, springs[w].touching[slot]);
+        energy += sum_of_lanes(select(near, share * u, Lanes{}));
+      }
+    }
+  }
+  return energy;
+}
+
+}  // namespace spall

@@ -1,0 +1,210 @@
+// Springs go by the ids of their bodies from one search to the next, whatever the rows are then.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "penalty/touch_pairs.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <functional>
+
+#include "pairs/recall.hpp"
+#include "spall/error.hpp"
+#include "spall/lanes.hpp"
+
+namespace spall {
+namespace {
+
+constexpr double slot_work = 0.3;  // of a pair, beside that of a body
+
+Index row_of(Index place) {
+  return place / doubles_a_row;
+}
+
+/// Calls `f(row, partner, sliding, rolling)` for every touching pair of a window.
+template <class F>
+void for_each_touching(const NearWindow& window, const WindowSprings& springs, F&& f) {
+  std::size_t at = 0;
+  for_each_slot(window, [&](std::size_t slot, const Index* own, const Index* partners) {
+    const unsigned lanes = springs.touching[slot];
+    const int count = std::popcount(lanes);
+    for (unsigned left = lanes; left != 0; left &= left - 1, ++at) {
+      const int l = std::countr_zero(left);
+      const auto spring = [&](const std::vector<double>& of) -> Vec3 {
+        if (of.empty()) return Vec3::Zero();
+        return {of[at], of[at + count], of[at + 2 * count]};
+      };
+      f(row_of(own[l]), row_of(partners[l]), spring(springs.sliding), spring(springs.rolling));
+    }
+    at += 2 * count;
+  });
+}
+template <class F>
+void for_each_touching(const TouchPairs& touch, F&& f) {
+  for (std::size_t w = 0; w < touch.windows.size(); ++w)
+    for_each_touching(touch.windows[w], touch.springs[w], f);
+}
+
+/// What a contact remembered, seen from one of its bodies.
+struct Found {
+  bool touching = false;
+  Vec3 sliding = Vec3::Zero(), rolling = Vec3::Zero();
+};
+
+/// The springs that were kept.
+class Kept {
+ public:
+  Kept(const Bodies& bodies, const ContactMemory& memory)
+      : bodies_(bodies), memory_(memory), recall_(bodies, memory) {}
+
+  Found of_pair(Index i, Index j) const {
+    return found(recall_.of_pair(i, j), bodies_.id[i] < bodies_.id[j] ? 1 : -1);
+  }
+  Found of_wall(Index row, std::int32_t wall) const { return found(recall_.of_wall(row, wall), 1); }
+
+ private:
+  /// Sliding has the other sign from the other body.
+  Found found(Index m, double sign) const {
+    if (m < 0) return {};
+    return {true, sign * memory_.impulse[m], memory_.rolling_of(m)};
+  }
+
+  const Bodies& bodies_;
+  const ContactMemory& memory_;
+  Recall recall_;
+};
+
+void recall_springs(const Kept& kept, bool rolling, TouchPairs& touch) {
+  touch.springs.resize(touch.windows.size());
+  std::vector<double> slides, rolls;
+  for (std::size_t w = 0; w < touch.windows.size(); ++w) {
+    WindowSprings& springs = touch.springs[w];
+    springs.touching.reserve(touch.windows[w].partners.size() / lane_count);
+    slides.clear();
+    rolls.clear();
+    for_each_slot(touch.windows[w], [&](std::size_t, const Index* own, const Index* partners) {
+      std::array<Found, lane_count> found;
+      unsigned lanes = 0;
+      for (std::size_t l = 0; l < lane_count; ++l) {
+        if (partners[l] == own[l]) continue;
+        found[l] = kept.of_pair(row_of(own[l]), row_of(partners[l]));
+        if (found[l].touching) lanes |= 1u << l;
+      }
+      springs.touching.push_back(static_cast<std::uint8_t>(lanes));
+      for (int k = 0; k < 3; ++k)
+        for (const Found& one : found) {
+          if (!one.touching) continue;
+          slides.push_back(one.sliding[k]);
+          if (rolling) rolls.push_back(one.rolling[k]);
+        }
+    });
+    springs.sliding = slides;
+    springs.rolling = rolls;
+  }
+}
+
+void find_walls(const Bodies& bodies, const Walls& walls, double reach, const Kept& kept,
+                std::vector<WallTouch>& touches) {
+  touches.clear();
+  for (Index b = 0; b < bodies.owned; ++b)
+    for (std::size_t w = 0; w < walls.size(); ++w) {
+      if (face_of(walls, w, bodies.position[b]).height > bodies.radius[b] + reach) continue;
+      const auto wall = static_cast<std::int32_t>(w);
+      const Found found = kept.of_wall(b, wall);
+      touches.push_back({b, wall, found.touching, found.sliding, found.rolling});
+    }
+}
+
+}  // namespace
+
+void set_touching(WindowSprings& springs, std::size_t slot, std::size_t at, unsigned touching,
+                  bool rolling) {
+  const int before = 3 * std::popcount(unsigned{springs.touching[slot]});
+  const int now = 3 * std::popcount(touching);
+  const auto make_room = [&](std::vector<double>& of) {
+    const auto place = of.begin() + static_cast<std::ptrdiff_t>(at);
+    if (now <= before) {
+      of.erase(place, place + (before - now));
+      return;
+    }
+    const std::size_t size = of.size() + (now - before);
+    // A vector's own growth would take twice the memory.
+    if (size > of.capacity()) of.reserve(size + size / 16);
+    of.insert(of.begin() + static_cast<std::ptrdiff_t>(at), now - before, 0.0);
+  };
+  make_room(springs.sliding);
+  if (rolling) make_room(springs.rolling);
+  springs.touching[slot] = static_cast<std::uint8_t>(touching);
+}
+
+ContactMemory remember(const Bodies& bodies, const TouchPairs& touch, bool once) {
+  ContactMemory memory;
+  for_each_touching(touch, [&](Index a, Index b, const Vec3& sliding, const Vec3& rolling) {
+    const BodyId i = bodies.id[a], j = bodies.id[b];
+    if (i < j)
+      memory.add(i, j, sliding, rolling);
+    else if (!once || b < bodies.owned)
+      memory.add(j, i, -sliding, rolling);
+  });
+  for (const WallTouch& t : touch.walls)
+    if (t.touching) memory.add(bodies.id[t.row], -1 - t.wall, t.sliding, t.rolling);
+  memory.add(touch.carried);
+  return memory;
+}
+
+std::int64_t count_touching(const Bodies& bodies, const TouchPairs& touch) {
+  std::int64_t count = 0;
+  for_each_touching(touch, [&](Index i, Index j, const Vec3&, const Vec3&) {
+    count += j < bodies.owned || bodies.id[i] < bodies.id[j];
+  });
+  return count + std::count_if(touch.walls.begin(), touch.walls.end(),
+                               [](const WallTouch& t) { return t.touching; });
+}
+
+void find_touch_pairs(const Comm& comm, Bodies& bodies, const Walls& walls, const Period& period,
+                      const TouchRange& range, const ContactMemory& memory, TouchPairs& touch) {
+  const double slack = range.gap + range.skin;
+  double largest = 0;
+  for (Index b = 0; b < bodies.owned; ++b) largest = std::max(largest, bodies.radius[b]);
+  const double reach = 2 * comm.max(largest) + slack;
+  for (int k = 0; k < 3; ++k)
+    require(
+        period.size[k] == 0 || period.size[k] >= 2 * reach,
+        "periodic.size: {:g} m in direction {} is less than twice {:.4g} m, the reach of a body: "
+        "it would meet two images of another",
+        period.size[k], "xyz"[k], reach);
+  {
+    std::vector<double> reaches(bodies.owned, slack / 2);
+    find_ghosts(comm, bodies, period, reaches, touch);
+  }
+  find_near_pairs(bodies, {.common = slack / 2, .skin = range.skin}, touch.windows);
+  const Kept kept(bodies, memory);
+  recall_springs(kept, range.rolling, touch);
+  find_walls(bodies, walls, slack, kept, touch.walls);
+  const auto all_equal = [](const std::vector<double>& values) {
+    return std::adjacent_find(values.begin(), values.end(), std::not_equal_to<>()) == values.end();
+  };
+  touch.equal = all_equal(bodies.radius) && all_equal(bodies.mass);
+  touch.gap = range.gap;
+  touch.reach = 2 * range.ordinary + range.gap;
+  touch.skin = range.skin;
+  book_search(comm, touch);
+}
+
+void search_touch_pairs(const Comm& comm, Bodies& bodies, const Walls& walls, const Period& period,
+                        const TouchRange& range, TouchPairs& touch) {
+  const auto keep = [&](bool cut) {
+    ContactMemory memory = remember(bodies, touch, cut);
+    // What comes needs the memory.
+    touch.carried = {};
+    touch.springs.clear();
+    touch.windows.clear();
+    return memory;
+  };
+  search_anew(
+      comm, bodies, touch, [&] { return work_of(bodies, touch, slot_work); }, keep,
+      [&](const ContactMemory& memory) {
+        find_touch_pairs(comm, bodies, walls, period, range, memory, touch);
+      });
+}
+
+}  // namespace spall

@@ -1,0 +1,436 @@
+// Drift h/2, forces, kick h, drift h/2; where nothing is asked for in between, the drifts of two
+// steps, each rounded as if alone, follow on the kick while the body is in the cache.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "potential/step.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "base/kernels.hpp"
+#include "pairs/flight.hpp"
+#include "potential/laws.hpp"
+#include "spall/error.hpp"
+
+namespace spall {
+namespace {
+
+/// Rounded once, whatever stands around it: a compiler may fuse a product and a sum or not.
+void drift(PairRow& row, const RowHalf& velocity, double h) {
+  row.place = multiply_add(h, RowHalf{velocity[0], velocity[1], velocity[2], 0}, row.place);
+}
+
+bool is_damped(const ByPair<PairPotential>& laws) {
+  return laws.any([](const PairPotential& p) { return p.damping > 0; });
+}
+bool has_embedding(const ByPair<PairPotential>& laws) {
+  return laws.any([](const PairPotential& p) { return p.embedding.bulk_modulus > 0; });
+}
+
+void fill_rows(const World& world, Potential& engine) {
+  const Bodies& bodies = world.bodies;
+  engine.rows.resize(bodies.size());
+  for (Index b = 0; b < bodies.size(); ++b)
+    engine.rows[b] = {half_row(bodies.position[b], 1 / bodies.mass[b]), RowHalf{}};
+  if (!is_damped(engine.law)) return;
+  engine.ahead.resize(bodies.size());
+  for (Index b = 0; b < bodies.size(); ++b)
+    engine.ahead[b] = bodies.velocity[b] + bodies.kick[b] / 2;
+}
+
+void take_rows(World& world, const Potential& engine) {
+  Bodies& bodies = world.bodies;
+  for (Index b = 0; b < bodies.owned; ++b) bodies.position[b] = vector_of(engine.rows[b].place);
+  if (!is_damped(engine.law)) return;
+  for (Index b = 0; b < bodies.owned; ++b)
+    bodies.kick[b] = 2 * (engine.ahead[b] - bodies.velocity[b]);
+}
+
+/// m, up to which two bodies may act on each other.
+double reach_of(const ByPair<PairPotential>& laws) {
+  const double crowding = has_embedding(laws) ? crowding_reach : 0;
+  double reach = 0;
+  laws.for_each([&](const PairPotential& p) {
+    reach = std::max({reach, p.cutoff, crowding * p.distance});
+  });
+  return reach;
+}
+
+/// Where bonds break, bodies of one group are bound, or of two where the law says so.
+BondReach bonds_to_make(const World& world, const ByPair<PairPotential>& laws) {
+  if (!laws.any([](const PairPotential& p) { return p.breaking_strain > 0; })) return {};
+  return [&](Index i, Index j) {
+    const Bodies& bodies = world.bodies;
+    const PairPotential& p = laws(bodies.material[i], bodies.material[j]);
+    const bool may = p.bonds_groups || bodies.group[i] == bodies.group[j];
+    return p.breaking_strain > 0 && may ? p.cutoff : 0.0;
+  };
+}
+
+/// Makes pairs and ghosts current for forces at the present positions.
+void update_pairs(World& world, Potential& engine, bool velocities) {
+  StageTimer timer(world.times, "neighbours");
+  NearPairs& near = engine.near;
+  if (near.skin > 0 && near.moved > near.skin) {
+    std::vector<Vec3> displacement(near.found_at.size());
+    for (std::size_t b = 0; b < displacement.size(); ++b)
+      displacement[b] = vector_of(engine.rows[b].place) - near.found_at[b];
+    near.moved = near.cells.approach(world.comm, near.reach + near.skin, displacement);
+  }
+  if (near.skin == 0 || near.moved > near.skin) {
+    double spacing = 0;
+    engine.law.for_each([&](const PairPotential& p) { spacing = std::max(spacing, p.distance); });
+    const SkinRange skins{
+        .length = spacing, .first = 0.3, .least = 0.1, .step = 0.05, .most = 1.5, .search = 120};
+    const double skin = best_skin(world.comm, world.bodies, near, skins);
+    take_rows(world, engine);
+    search_near_pairs(world.comm, world.bodies, reach_of(engine.law), skin,
+                      bonds_to_make(world, engine.law), near);
+    fill_rows(world, engine);
+    return;
+  }
+  ++near.steps;
+  // Forces are zero between sweeps, and so those of ghosts become zero again.
+  double* const rows = reinterpret_cast<double*>(engine.rows.data());
+  near.ghosts.gather_begin(rows, doubles_a_row);
+  if (velocities) near.ghosts.gather(flat(engine.ahead), 3);
+  near.ghosts.gather_end(rows, doubles_a_row);
+}
+
+/// kg, of the lightest body of each material over all ranks; 0 without any. Collective.
+std::vector<double> lightest_bodies(const World& world, int materials) {
+  const Bodies& bodies = world.bodies;
+  std::vector<double> lightest;
+  for (int m = 0; m < materials; ++m) {
+    double mass = infinity, present = 0;
+    for (Index b = 0; b < bodies.owned; ++b)
+      if (bodies.material[b] == m) {
+        mass = std::min(mass, bodies.mass[b]);
+        present = 1;
+      }
+    mass = world.comm.min(mass);
+    lightest.push_back(world.comm.max(present) > 0 ? mass : 0);
+  }
+  return lightest;
+}
+/// The same of all bodies. Collective.
+double lightest_body(const World& world) {
+  const auto& mass = world.bodies.mass;
+  return world.comm.min(std::accumulate(mass.begin(), mass.begin() + world.bodies.owned, infinity,
+                                        [](double a, double b) { return std::min(a, b); }));
+}
+
+/// kg/s, c of the force -c u_n along the line of the centres that damps a pair. Collective.
+ByPair<double> damping_of(const World& world, const ByPair<PairPotential>& laws) {
+  if (!is_damped(laws)) return 0.0;
+  require(world.bodies.has(Field::heat) && world.bodies.has(Field::kick),
+          "damping needs fields that the bodies were made without");
+  const auto c = [](const PairPotential& p, double mass) {
+    return p.damping * std::sqrt(2 * stiffness(p) * mass);
+  };
+  if (laws.uniform()) return c(laws.common(), lightest_body(world));
+  ByPair<double> of_pairs(laws.materials(), 0);
+  const std::vector<double> lightest = lightest_bodies(world, laws.materials());
+  for (int a = 0; a < laws.materials(); ++a)
+    for (int b = 0; b <= a; ++b) {
+      const double mass = std::min(lightest[a], lightest[b]);
+      if (laws(a, b).given() && std::isfinite(mass)) of_pairs.set(a, b, c(laws(a, b), mass));
+    }
+  return of_pairs;
+}
+
+/// Calls `f` with the terms that sweeps go over pairs with.
+template <class F>
+auto with_terms(const World& world, const Potential& engine, const ByPair<double>& damping, F&& f) {
+  if (engine.law.uniform()) {
+    const PairPotential& p = engine.law.common();
+    return with_law(p, [&](const auto& law) { return f(OneLaw(p, law, damping.common())); });
+  }
+  const LawTable table(engine.law, damping);
+  const std::int32_t* material = world.bodies.material.data();
+  return engine.near.bonds_break ? f(MixedLaws<true>(table, material))
+                                 : f(MixedLaws<false>(table, material));
+}
+
+/// The embedding of each material's own law.
+class Embeddings {
+ public:
+  explicit Embeddings(const ByPair<PairPotential>& laws) {
+    if (!has_embedding(laws)) return;
+    for (int m = 0; m < std::max(1, laws.materials()); ++m) {
+      const PairPotential& own = laws(m, m);
+      of_materials_.emplace_back();
+      if (own.embedding.bulk_modulus > 0) of_materials_.back().emplace(own);
+    }
+  }
+  bool any() const { return !of_materials_.empty(); }
+  /// Null where pairs are all there is.
+  const EmbeddingLaw* of(std::int32_t material) const {
+    const auto m = of_materials_.size() == 1 ? 0 : static_cast<std::size_t>(material);
+    return of_materials_[m] ? &*of_materials_[m] : nullptr;
+  }
+
+ private:
+  std::vector<std::optional<EmbeddingLaw>> of_materials_;  // one: of all
+};
+
+/// The crowding of the owned bodies at the present positions.
+void measure_crowding(const World& world, Potential& engine) {
+  engine.crowding.assign(engine.rows.size(), 0.0);
+  const auto sweep = [&](const auto& terms) {
+    sweep_crowding(engine.near.windows, terms, engine.rows.data(), engine.crowding.data());
+  };
+  if (engine.law.uniform())
+    sweep(OneCrowding(crowding_reach * engine.law.common().distance));
+  else
+    with_terms(world, engine, 0.0, sweep);
+}
+
+/// What bodies press with at the present positions; ghosts learn it from their ranks.
+void update_pushes(World& world, Potential& engine, const Embeddings& laws) {
+  StageTimer timer(world.times, "forces");
+  measure_crowding(world, engine);
+  const Bodies& bodies = world.bodies;
+  engine.pushes.resize(bodies.size());
+  const bool damped = is_damped(engine.law);  // or heat's work would not be booked
+  for (Index b = 0; b < bodies.owned; ++b) {
+    const EmbeddingLaw* law = laws.of(bodies.material[b]);
+    engine.pushes[b] = {};
+    if (!law) continue;
+    const double volume = law->volume(bodies.mass[b]);
+    const double heat = damped ? bodies.heat[b] / volume : 0;
+    const auto [all, hot] = law->push(engine.crowding[b], heat);
+    engine.pushes[b] = {volume * all, volume * hot};
+  }
+  engine.near.ghosts.gather(reinterpret_cast<double*>(engine.pushes.data()), doubles_a_push);
+}
+
+/// Forces at the present positions, the kick by them over `h`, and drifts over two times, of which
+/// the second may be none.
+Box kick_and_drift(World& world, Potential& engine, const ByPair<double>& damping, double h,
+                   double first, double second) {
+  StageTimer timer(world.times, "forces");
+  PairRow* const rows = engine.rows.data();
+  Vec3* const velocity = world.bodies.velocity.data();
+  Vec3* const ahead = engine.ahead.data();
+  double* const heat = world.bodies.heat.data();
+  const bool is_damped = spall::is_damped(engine.law), is_embedded = has_embedding(engine.law);
+  Box box;
+  double taken = 0;
+  const auto finish = [&, damped = is_damped](Index b) {
+    PairRow& row = rows[b];
+    const RowHalf kick = (h * row.place[3]) * row.force;
+    const RowHalf v = half_row(velocity[b], 0) + kick;
+    velocity[b] = vector_of(v);
+    drift(row, v, first);
+    if (second != 0) drift(row, v, second);
+    box.add(v);
+    if (damped) {
+      ahead[b] = vector_of(v + 0.5 * kick);
+      heat[b] += h * row.force[3];
+      taken += h * row.force[3];
+    }
+    row.force = RowHalf{};
+  };
+  with_terms(world, engine, damping, [&](const auto& terms) {
+    const double* v = is_damped ? ahead->data() : velocity->data();
+    const auto sweep = [&]<bool damped, bool embedded>() {
+      sweep_pairs<damped, embedded>(engine.near.windows, terms, engine.pushes.data(), v, rows,
+                                    finish);
+    };
+    if (is_embedded)
+      is_damped ? sweep.template operator()<true, true>()
+                : sweep.template operator()<false, true>();
+    else
+      is_damped ? sweep.template operator()<true, false>()
+                : sweep.template operator()<false, false>();
+  });
+  world.ledger.dissipated += taken;
+  return box;
+}
+
+/// What `smooth_steps` asks of forces.
+class Motion {
+ public:
+  Motion(World& world, Potential& engine)
+      : world_(world),
+        engine_(engine),
+        damping_(damping_of(world, engine.law)),
+        is_damped_(is_damped(engine.law)),
+        embeddings_(engine.law) {}
+
+  void begin(double) {
+    velocities_ = velocities_of(world_.bodies);
+    fill_rows(world_, engine_);
+  }
+  void drift(double t) {
+    book_motion(world_.comm, velocities_, t, engine_.near);
+    for (Index b = 0; b < world_.bodies.owned; ++b)
+      spall::drift(engine_.rows[b], half_row(world_.bodies.velocity[b], 0), t);
+  }
+  void kick(double h, double first, double second) {
+    if (!world_.own_forces.empty()) kick_by_program(h);
+    update_pairs(world_, engine_, is_damped_);
+    if (embeddings_.any()) update_pushes(world_, engine_, embeddings_);
+    velocities_ = kick_and_drift(world_, engine_, damping_, h, first, second);
+    book_motion(world_.comm, velocities_, first + second, engine_.near);
+  }
+  void end() { take_rows(world_, engine_); }
+
+ private:
+  void kick_by_program(double h) {
+    take_rows(world_, engine_);
+    kick_by_own_forces(world_, h);
+    if (is_damped_)
+      for (Index b = 0; b < world_.bodies.owned; ++b)
+        engine_.ahead[b] = world_.bodies.velocity[b] + world_.bodies.kick[b] / 2;
+  }
+
+  World& world_;
+  Potential& engine_;
+  ByPair<double> damping_;
+  bool is_damped_;
+  Embeddings embeddings_;
+  Box velocities_;
+};
+
+}  // namespace
+
+/// J on this rank, with pairs and rows as they are.
+SPALL_KERNEL(double, energy_of_pairs, (const World& world, Potential& engine), (world, engine)) {
+  double energy = with_terms(world, engine, 0.0, [&](const auto& terms) {
+    return sweep_energy(engine.near.windows, terms, engine.rows.data(), world.bodies.owned);
+  });
+  const Embeddings laws(engine.law);
+  if (!laws.any()) return energy;
+  measure_crowding(world, engine);
+  for (Index b = 0; b < world.bodies.owned; ++b)
+    if (const EmbeddingLaw* law = laws.of(world.bodies.material[b]))
+      energy += law->volume(world.bodies.mass[b]) * law->energy(engine.crowding[b]);
+  return energy;
+}
+
+SPALL_KERNEL(StepReport, potential_steps,
+             (World & world, Potential& engine, double h, int most_steps),
+             (world, engine, h, most_steps)) {
+  return smooth_steps(world, Motion(world, engine), engine.integrator, h, most_steps);
+}
+
+double potential_energy(World& world, Potential& engine) {
+  fill_rows(world, engine);
+  update_pairs(world, engine, false);
+  return world.comm.sum(energy_of_pairs(world, engine));
+}
+
+double closing_speed(const World& world, const ByPair<PairPotential>& laws) {
+  const Bodies& bodies = world.bodies;
+  const auto owned = [&](const std::vector<Vec3>& field) {
+    return std::span(field.data(), bodies.owned);
+  };
+  const MotionCells cells(world.comm, owned(bodies.position), motion_cell * reach_of(laws));
+  return cells.closing_speed(world.comm, owned(bodies.position), owned(bodies.velocity));
+}
+
+// --- the engine ---
+
+void Potential::check_step(const World& world, double h, const std::string& place) const {
+  const double speed = closing_speed(world, law);
+  if (law.uniform()) return spall::check_step(law.common(), h, lightest_body(world), speed, place);
+  const std::vector<double> lightest = lightest_bodies(world, law.materials());
+  for (int a = 0; a < law.materials(); ++a)
+    for (int b = 0; b <= a; ++b) {
+      if (lightest[a] == 0 || lightest[b] == 0) continue;
+      const std::string pair = names_of_pair(world, b, a);
+      require(law(a, b).given(), "{}: no law is given between {}", place, pair);
+      spall::check_step(law(a, b), h, std::min(lightest[a], lightest[b]), speed,
+                        fmt::format("{}, {}", place, pair));
+    }
+}
+
+StepReport Potential::advance(World& world, const StepRequest& request) {
+  double held = 0;
+  if (request.energy) {
+    fill_rows(world, *this);
+    update_pairs(world, *this, false);
+    held = energy_of_pairs(world, *this);
+  }
+  StepReport report = potential_steps(world, *this, request.h, request.most_steps);
+  report.energy = held;
+  return report;
+}
+
+namespace {
+
+/// Pairs as bodies are now. They are found anew, in a copy with ghosts of its own, so that no body
+/// changes its rank.
+struct Found {
+  World world;
+  Potential engine;
+
+  Found(const World& from, const Potential& of) : world(from), engine(of.law) {
+    resize(world.bodies, world.bodies.owned);
+    find_near_pairs(world.comm, world.bodies, reach_of(engine.law), 0,
+                    bonds_to_make(world, engine.law), bonds_of(from.bodies, of.near), engine.near);
+    fill_rows(world, engine);
+  }
+};
+
+}  // namespace
+
+double Potential::energy(const World& world) const {
+  Found found(world, *this);
+  return world.comm.sum(energy_of_pairs(found.world, found.engine));
+}
+
+PairMemory Potential::remember(const World& world) const {
+  return {.contacts = {}, .bonds = bonds_of(world.bodies, near)};
+}
+
+void Potential::restart_pairs(World& world, PairMemory memory) {
+  resize(world.bodies, world.bodies.owned);
+  near = {};
+  near.bonds = std::move(memory.bonds);
+}
+
+void Potential::measure_fields(World& world) const {
+  measure_damage(world.bodies, near);
+}
+
+namespace {
+
+template <class F>
+void for_each_pair_of(const Found& found, F&& f) {
+  const NearPairs& pairs = found.engine.near;
+  const Bodies& bodies = found.world.bodies;
+  for_each_pair(pairs.windows, [&](std::size_t w, std::size_t slot, std::size_t l, Index i,
+                                   Index j) {
+    const PairPotential& p = found.engine.law(bodies.material[i], bodies.material[j]);
+    const bool bound = p.breaking_strain > 0 ? pairs.windows[w].bound[slot] >> l & 1 : p.attracts();
+    f(i, j, Vec3(bodies.position[j] - bodies.position[i]), bound);
+  });
+}
+
+}  // namespace
+
+void for_each_near_pair(const World& world, const Potential& engine,
+                        const std::function<void(Index, Index, const Vec3&, bool)>& f) {
+  for_each_pair_of(Found(world, engine), f);
+}
+
+/// Neighbours hold together where a bond has any force, at most up to half the way to the second
+/// neighbours of a lattice.
+LinkedBodies Potential::links(const World& world) const {
+  LinkedBodies linked;
+  Found found(world, *this);
+  for_each_pair_of(found, [&](Index i, Index j, const Vec3& x, bool bound) {
+    const PairPotential& p = law(found.world.bodies.material[i], found.world.bodies.material[j]);
+    if (!bound || x.norm() >= std::min(p.cutoff, (1 + std::sqrt(2.0)) / 2 * p.distance)) return;
+    linked.links.i.push_back(i);
+    linked.links.j.push_back(j);
+  });
+  linked.bodies = std::move(found.world.bodies);
+  linked.ghosts = std::move(found.engine.near.ghosts);
+  return linked;
+}
+
+}  // namespace spall

@@ -1,0 +1,27 @@
+// Non-smooth contact as an engine: rigid spheres with impacts, friction and cohesion.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "engine/type.hpp"
+#include "pairs/neighbours.hpp"
+#include "solver/problem.hpp"
+
+namespace spall {
+
+struct Rigid final : Engine {
+  SolverSettings solver;
+  Neighbours neighbours;
+
+  explicit Rigid(const SolverSettings& settings = {}) : solver(settings) {}
+
+  void check_step(const World&, double, const std::string&) const override {}
+  StepReport advance(World& world, const StepRequest& request) override;
+  double energy(const World& world) const override;
+  PairMemory remember(const World& world) const override;
+  void restart_pairs(World& world, PairMemory memory) override;
+  LinkedBodies links(const World& world) const override;
+};
+
+extern const EngineType rigid_engine;
+
+}  // namespace spall

@@ -1,0 +1,74 @@
+// Reads [solver] of a case and of its phases: one line a key.
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+
+#include "rigid/engine.hpp"
+#include "spall/error.hpp"
+
+namespace spall {
+namespace {
+
+using namespace dimension;
+
+void read_solver(Section& in, SolverSettings& settings) {
+  in.take("method", "", settings.method, solver_methods);
+  in.take("friction", "", settings.friction, friction_models);
+  in.take("tolerance", "on the residual, relative to that without impulses", settings.tolerance,
+          positive(number));
+  std::int64_t max_iterations = settings.max_iterations;
+  in.take("max_iterations", "a step", max_iterations, 1);
+  settings.max_iterations = static_cast<int>(std::min<std::int64_t>(max_iterations, 1 << 30));
+  in.take("prox", "eps of the proximal Coulomb problem; 0: none", settings.prox,
+          not_negative(number));
+  in.take("relaxation", "of sor", settings.relaxation, Quantity{number, 0, 2, false});
+}
+
+void read(Section& in, EngineSettings& settings) {
+  SolverSettings solver;
+  in.table("solver", "of contact impulses", [&](Section& s) { read_solver(s, solver); });
+  settings.set(solver);
+}
+
+void read_phase(Section& in, EngineSettings& settings) {
+  auto solver = settings.get<SolverSettings>();
+  in.table("solver", "where it differs from [solver]", [&](Section& s) { read_solver(s, solver); });
+  settings.set(solver);
+}
+
+void check(const Surroundings& around, std::span<const MaterialUse>, const EngineSettings&,
+           const PhaseView& phase) {
+  require(around.cylinders.empty() && !around.period.any(),
+          "{}: [[cylinders]] and [periodic] act in phases of method = \"penalty\" only",
+          phase.place);
+}
+
+FieldSet fields(const Surroundings&, const EngineSettings&) {
+  return {Field::angular_velocity, Field::acceleration};
+}
+
+std::string describe(const Surroundings& around, std::span<const MaterialUse>,
+                     const EngineSettings&) {
+  bool friction = false;
+  around.contact.for_each([&](const ContactLaw& law) { friction |= law.friction > 0; });
+  return friction ? "" : "  no friction: one unknown a contact, no spins change\n";
+}
+
+std::unique_ptr<Engine> make(const EngineSettings& settings) {
+  return std::make_unique<Rigid>(settings.get<SolverSettings>());
+}
+
+}  // namespace
+
+const EngineType rigid_engine{
+    .name = "nonsmooth",
+    .help = "rigid bodies with impacts, Coulomb friction and cohesion; impulses solved for",
+    .deflects = true,
+    .solves = true,
+    .read = read,
+    .read_phase = read_phase,
+    .check = check,
+    .fields = fields,
+    .describe = describe,
+    .make = make};
+
+}  // namespace spall

@@ -1,0 +1,60 @@
+// From pairs to contacts: gaps, normals, and which of them can close within the step.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "pairs/neighbours.hpp"
+#include "rigid/contacts.hpp"
+#include "state/world.hpp"
+
+namespace spall {
+
+/// A contact's geometry; the same bits on every rank that has both bodies.
+struct Separation {
+  Vec3 normal;   ///< from i to j
+  double gap;    ///< m
+  double kappa;  ///< distance of the centres over the sum of radii
+};
+
+/// Spheres at the same centre have no normal: they part along x.
+Separation separation(const Bodies& bodies, const std::vector<Plane>& planes, Index i, Index j,
+                      std::int32_t plane);
+
+/// 1/kg; 0 for a body that never moves.
+inline double inverse_mass(const Bodies& bodies, Index b) {
+  return std::isfinite(bodies.mass[b]) ? 1 / bodies.mass[b] : 0;
+}
+
+/// Of the pair, m; a plane has none.
+inline double smaller_radius(const Bodies& bodies, Index i, Index j) {
+  return j == ground ? bodies.radius[i] : std::min(bodies.radius[i], bodies.radius[j]);
+}
+
+/// Relative velocity of j against i at the contact, u = v_j - v_i - kappa (r_i omega_i + r_j
+/// omega_j) x n, m/s.
+Vec3 contact_velocity(const Bodies& bodies, Index i, Index j, double kappa, const Vec3& normal);
+
+/// All pairs whose gap becomes, within a step `h` (s) of flight at their present velocities, no
+/// wider than the range of cohesion or than `near_contact`. Impulses are the pairs'.
+Contacts find_contacts(const Bodies& bodies, const std::vector<Plane>& planes, const Pairs& pairs,
+                       double h, const ByPair<ContactLaw>& laws);
+
+/// The law of a pair of bodies, or of a body and a plane, which may be of the body's own material.
+inline const ContactLaw& law_of(const ByPair<ContactLaw>& laws, const Bodies& bodies,
+                                const std::vector<Plane>& planes, Index i, Index j,
+                                std::int32_t plane) {
+  const int other = j == ground ? planes[plane].material : bodies.material[j];
+  return laws(bodies.material[i], other == same_material ? bodies.material[i] : other);
+}
+/// The law of contact `c`.
+inline const ContactLaw& law_of(const World& world, const Contacts& contacts, Index c) {
+  return law_of(world.contact, world.bodies, world.planes, contacts.i[c], contacts.j[c],
+                contacts.plane[c]);
+}
+
+/// m, the longest of all pairs of materials.
+double longest_range(const ByPair<ContactLaw>& laws);
+
+}  // namespace spall

@@ -1,0 +1,196 @@
+// A frictionless problem around the overlaps; its impulses never enter the velocities.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rigid/overlap_correction.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "rigid/narrow_phase.hpp"
+#include "solver/problem.hpp"
+
+namespace spall {
+namespace {
+
+// Overlaps are taken apart from twice this part of the smaller radius on, and down to it: contacts
+// that rest stay closed, where a correction to zero would leave gaps to fall through.
+constexpr double tolerated_overlap = 1e-4;
+constexpr double most_correction = 0.1;  // of the smaller radius, in a step
+// Bodies so many contacts away from an overlap do not move for it: a push fades with the square of
+// the distance, and what it closes is the next step's to open.
+constexpr int rings = 6;
+
+/// Per contact: how far (m) the bodies may come nearer until the overlap at the end of a step `h`
+/// is the tolerated one.
+std::vector<double> slack_at_end(const World& world, const Contacts& contacts, double h,
+                                 DriftReport& report) {
+  const Bodies& bodies = world.bodies;
+  std::vector<double> slack(contacts.size());
+  for (Index c = 0; c < contacts.size(); ++c) {
+    const Index i = contacts.i[c], j = contacts.j[c];
+    const Vec3 end_i = bodies.position[i] + h * bodies.velocity[i];
+    double gap;
+    if (j == ground) {
+      const Plane& plane = world.planes[contacts.plane[c]];
+      gap = plane.normal.dot(end_i - plane.point) - bodies.radius[i];
+    } else {
+      gap = (bodies.position[j] + h * bodies.velocity[j] - end_i).norm() - bodies.radius[i] -
+            bodies.radius[j];
+    }
+    const double small = smaller_radius(bodies, i, j);
+    report.overlap = std::max(report.overlap, -gap / small);
+    slack[c] = std::max(gap + tolerated_overlap * small, -most_correction * small);
+  }
+  return slack;
+}
+
+/// Rows within `rings` contacts of one without slack: 1, others 0. Collective.
+std::vector<double> rows_near_overlaps(const Ghosts& ghosts, const Contacts& contacts,
+                                       const std::vector<double>& slack) {
+  std::vector<double> near(static_cast<std::size_t>(ghosts.owned()) + ghosts.ghosts(), 0);
+  const auto mark = [&](auto&& reached) {
+    std::vector<double> next = near;
+    for (Index c = 0; c < contacts.size(); ++c) {
+      const Index i = contacts.i[c], j = contacts.j[c];
+      if (!reached(c, i, j)) continue;
+      next[i] = 1;
+      if (j != ground) next[j] = 1;
+    }
+    near = std::move(next);
+    ghosts.gather(near.data(), 1);
+  };
+  mark([&](Index c, Index, Index) { return slack[c] < 0; });
+  for (int ring = 0; ring < rings; ++ring)
+    mark([&](Index, Index i, Index j) { return near[i] > 0 || (j != ground && near[j] > 0); });
+  return near;
+}
+
+/// The bodies that move out of each other, in rows of their own: owned ones, then ghosts.
+struct Correction {
+  std::vector<Index> row;              ///< in the world
+  std::vector<Index> contact;          ///< in the step's contacts
+  std::vector<VelocityChange> change;  ///< displacement over h, a row each
+  std::vector<Vec3> impulse;           ///< a contact each
+};
+
+Correction correct_overlaps(const World& world, const Ghosts& all, const Contacts& contacts,
+                            double h, DriftReport& report) {
+  Correction correction;
+  const std::vector<double> slack = slack_at_end(world, contacts, h, report);
+  if (!world.comm.any(report.overlap > 2 * tolerated_overlap)) return correction;
+
+  // Rows near overlaps, numbered anew here and, for ghosts, where they are owned.
+  const Bodies& bodies = world.bodies;
+  const auto near = rows_near_overlaps(all, contacts, slack);
+  std::vector<std::array<double, 2>> place(near.size());  // rank and row there
+  std::vector<Index> number(near.size(), -1);
+  std::vector<Origin> origins;
+  const auto take = [&](Index b) {
+    number[b] = static_cast<Index>(correction.row.size());
+    correction.row.push_back(b);
+  };
+  for (Index b = 0; b < all.owned(); ++b) {
+    if (near[b] > 0) take(b);
+    place[b] = {static_cast<double>(world.comm.rank), static_cast<double>(number[b])};
+  }
+  const auto owned = static_cast<Index>(correction.row.size());
+  all.gather(place.data()->data(), 2);
+  for (std::size_t b = all.owned(); b < near.size(); ++b)
+    if (near[b] > 0) {
+      take(static_cast<Index>(b));
+      origins.push_back({static_cast<int>(place[b][0]), static_cast<Index>(place[b][1])});
+    }
+  const Ghosts ghosts(world.comm, owned, origins);
+
+  Index boundary = 0;
+  std::vector<Index> i, j;
+  std::vector<Vec3> normal, free_velocity;
+  for (Index c = 0; c < contacts.size(); ++c) {
+    const Index a = number[contacts.i[c]];
+    const Index b = contacts.j[c] == ground ? ground : number[contacts.j[c]];
+    if (a < 0 || (b < 0 && contacts.j[c] != ground)) continue;
+    correction.contact.push_back(c);
+    i.push_back(a);
+    j.push_back(b);
+    normal.push_back(contacts.normal[c]);
+    free_velocity.push_back(slack[c] / h * contacts.normal[c]);
+    if (c < contacts.boundary) boundary = static_cast<Index>(i.size());
+  }
+  std::vector<double> inverse_masses;
+  for (Index b : correction.row) inverse_masses.push_back(inverse_mass(bodies, b));
+  const std::vector<double> none(i.size(), 0), touching(i.size(), 1);
+  correction.impulse.assign(i.size(), Vec3::Zero());
+  auto result =
+      solve({.dimension = 1,
+             .boundary = boundary,
+             .inverse_mass = inverse_masses,
+             .i = i,
+             .j = j,
+             .normal = normal,
+             .kappa = touching,
+             .free_velocity = free_velocity,
+             .friction = none,
+             .cohesive_impulse = none},
+            ghosts,
+            {.friction = FrictionModel::convex, .tolerance = 0.1, .max_iterations = 50, .prox = 0},
+            correction.impulse);
+  report.products = result.report.products;
+  correction.change = std::move(result.change);
+  return correction;
+}
+
+/// Moving bodies apart by the correction P along n changes angular momentum by h P n x u, with u
+/// their relative velocity: as they move out they must turn slower. The torque t = -h P n x u is
+/// given back at the new positions, n' apart by d', as an impulse pair q = t x n' / d' and, for the
+/// rest along n', in spins. Bodies without relative motion get nothing, however fast they part.
+void keep_angular_momentum(World& world, const Contacts& contacts, const Correction& correction,
+                           double h) {
+  if (correction.row.empty()) return;
+  Bodies& bodies = world.bodies;
+  const auto moves = [&](Index b) { return b < bodies.owned && std::isfinite(bodies.mass[b]); };
+  double gained = 0;
+  for (std::size_t k = 0; k < correction.row.size(); ++k)
+    if (const Index b = correction.row[k]; moves(b))
+      gained -= h * bodies.mass[b] *
+                bodies.acceleration[b].dot(Eigen::Map<const Vec3>(correction.change[k].linear));
+
+  std::vector<Vec3> impulse(bodies.owned, Vec3::Zero()), turn(bodies.owned, Vec3::Zero());
+  for (std::size_t k = 0; k < correction.contact.size(); ++k) {
+    const Index c = correction.contact[k], i = contacts.i[c], j = contacts.j[c];
+    if (correction.impulse[k].isZero(0) || j == ground) continue;
+    const Vec3 u = bodies.velocity[j] - bodies.velocity[i];
+    const Vec3 torque = -h * correction.impulse[k].cross(u);
+    const Vec3 apart = bodies.position[j] - bodies.position[i];
+    const Vec3 q = torque.cross(apart) / apart.squaredNorm();
+    const Vec3 rest = apart.dot(torque) / apart.squaredNorm() * apart;
+    if (moves(i)) impulse[i] -= q;
+    if (moves(j)) impulse[j] += q;
+    for (Index b : {i, j})
+      if (moves(b)) turn[b] += rest / 2;
+  }
+  for (Index b = 0; b < bodies.owned; ++b) {
+    if (!moves(b)) continue;
+    const Vec3 dv = impulse[b] / bodies.mass[b];
+    const Vec3 dw = turn[b] / moment_of_inertia(bodies.mass[b], bodies.radius[b]);
+    gained += impulse[b].dot(bodies.velocity[b] + dv / 2) +
+              turn[b].dot(bodies.angular_velocity[b] + dw / 2);
+    bodies.velocity[b] += dv;
+    bodies.angular_velocity[b] += dw;
+  }
+  world.ledger.corrections += gained;
+}
+
+}  // namespace
+
+DriftReport drift_apart(World& world, const Ghosts& ghosts, const Contacts& contacts, double h) {
+  DriftReport report;
+  Bodies& bodies = world.bodies;
+  const Correction correction = correct_overlaps(world, ghosts, contacts, h, report);
+  for (Index b = 0; b < bodies.size(); ++b) bodies.position[b] += h * bodies.velocity[b];
+  for (std::size_t k = 0; k < correction.row.size(); ++k)
+    bodies.position[correction.row[k]] += h * Eigen::Map<const Vec3>(correction.change[k].linear);
+  keep_angular_momentum(world, contacts, correction, h);
+  return report;
+}
+
+}  // namespace spall

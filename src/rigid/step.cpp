@@ -1,0 +1,206 @@
+// The algorithm, stage by stage; formulas beside their stages.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rigid/step.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "gravity/kick.hpp"
+#include "rigid/narrow_phase.hpp"
+#include "rigid/overlap_correction.hpp"
+#include "spall/error.hpp"
+
+namespace spall {
+namespace {
+
+std::vector<double> inverse_masses(const Bodies& bodies) {
+  std::vector<double> w(bodies.size());
+  for (Index b = 0; b < bodies.size(); ++b) w[b] = inverse_mass(bodies, b);
+  return w;
+}
+
+/// How long of a step `h` a pair with gap `g` that separates at `u` is within `range`.
+double time_in_range(double g, double u, double h, double range) {
+  const double enters = g > range ? (u < 0 ? (range - g) / u : h) : 0;
+  const double leaves = u > 0 ? (range - g) / u : h;
+  return std::clamp(std::min(leaves, h) - enters, 0.0, h);
+}
+
+/// The problem's vectors; `ContactProblem` looks at them.
+struct ProblemData {
+  std::vector<double> inverse_mass;
+  std::vector<Vec3> free_velocity;
+  std::vector<double> friction, cohesive_impulse;
+
+  ContactProblem view(const Contacts& contacts, int dimension) const {
+    return {.dimension = dimension,
+            .boundary = contacts.boundary,
+            .inverse_mass = inverse_mass,
+            .i = contacts.i,
+            .j = contacts.j,
+            .normal = contacts.normal,
+            .kappa = contacts.kappa,
+            .free_velocity = free_velocity,
+            .friction = friction,
+            .cohesive_impulse = cohesive_impulse};
+  }
+};
+
+bool has_cohesion(const World& world) {
+  bool any = false;
+  world.contact.for_each([&](const ContactLaw& law) { any |= law.cohesion > 0; });
+  return any;
+}
+
+bool has_friction(const World& world) {
+  bool any = false;
+  world.contact.for_each([&](const ContactLaw& law) { any |= law.friction > 0; });
+  return any;
+}
+
+/// Signorini with restitution on velocity level: u_n+ >= -g/h before contact, u_n+ >= 0 in it,
+/// u_n+ >= -e u_n- where the pair would close within the step faster than gravity or cohesion alone
+/// can drive a resting contact.
+ProblemData pose(const World& world, const Contacts& contacts, double h) {
+  const Bodies& bodies = world.bodies;
+  ProblemData data;
+  data.inverse_mass = inverse_masses(bodies);
+  data.free_velocity.resize(contacts.size());
+  data.friction.resize(contacts.size());
+  data.cohesive_impulse.assign(contacts.size(), 0);
+  const double driven = world.has_gravity() ? 2 * world.kick.interval * world.kick.largest : 0;
+  for (Index c = 0; c < contacts.size(); ++c) {
+    const Index i = contacts.i[c], j = contacts.j[c];
+    const ContactLaw& law = law_of(world, contacts, c);
+    data.friction[c] = law.friction;
+    const Vec3& n = contacts.normal[c];
+    const double gap = contacts.gap[c];
+    const Vec3 u = contact_velocity(bodies, i, j, contacts.kappa[c], n);
+    const double closing = u.dot(n);
+    const double w = data.inverse_mass[i] + (j == ground ? 0 : data.inverse_mass[j]);
+    double& cohesive = data.cohesive_impulse[c];
+    if (law.cohesion > 0)
+      cohesive = law.cohesion_is_impulse
+                     ? (gap <= law.cohesion_range ? law.cohesion : 0)
+                     : law.cohesion * time_in_range(gap, closing, h, law.cohesion_range);
+    double bias = std::max(gap, 0.0) / h;
+    if (law.restitution > 0 && gap + h * closing < 0 && -closing > driven + 2 * cohesive * w)
+      bias = law.restitution * closing;
+    data.free_velocity[c] = u + bias * n;
+  }
+  return data;
+}
+
+/// Adds the impulses' velocities to all rows; books the work of contacts, cohesion and gravity.
+/// With v the velocity before the kick k and v' after the impulses' dv, the kinetic energy changes
+/// by
+///
+///   m (v' - v).(v' + v)/2 = m k.(v + v')/2 + m dv.(v + v')/2,
+///
+/// so a pile at rest (v = v' = 0) dissipates nothing, whatever its load.
+void kick_by_impulses(World& world, const Contacts& contacts, const ProblemData& data,
+                      const std::vector<VelocityChange>& change, StepReport& report) {
+  Bodies& bodies = world.bodies;
+  const double load = world.has_gravity() ? world.kick.load : 0;
+  std::vector<double> closing_before;
+  const bool cohesive = has_cohesion(world);
+  auto closing = [&](Index c) {
+    const Index i = contacts.i[c], j = contacts.j[c];
+    Vec3 v = -bodies.velocity[i];
+    if (j != ground) v += bodies.velocity[j];
+    return contacts.normal[c].dot(v);
+  };
+  if (cohesive)
+    for (Index c = 0; c < contacts.size(); ++c) {
+      const Index i = contacts.i[c], j = contacts.j[c];
+      Vec3 a = -bodies.acceleration[i];
+      if (j != ground) a += bodies.acceleration[j];
+      closing_before.push_back(closing(c) - load * contacts.normal[c].dot(a));
+    }
+
+  double by_impulses = 0, by_gravity = 0;
+  for (Index b = 0; b < bodies.size(); ++b) {
+    const Eigen::Map<const Vec3> dv(change[b].linear), ds(change[b].angular);
+    if (b < bodies.owned && std::isfinite(bodies.mass[b])) {
+      const Vec3 s = bodies.radius[b] * bodies.angular_velocity[b];
+      const Vec3 kick = load * bodies.acceleration[b];
+      const Vec3 mean = bodies.velocity[b] + (dv - kick) / 2;
+      by_impulses += bodies.mass[b] * (dv.dot(mean) + sphere_inertia * ds.dot(s + ds / 2));
+      by_gravity += bodies.mass[b] * kick.dot(mean);
+    }
+    bodies.velocity[b] += dv;
+    bodies.angular_velocity[b] += ds / bodies.radius[b];
+  }
+
+  double by_cohesion = 0;
+  if (cohesive)
+    for (Index c = 0; c < contacts.size(); ++c)
+      if (contacts.i[c] < bodies.owned)
+        by_cohesion -= data.cohesive_impulse[c] * (closing_before[c] + closing(c)) / 2;
+  world.ledger.cohesion_work += by_cohesion;
+  world.ledger.dissipated -= by_impulses - by_cohesion;
+  report.gravity_work = by_gravity;
+}
+
+}  // namespace
+
+StepReport nonsmooth_step(World& world, Rigid& rigid, const StepRequest& request) {
+  StepReport report;
+  Bodies& bodies = world.bodies;
+  GravityKick& kick = world.kick;
+  const double h = request.h;
+  require(bodies.has(Field::angular_velocity) && bodies.has(Field::acceleration),
+          "steps of rigid spheres need fields that the bodies were made without");
+
+  // Before gravity's kick, whose work is then told from velocities that hold these changes; and
+  // before the search for pairs, after which bodies may be others' or have other rows.
+  kick_by_own_forces(world, h);
+  if (kick.steps_left == 0) {
+    evaluate_field(world);
+    give_kick(world, h, world.own_forces.empty() ? request.most_steps : 1);
+  }
+  Contacts contacts;
+  {
+    StageTimer timer(world.times, "neighbours");
+    update_neighbours(world.comm, bodies, world.planes, h, longest_range(world.contact),
+                      rigid.neighbours);
+  }
+  Pairs& pairs = rigid.neighbours.pairs;
+  {
+    StageTimer timer(world.times, "contacts");
+    contacts = find_contacts(bodies, world.planes, pairs, h, world.contact);
+  }
+  report.energy = energy_of_bonds(world, contacts);
+  report.contacts = std::count_if(contacts.i.begin(), contacts.i.end(),
+                                  [&](Index i) { return i < bodies.owned; });
+  {
+    StageTimer timer(world.times, "solver");
+    // Between kicks nothing loads a resting pile: what the contacts carried at the last kick says
+    // nothing about such a step, and all about the next kick.
+    const double scale = kick.remembered_load > 0 ? kick.load / kick.remembered_load : 0;
+    for (Vec3& impulse : contacts.impulse) impulse *= scale;
+    const ProblemData data = pose(world, contacts, h);
+    const int dimension = has_friction(world) ? 3 : 1;
+    const SolverResult result = solve(data.view(contacts, dimension), rigid.neighbours.ghosts,
+                                      rigid.solver, contacts.impulse);
+    report.solver = result.report;
+    kick_by_impulses(world, contacts, data, result.change, report);
+    if (kick.load > 0) {
+      std::fill(pairs.impulse.begin(), pairs.impulse.end(), Vec3::Zero());
+      for (Index c = 0; c < contacts.size(); ++c)
+        pairs.impulse[contacts.pair[c]] = contacts.impulse[c];
+      kick.remembered_load = kick.load;
+    }
+  }
+  {
+    StageTimer timer(world.times, "motion");
+    const DriftReport drifted = drift_apart(world, rigid.neighbours.ghosts, contacts, h);
+    report.overlap = drifted.overlap;
+    report.correction_products = drifted.products;
+  }
+  kick.load = 0;
+  --kick.steps_left;
+  return report;
+}
+
+}  // namespace spall

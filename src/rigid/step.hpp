@@ -1,0 +1,16 @@
+// One step of rigid spheres with impacts, friction, cohesion and gravity.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "rigid/contacts.hpp"
+#include "rigid/engine.hpp"
+
+namespace spall {
+
+/// J on this rank: what cohesion would take to part the contacts, negative.
+double energy_of_bonds(const World& world, const Contacts& contacts);
+
+/// Advances the world by one step. Collective.
+StepReport nonsmooth_step(World& world, Rigid& rigid, const StepRequest& request);
+
+}  // namespace spall

@@ -1,0 +1,64 @@
+// What a run must account for: where energy went, and what momenta the free system must have.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "output/diagnostics.hpp"
+#include "output/results.hpp"
+
+namespace spall {
+
+/// One line of the books, at an instant when positions and velocities are synchronous.
+struct Balance {
+  Diagnostics sums;
+  double gravitational = 0;           ///< J, self-gravity and uniform field
+  double bonds = 0;                   ///< J, <= 0
+  double unexplained_energy = 0;      ///< J: what no entry explains
+  double momentum_drift = 0;          ///< kg m/s, against what the events gave
+  double angular_momentum_drift = 0;  ///< kg m^2/s
+};
+
+/// Events (an impactor, another cohesion) change the sums from outside; the books follow.
+class Account {
+ public:
+  /// Sums before and after an event that changed the bodies, gravity evaluated both times.
+  void book_event(const Diagnostics& before, double potential_before, const Diagnostics& after,
+                  double potential_after);
+  /// An event gave this much (J).
+  void book_energy(double given) { given_ += given; }
+
+  Balance balance(const Diagnostics& sums, double gravitational, double bonds);
+
+  /// Drifts over these units (kg m/s, kg m^2/s), or where they are 0 over what the bodies carry.
+  void add_drifts(ResultTable& table, double momentum, double angular_momentum) const;
+  void add_energies(ResultTable& table, const Diagnostics& sums, double gravitational) const;
+
+  /// What a restart file keeps.
+  template <class Self, class F>
+  static void for_each_scalar(Self& self, F&& f) {
+    f("account.opened", self.opened_);
+    f("account.initial", self.initial_);
+    f("account.given", self.given_);
+    for (int k = 0; k < 3; ++k) {
+      f("account.momentum." + std::to_string(k), self.momentum_[k]);
+      f("account.angular_momentum." + std::to_string(k), self.angular_momentum_[k]);
+    }
+    f("account.momentum_drift", self.momentum_drift_);
+    f("account.angular_momentum_drift", self.angular_momentum_drift_);
+    f("account.momentum_scale", self.momentum_scale_);
+    f("account.angular_momentum_scale", self.angular_scale_);
+    f("account.unexplained", self.unexplained_);
+  }
+
+ private:
+  double opened_ = 0;   // 1 when the first balance has set what follows
+  double initial_ = 0;  // J, energy at the start
+  double given_ = 0;    // J, by events
+  Vec3 momentum_ = Vec3::Zero(), angular_momentum_ = Vec3::Zero();  // that the bodies must have
+  double momentum_drift_ = 0, angular_momentum_drift_ = 0;          // largest so far
+  double momentum_scale_ = 0, angular_scale_ = 0;  // largest sums of m |v|, m |x| |v| so far
+  double unexplained_ = 0;                         // J, at the last balance
+};
+
+}  // namespace spall

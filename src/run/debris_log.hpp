@@ -1,0 +1,39 @@
+// The debris of a run against time, and what they are in the end.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "analysis/debris_cloud.hpp"
+#include "engine/engine.hpp"
+#include "output/restart.hpp"
+#include "output/results.hpp"
+
+namespace spall {
+
+/// Does nothing where the case has no [debris].
+class DebrisLog {
+ public:
+  explicit DebrisLog(const Case& scene);
+  double every() const { return every_; }  ///< s; 0: never
+
+  /// Measures the cloud; velocities and positions synchronous. Returns a line to show. Collective.
+  std::string read_out(const World& world, double time);
+  /// Adds [debris], what they are now, [fragments] where bodies have bonds, [wall] where the case
+  /// asks for one, and [cloud], all read-outs. Collective.
+  void conclude(const World& world, const Engine& engine, bool bonded, double time,
+                ResultTable& table);
+
+  void save(Scalars& scalars) const;
+  void load(const Scalars& scalars);
+
+ private:
+  std::optional<Target> target_;
+  std::optional<double> wall_;
+  double every_ = 0;
+  std::vector<Cloud> rows_;
+};
+
+}  // namespace spall

@@ -1,0 +1,47 @@
+// What a run keeps of its steps: a row of the series, and sums for the results.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "engine/engine.hpp"
+#include "output/results.hpp"
+#include "output/series.hpp"
+#include "run/account.hpp"
+
+namespace spall {
+
+/// Every stage that a run times, in the order of a step.
+extern const std::vector<std::string> stages;
+
+class Record {
+ public:
+  /// Called after every step.
+  void book(const StepReport& report);
+
+  static std::vector<Column> columns();  ///< beside step and time
+  /// The row of the instant at which the step began; `contacts` are those of all ranks.
+  static std::vector<double> row(std::int64_t phase, std::int64_t contacts, const Balance& balance,
+                                 const StepReport& report, double overlap, const StageTimes& times);
+
+  /// Adds [solver]; without solved contacts it holds the number of steps alone.
+  void add_to(ResultTable& table, std::int64_t steps, bool solves) const;
+
+  /// What a restart file keeps.
+  template <class Self, class F>
+  static void for_each_scalar(Self& self, F&& f) {
+    f("record.products", self.products_);
+    f("record.correction_products", self.correction_products_);
+    f("record.residual_max", self.residual_max_);
+    f("record.residual_squares", self.squares_);
+    f("record.residual_relative", self.worst_relative_);
+    f("record.unconverged", self.unconverged_);
+  }
+
+ private:
+  double products_ = 0, correction_products_ = 0, residual_max_ = 0, squares_ = 0;
+  double worst_relative_ = 0, unconverged_ = 0;
+};
+
+}  // namespace spall

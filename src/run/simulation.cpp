@@ -1,0 +1,291 @@
+// Events stand at the starts of phases; between them there is one call to the engine.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "run/simulation.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "engine/type.hpp"
+#include "gravity/kick.hpp"
+#include "output/stored_bodies.hpp"
+#include "run/record.hpp"
+#include "scene/scene.hpp"
+#include "spall/error.hpp"
+
+namespace spall {
+
+struct Simulation::State {
+  std::shared_ptr<const Case> scene;
+  World world;
+  std::unique_ptr<Engine> engine;
+  const EngineType* type = nullptr;  // of `engine`
+  Clock clock;
+  Account account;
+  bool has_moved = false;  // faster than the speed at which the phase's bodies are settled
+
+  State(const Comm& comm, std::shared_ptr<const Case> of)
+      : scene(std::move(of)), world(make_world(comm, *scene)) {
+    for (const auto& stage : stages) world.times[stage] = 0;
+  }
+  void set_engine(const Phase& phase) {
+    type = phase.engine;
+    engine = type->make(phase.settings);
+  }
+  void tick(double h) {
+    ++clock.step;
+    ++clock.step_in_phase;
+    clock.time_in_phase = static_cast<double>(clock.step_in_phase) * h;
+    clock.time += h;
+    if (clock.since_impact >= 0) clock.since_impact += h;
+  }
+  /// Lets `change(sums)` change the bodies, sums being those before it, and books what that gives;
+  /// gravity is evaluated before and after. Collective.
+  template <class Change>
+  void book_change(Change&& change) {
+    evaluate_field(world);
+    const Diagnostics before = diagnose(world);
+    const double potential_before = world.kick.potential;
+    change(before);
+    world.kick.evaluated = false;
+    evaluate_field(world);
+    account.book_event(before, potential_before, diagnose(world), world.kick.potential);
+  }
+
+  template <class Self, class F>
+  static void for_each_scalar(Self& self, F&& f) {
+    f("simulation.has_moved", self.has_moved);
+  }
+};
+
+Simulation::Simulation(const Comm& comm, const Scene& scene)
+    : state_(std::make_unique<State>(
+          comm, std::make_shared<const Case>(with_stored_bodies(*scene.parts())))) {
+  state_->world.bodies = make_bodies(this->scene(), comm);
+  state_->set_engine(phase());
+}
+
+Simulation::Simulation(const Comm& comm, const Scene& scene, const RestartState& from)
+    : state_(std::make_unique<State>(comm, scene.parts())) {
+  World& world = state_->world;
+  state_->clock = from.clock;
+  world.bodies = from.bodies;
+  set_fields(world.bodies, fields_of(this->scene()));
+  // At the start of a phase what pairs remember and hold is still the former phase's.
+  const Clock& clock = state_->clock;
+  const bool begins = clock.step_in_phase == 0 && clock.phase > 0;
+  state_->set_engine(begins ? this->scene().phases[clock.phase - 1] : phase());
+  state_->engine->restart_pairs(world, {from.contacts, from.bonds});
+  load_scalars(world, from.scalars);
+  if (comm.rank > 0) world.ledger = {};
+  load_scalars(state_->account, from.scalars);
+  load_scalars(*state_, from.scalars);
+  set_cohesion(world.contact, find_scalar(from.scalars, "law.cohesion"));
+}
+
+Simulation::~Simulation() = default;
+Simulation::Simulation(Simulation&&) noexcept = default;
+
+double Simulation::time() const {
+  return state_->clock.time;
+}
+std::int64_t Simulation::steps() const {
+  return state_->clock.step;
+}
+std::string Simulation::phase_name() const {
+  return phase().name;
+}
+const Bodies& Simulation::bodies() const {
+  return world().bodies;
+}
+const Case& Simulation::scene() const {
+  return *state_->scene;
+}
+const World& Simulation::world() const {
+  return state_->world;
+}
+World& Simulation::world() {
+  return state_->world;
+}
+const Engine& Simulation::engine() const {
+  return *state_->engine;
+}
+const Clock& Simulation::clock() const {
+  return state_->clock;
+}
+Account& Simulation::account() {
+  return state_->account;
+}
+bool Simulation::synchronous() const {
+  return world().kick.steps_left == 0;
+}
+void Simulation::measure_fields() {
+  state_->engine->measure_fields(world());
+}
+void Simulation::add_force(OwnForce force) {
+  world().own_forces.push_back(std::move(force));
+}
+
+bool Simulation::over() const {
+  return clock().phase >= std::ssize(scene().phases);
+}
+
+const Phase& Simulation::phase() const {
+  return scene().phases[std::min<std::size_t>(clock().phase, scene().phases.size() - 1)];
+}
+
+std::int64_t Simulation::steps_left() const {
+  const auto all = std::max<std::int64_t>(1, std::llround(phase().duration / phase().step));
+  return all - clock().step_in_phase;
+}
+
+StepSummary Simulation::step(int most) {
+  require(!over(), "{}: all phases are over: there is no step to make", scene().file);
+  if (clock().step_in_phase == 0) begin_phase();
+  const StepReport report =
+      advance(static_cast<int>(std::min<std::int64_t>(most, steps_left())), false);
+  StepSummary summary{.steps = report.steps,
+                      .contacts = world().comm.sum(report.contacts),
+                      .residual = report.solver.residual,
+                      .converged = report.solver.converged,
+                      .overlap = world().comm.max(report.overlap)};
+  if (steps_left() <= 0 ||
+      (phase().until == PhaseEnd::settled && synchronous() && settled(diagnose(world()))))
+    end_phase();
+  return summary;
+}
+
+void Simulation::run_until(double time) {
+  // Half a step early counts as reached: sums of steps are not exact.
+  while (!over() && this->time() + phase().step / 2 < time) step();
+}
+
+void Simulation::change_bodies(const std::function<void(Bodies&)>& change) {
+  World& world = state_->world;
+  const double held = state_->engine->energy(world);
+  state_->book_change([&](const Diagnostics&) {
+    PairMemory memory = state_->engine->remember(world);
+    resize(world.bodies, world.bodies.owned);
+    const std::vector<BodyId> ids = world.bodies.id;
+    change(world.bodies);
+    require(world.bodies.id == ids, "change_bodies: ids and the number of bodies must stay");
+    state_->engine->restart_pairs(world, std::move(memory));
+  });
+  state_->account.book_energy(state_->engine->energy(world) - held);
+}
+
+Energies Simulation::energies() const {
+  const Diagnostics sums = diagnose(world());
+  World copy = world();
+  resize(copy.bodies, copy.bodies.owned);
+  evaluate_field(copy);
+  return {.kinetic = sums.kinetic,
+          .pairs = engine().energy(world()),
+          .gravitational = copy.kick.potential,
+          .dissipated = sums.dissipated,
+          .own_work = sums.own_work};
+}
+
+std::vector<BodyPair> Simulation::pairs() const {
+  const LinkedBodies linked = engine().links(world());
+  const std::vector<BodyId>& id = linked.bodies.id;
+  std::vector<BodyPair> pairs;
+  for (std::size_t k = 0; k < linked.links.i.size(); ++k) {
+    const Index a = linked.links.i[k], b = linked.links.j[k];
+    const Index lower = id[a] < id[b] ? a : b;
+    if (lower < linked.bodies.owned)
+      pairs.push_back({std::min(id[a], id[b]), std::max(id[a], id[b])});
+  }
+  return pairs;
+}
+
+bool Simulation::settled(const Diagnostics& now) {
+  if (phase().until != PhaseEnd::settled) return false;
+  if (now.rms_speed > phase().settled_speed) state_->has_moved = true;
+  return state_->has_moved && now.rms_speed < phase().settled_speed;
+}
+
+PhaseEvents Simulation::begin_phase(const std::function<void(const World&)>& before_impactor) {
+  PhaseEvents events;
+  World& world = state_->world;
+  std::unique_ptr<Engine>& engine = state_->engine;
+  state_->has_moved = false;
+  const bool other_law = phase().engine != state_->type || phase().cohesion;
+  // What pairs hold changes hands: from the former engine and cohesion to these.
+  const double held = other_law ? engine->energy(world) : 0;
+  PairMemory memory = engine->remember(world);
+  resize(world.bodies, world.bodies.owned);
+  if (phase().engine != state_->type) memory = {};
+  state_->set_engine(phase());
+  if (phase().remove_drift || phase().impactor)
+    state_->book_change([&](const Diagnostics& before) {
+      if (phase().remove_drift) {
+        const Vec3 velocity = before.momentum / before.mass;
+        for (Index b = 0; b < world.bodies.owned; ++b) {
+          world.bodies.position[b] -= before.centre;
+          world.bodies.velocity[b] -= velocity;
+        }
+      }
+      if (phase().impactor) {
+        if (before_impactor) before_impactor(world);
+        events.impactor = world.comm.sum(static_cast<std::int64_t>(world.bodies.owned));
+        events.aim = add_impactor(world.comm, scene(), *phase().impactor, world.bodies);
+        state_->clock.since_impact = 0;
+      }
+      world.kick.interval = 0;
+    });
+  engine->restart_pairs(world, std::move(memory));
+  if (phase().cohesion) set_cohesion(world.contact, *phase().cohesion);
+  engine->check_step(world, phase().step, fmt::format("{}: phases.{}", scene().file, phase().name));
+  if (other_law) state_->account.book_energy(engine->energy(world) - held);
+  return events;
+}
+
+void Simulation::end_phase() {
+  Clock& clock = state_->clock;
+  ++clock.phase;
+  clock.step_in_phase = 0;
+  clock.time_in_phase = 0;
+}
+
+StepReport Simulation::advance(int most, bool energy) {
+  const double h = phase().step;
+  const StepReport report =
+      state_->engine->advance(world(), {.h = h, .most_steps = most, .energy = energy});
+  for (int k = 0; k < report.steps; ++k) state_->tick(h);
+  return report;
+}
+
+RestartState Simulation::save() {
+  // What the ranks know in parts goes to rank 0, whose scalars a restart file keeps.
+  World& world = state_->world;
+  Ledger& ledger = world.ledger;
+  std::array<double, 4> sums{ledger.dissipated, ledger.cohesion_work, ledger.corrections,
+                             ledger.own_work};
+  world.comm.sum(sums);
+  ledger = world.comm.rank == 0 ? Ledger{sums[0], sums[1], sums[2], sums[3]} : Ledger{};
+  for (auto& [stage, seconds] : world.times) seconds = world.comm.max(seconds);
+  PairMemory memory = engine().remember(world);
+  RestartState state{.case_file = scene().file,
+                     .case_text = scene().text,
+                     .overrides = scene().overrides,
+                     .clock = clock(),
+                     .scalars = {},
+                     .bodies = world.bodies,
+                     .contacts = std::move(memory.contacts),
+                     .bonds = std::move(memory.bonds)};
+  resize(state.bodies, state.bodies.owned);
+  save_scalars(world, state.scalars);
+  save_scalars(state_->account, state.scalars);
+  save_scalars(*state_, state.scalars);
+  state.scalars["law.cohesion"] = world.contact.common().cohesion;
+  return state;
+}
+
+void Simulation::go_on(RestartState& state) {
+  world().bodies = std::move(state.bodies);
+  state_->engine->restart_pairs(world(), {std::move(state.contacts), std::move(state.bonds)});
+}
+
+}  // namespace spall

@@ -1,0 +1,22 @@
+// What runs and tests know of a simulation beside what programs do.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+
+#include "engine/engine.hpp"
+#include "output/restart.hpp"
+#include "run/account.hpp"
+#include "scene/case.hpp"
+#include "scene/impactor.hpp"
+#include "spall/simulation.hpp"
+
+namespace spall {
+
+/// What changed the bodies at the start of a phase.
+struct PhaseEvents {
+  std::optional<Aim> aim;  ///< of the impactor, where one was added
+  BodyId impactor = -1;
+};
+
+}  // namespace spall

@@ -1,0 +1,56 @@
+// What a run says in the end: the pile, and each read-out beside what momentum demands.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "analysis/deflection.hpp"
+#include "analysis/interior.hpp"
+#include "engine/engine.hpp"
+#include "output/restart.hpp"
+#include "output/results.hpp"
+
+namespace spall {
+
+class Verdict {
+ public:
+  /// Looks at the pile as it is before the impactor is added, or at the end where there is none.
+  /// Collective.
+  void look_at_pile(const World& world);
+  /// Called when the impactor is in the world with this id. Collective.
+  void impactor_added(const World& world, BodyId impactor, double restitution);
+  /// Measures the deflection at this instant, `since_impact` seconds after the impactor was added.
+  /// Velocities and positions must belong to the same instant. Returns a line to show. Collective.
+  std::string read_out(const World& world, const Engine& engine, double since_impact);
+
+  /// Adds its sections: [pile], [deflection], [orbit], [ejecta], [read_out].
+  void add_to(ResultTable& table, const std::optional<Binary>& binary) const;
+
+  bool has_impact() const { return before_.impactor >= 0; }
+  /// kg m/s; the unit in which drifts are judged.
+  double impactor_momentum() const { return before_.impactor_mass * before_.speed(); }
+  double pile_radius() const { return pile_.extent / 2; }  ///< m
+
+  void save(Scalars& scalars) const;
+  void load(const Scalars& scalars);
+  template <class Self, class F>
+  static void for_each_scalar(Self& self, F&& f);
+
+ private:
+  /// What is kept of each read-out.
+  struct Row {
+    double since_impact, dv, beta, beta_along, clump_mass, clump_count, ejecta_count, ejecta_mass,
+        v_ejecta, back_momentum, fastest, cone_half, cone_most, dv_impactor, dv_rebound, dv_ejecta,
+        closure;
+  };
+
+  BeforeImpact before_;
+  Interior pile_;
+  double restitution_ = 0;
+  double closure_ = 0;  // largest of the read-outs
+  std::vector<Row> rows_;
+};
+
+}  // namespace spall

@@ -1,0 +1,159 @@
+// Packings: how a volume is filled with spheres. The table of them is scene/packings.cpp.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <map>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "keys/section.hpp"
+#include "scene/case.hpp"
+
+namespace spall {
+
+/// What a packing is to fill, and what it may ask and give.
+struct PackingRequest {
+  const Volume& volume;
+  const Packing& packing;
+  std::uint64_t seed;  ///< of this group alone: changing one group leaves the others as they are
+  std::string_view place;  ///< where the case asks for it, for messages
+  /// Whether a sphere (m) is clear of earlier groups and of planes.
+  std::function<bool(const Vec3& center, double radius)> is_free;
+  /// Makes a body (m, kg); without a mass its material gives it.
+  std::function<void(const Vec3& center, double radius, std::optional<double> mass)> put;
+};
+
+/// A way to fill a volume, as a case sees it. Every rank runs through it, with the same result.
+struct PackingType {
+  std::string_view name;  ///< of `kind` in a packing
+  bool sized = true;      ///< has the key `radius` or `diameter`
+  bool turns = false;     ///< has the key `rotation`
+  /// It asks `is_free` for each body, and reads `count`; bodies of others are checked afterwards.
+  bool keeps_clear = false;
+  /// Reads its own keys; `radius` is read.
+  void (*read)(Section& in, Packing& packing);
+  /// The lattice of its spheres; null: none.
+  Lattice (*lattice)(const Packing& packing) = nullptr;
+  /// Puts all bodies, in an order that does not depend on the rank.
+  void (*place)(const PackingRequest& request);
+};
+
+/// In the order in which their names are listed.
+std::span<const PackingType* const> all_packings();
+
+/// Centres of spheres, in cells that find the neighbours of a point.
+class SphereGrid {
+ public:
+  /// For about `expected` spheres of up to `radius` in the box `center` +- `half`.
+  SphereGrid(const Vec3& center, const Vec3& half, double radius, std::int64_t expected);
+  void add(const Vec3& center);
+  /// A sphere with `is_wanted(sphere)` of those in the cells within `distance` of `point`; -1
+  /// without one.
+  template <class Test>
+  std::int64_t find(const Vec3& point, double distance, Test&& is_wanted) const;
+  /// A sphere nearer than `distance` to `point`; -1 without one.
+  std::int64_t find_nearer(const Vec3& point, double distance) const;
+  const Vec3& center(std::int64_t sphere) const { return centers_[sphere]; }
+  std::int64_t size() const { return std::ssize(centers_); }
+
+ private:
+  Eigen::Array3i cell_of(const Vec3& point) const;
+  std::size_t index_of(const Eigen::Array3i& cell) const;
+
+  Vec3 low_;
+  double cell_;
+  Eigen::Array3i cells_;
+  std::vector<std::int32_t> first_, next_;  ///< chains of the spheres of a cell
+  std::vector<Vec3> centers_;
+};
+
+/// The lattice of a packing's spheres; a sphere's cell where the packing is none is the sphere.
+Lattice lattice_of(const Packing& packing);
+
+/// A turn, as a rotation vector, of which any is as likely as any other; the same on every machine.
+Vec3 random_rotation(std::uint64_t seed);
+
+enum class LatticeKind { simple_cubic, fcc, hcp };
+
+/// Calls `place` with every site of the lattice, in a fixed order. The lattice is laid into the
+/// bounding box of the volume so that whole spheres fill it, centred in it (a box n diameters wide
+/// holds n layers); the sites whose centres lie inside the volume are kept, so that mass goes with
+/// volume. Cubic axes along x, y, z; hcp: close-packed layers across z, rows along x; turned by
+/// `packing.rotation` about the volume's center.
+void place_lattice(LatticeKind kind, const Volume& volume, const Packing& packing,
+                   const std::function<void(const Vec3&)>& place);
+
+template <class Test>
+std::int64_t SphereGrid::find(const Vec3& point, double distance, Test&& is_wanted) const {
+  const auto find_in = [&](const Eigen::Array3i& cell) {
+    std::int32_t sphere = first_[index_of(cell)];
+    while (sphere >= 0 && !is_wanted(sphere)) sphere = next_[sphere];
+    return sphere;
+  };
+  // In dense packings most places are taken, most often by a sphere of the point's own cell.
+  if (const std::int32_t sphere = find_in(cell_of(point)); sphere >= 0) return sphere;
+  // Clamped cells keep what lies beyond the box in its outermost layer, so nothing is missed.
+  const Eigen::Array3i low = cell_of(point - Vec3::Constant(distance));
+  const Eigen::Array3i high = cell_of(point + Vec3::Constant(distance));
+  for (int z = low.z(); z <= high.z(); ++z)
+    for (int y = low.y(); y <= high.y(); ++y)
+      for (int x = low.x(); x <= high.x(); ++x)
+        if (const std::int32_t sphere = find_in({x, y, z}); sphere >= 0) return sphere;
+  return -1;
+}
+
+/// Spheres of many sizes: a grid for those of each power of two in radius.
+class SphereSet {
+ public:
+  /// For about `expected` spheres in the box `center` +- `half`.
+  SphereSet(const Vec3& center, const Vec3& half, std::int64_t expected)
+      : center_(center), half_(half), expected_(expected) {}
+  void add(const Vec3& center, double radius);
+  struct Overlap {
+    std::int64_t sphere;  ///< in the order in which they were added
+    Vec3 center;
+    double radius, depth;  ///< m
+  };
+  /// A sphere that reaches more than `allowed` of the smaller radius into this one.
+  std::optional<Overlap> find_overlap(const Vec3& center, double radius, double allowed) const;
+
+ private:
+  struct Level {
+    SphereGrid grid;
+    double largest;  ///< m, no sphere of the level has a larger radius
+    std::vector<double> radius;
+    std::vector<std::int64_t> sphere;
+  };
+  Vec3 center_, half_;
+  std::int64_t expected_, count_ = 0;
+  std::map<int, Level> levels_;
+};
+
+/// `packing.count` spheres at random, wholly inside the volume, clear of each other and where
+/// `is_free`: random sequential addition, which ends near 0.38 of the volume. The same on every
+/// machine. Returns how many found a place before two million tries in a row failed.
+std::int64_t place_at_random(const Volume& volume, const Packing& packing, std::uint64_t seed,
+                             const std::function<bool(const Vec3&)>& is_free,
+                             const std::function<void(const Vec3&)>& place);
+
+/// Boulders that are fine around a site and coarse far from it. At x the largest have the radius
+///   R(x) = growth |x - site|, not below `smallest` and not above the packing's radius,
+/// and there are N(>r) ~ r^-exponent of them from R down to R/4, which together fill `fill`.
+struct Grading {
+  Vec3 site = Vec3::Zero();  ///< m
+  double smallest = 0;       ///< m
+  double growth = 0;
+  double exponent = 3;
+  double fill = 0.5;
+};
+
+/// Boulders as `grading` wants them, up to the radius `largest` (m), wholly inside the volume and
+/// clear of each other: added at random from the largest size down, so that small ones find the
+/// gaps. The same on every machine.
+void place_graded(const Volume& volume, double largest, const Grading& grading, std::uint64_t seed,
+                  const std::function<void(const Vec3&, double)>& place);
+
+}  // namespace spall

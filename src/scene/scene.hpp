@@ -1,0 +1,50 @@
+// From a case's recipes to bodies.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "scene/case.hpp"
+#include "spall/bodies.hpp"
+#include "spall/comm.hpp"
+
+namespace spall {
+
+/// What a group makes.
+struct GroupContent {
+  std::int64_t count = 0;                   ///< bodies
+  double volume = 0;                        ///< m^3, of the spheres
+  double mass = 0;                          ///< kg, before it is scaled to the group's total
+  double smallest = infinity, largest = 0;  ///< m, radii
+
+  double mean_mass(const Group& group) const {
+    return group.total_mass.value_or(mass) / static_cast<double>(count);
+  }
+};
+std::vector<GroupContent> measure_groups(const Case& scene);
+
+/// The fields of a case's bodies: what spins, gravity and its engines request.
+FieldSet fields_of(const Case& scene);
+
+/// A world with a case's surroundings and no bodies yet.
+World make_world(const Comm& comm, const Case& scene);
+
+/// The number of the group that spheres of a program are in: after the impactor's.
+inline std::int32_t group_of_spheres(const Case& scene) {
+  return static_cast<std::int32_t>(scene.groups.size()) + 1;
+}
+
+/// The bodies of all groups: ids 0 … N-1 in the order of the case, whatever the number of ranks;
+/// this rank gets a contiguous share of the ids. Random packings keep clear of earlier groups and
+/// of planes. Throws Error, the same on every rank, on no bodies, more ranks than bodies, bodies
+/// that overlap earlier ones or planes by more than allowed, and packings that do not fit.
+/// Every rank runs through the whole recipe, so nothing is sent.
+Bodies make_bodies(const Case& scene, const Comm& comm);
+
+/// What a case will make: bodies, masses, packings, memory.
+std::string describe_bodies(const Case& scene);
+/// What a case will run: what is switched off, phases and their step limits.
+std::string describe_phases(const Case& scene);
+
+}  // namespace spall

@@ -1,0 +1,68 @@
+// Closed surfaces of triangles, as shape models of asteroids are published.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "spall/types.hpp"
+
+namespace spall {
+
+/// A closed surface: each edge belongs to two triangles that run through it in opposite directions,
+/// and triangles run counter-clockwise seen from outside.
+class SurfaceMesh {
+ public:
+  using Triangle = std::array<std::int32_t, 3>;
+
+  /// Throws Error, which begins with `name`, on an index without a vertex, a triangle without an
+  /// area, and an open or folded surface with one of its faulty edges. A surface that is inside
+  /// out is turned.
+  SurfaceMesh(std::vector<Vec3> vertices, std::vector<Triangle> triangles, const std::string& name);
+
+  /// Reads `v` and `f` lines of a Wavefront OBJ file, polygons as fans; lengths times `unit`, m.
+  /// The center of the enclosed volume comes to lie in the origin.
+  static SurfaceMesh read_obj(const std::string& file, double unit);
+
+  /// Distance to the surface, m, negative outside. The sign is that of the side on which `point`
+  /// lies of the nearest triangle, edge or vertex, by its angle-weighted normal (Baerentzen &
+  /// Aanaes 2005): exact for closed surfaces, with no ray that could graze an edge.
+  double depth(const Vec3& point) const;
+
+  double volume() const { return volume_; }          ///< m^3
+  const Vec3& center() const { return center_; }     ///< of the enclosed volume, m
+  const Vec3& half_widths() const { return half_; }  ///< of the smallest box about the origin
+  const std::vector<Vec3>& vertices() const { return vertices_; }
+  const std::vector<Triangle>& triangles() const { return triangles_; }
+
+ private:
+  /// A box around triangles [first, last) of `order_`; its halves follow in the tree.
+  struct Node {
+    Vec3 low, high;
+    std::int32_t first, last, right;  // right half's place; the left one is the next node
+  };
+  /// The nearest point found so far, with the normal of the part of the surface that it lies on.
+  struct Nearest {
+    double distance2 = infinity;
+    Vec3 point, normal;
+  };
+
+  void move(const Vec3& by);
+  void measure();
+  void weigh_normals(const std::string& name);
+  std::int32_t build(std::int32_t first, std::int32_t last);
+  void search(std::int32_t node, const Vec3& point, Nearest& nearest) const;
+  void visit(std::int32_t triangle, const Vec3& point, Nearest& nearest) const;
+
+  std::vector<Vec3> vertices_;
+  std::vector<Triangle> triangles_;
+  std::vector<Vec3> face_normal_, vertex_normal_;
+  std::vector<std::array<Vec3, 3>> edge_normal_;  // of edge k, from corner k to the next
+  std::vector<std::int32_t> order_;
+  std::vector<Node> nodes_;
+  double volume_ = 0;
+  Vec3 center_ = Vec3::Zero(), half_ = Vec3::Zero();
+};
+
+}  // namespace spall

@@ -1,0 +1,88 @@
+// One step's contact problem: what the solvers read, and what they give back.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/choice.hpp"
+#include "domain/ghosts.hpp"
+#include "solver/delassus_matrix.hpp"
+#include "solver/report.hpp"
+#include "spall/types.hpp"
+
+namespace spall {
+
+/// Find impulses p (world frame, on j, opposite on i) and velocity changes dv, ds (s = r omega):
+///
+///   dv_j += w_j p,  dv_i -= w_i p,  ds += -2.5 w kappa (n x p) on both bodies
+///   u = free_velocity + dv_j - dv_i - kappa (ds_i + ds_j) x n
+///   p_n >= -cohesive_impulse, |p_t| <= mu (p_n + cohesive_impulse), and complementarity with u
+///
+/// Rows [0, owned) of the bodies are this rank's, then ghosts as in `ghosts`; a contact's j may be
+/// `ground`. Contacts [0, boundary) have a ghost row and are evaluated on both ranks; a contact
+/// counts in sums on the rank that owns row i.
+///
+/// With a `matrix` W in place of spheres, u = free_velocity + W p in each contact's own frame
+/// (n, t1, t2): row c is owned contact c, which is the one contact (c, ground) with normal
+/// (1, 0, 0); its velocity change is -W p. Masses and kappas mean nothing then.
+struct ContactProblem {
+  int dimension = 3;  ///< 1: no friction anywhere, normals only, no spins
+  Index boundary = 0;
+  std::span<const double> inverse_mass;  ///< 1/kg, owned and ghost rows; 0: never moves
+  std::span<const Index> i, j;
+  std::span<const Vec3> normal;  ///< from i to j
+  std::span<const double> kappa;
+  std::span<const Vec3> free_velocity;       ///< m/s: D^T v_free, with the bias b added along n
+  std::span<const double> friction;          ///< mu
+  std::span<const double> cohesive_impulse;  ///< N s, >= 0
+  const DelassusMatrix* matrix = nullptr;
+
+  Index contacts() const { return static_cast<Index>(i.size()); }
+};
+
+/// apgd and barzilai_borwein minimise: convex friction only. See solver/methods.hpp.
+enum class SolverMethod { accelerated, apgd, barzilai_borwein, sor };
+enum class FrictionModel { convex, coulomb };
+inline constexpr Choice<SolverMethod> solver_methods[] = {
+    {"accelerated", SolverMethod::accelerated},
+    {"apgd", SolverMethod::apgd},
+    {"bb", SolverMethod::barzilai_borwein},
+    {"sor", SolverMethod::sor}};
+inline constexpr Choice<FrictionModel> friction_models[] = {{"coulomb", FrictionModel::coulomb},
+                                                            {"convex", FrictionModel::convex}};
+
+struct SolverSettings {
+  SolverMethod method = SolverMethod::accelerated;
+  FrictionModel friction = FrictionModel::coulomb;
+  double tolerance = 1e-2;  ///< on E (on E_eps where `prox` > 0): relative to impulses all zero
+  int max_iterations = 1000;
+  int max_products = std::numeric_limits<int>::max();  ///< checks between iterations go beyond it
+  double prox = 4e-3;  ///< of `accelerated`: weight eps of staying near the warm start; 0: none
+  double relaxation = 1.0;  ///< of `sor`
+};
+
+/// Velocity changes of one body by the impulses: one cache line.
+struct alignas(64) VelocityChange {
+  double linear[4] = {0, 0, 0, 0};   ///< dv, m/s; the fourth is always 0
+  double angular[4] = {0, 0, 0, 0};  ///< ds = r d(omega), m/s
+};
+
+struct SolverResult {
+  std::vector<VelocityChange> change;  ///< owned and ghost rows, ghosts current
+  SolverReport report;
+};
+
+/// Solves for `impulse` (one a contact: the warm start and proximal centre in, the solution out;
+/// the same bits on both ranks of a boundary contact). The warm start is scaled, between none and
+/// all of it, to serve best. Throws Error on numbers that are not finite or out of range, and on a
+/// method that cannot do the friction asked for. Collective.
+SolverResult solve(const ContactProblem& problem, const Ghosts& ghosts,
+                   const SolverSettings& settings, std::vector<Vec3>& impulse);
+
+/// The residual of given impulses, made admissible first. Collective.
+SolverReport evaluate(const ContactProblem& problem, const Ghosts& ghosts, FrictionModel friction,
+                      const std::vector<Vec3>& impulse);
+
+}  // namespace spall

@@ -1,0 +1,40 @@
+// What contacts leave to the next search, to other ranks and to restarts, by name.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "spall/types.hpp"
+
+namespace spall {
+
+/// What contacts leave to the next step and to restarts, by name, since rows die: impulses, or the
+/// springs of penalty contact.
+struct ContactMemory {
+  std::vector<BodyId> i;      ///< the lower id
+  std::vector<BodyId> j;      ///< the other id, or -1 - plane
+  std::vector<Vec3> impulse;  ///< N s, acts on j; penalty contact: m, sliding of j against i
+  std::vector<Vec3> rolling;  ///< m, the same from either side; empty where nothing resists rolling
+
+  std::size_t size() const { return i.size(); }
+  Vec3 rolling_of(std::size_t m) const { return rolling.empty() ? Vec3(Vec3::Zero()) : rolling[m]; }
+
+  void reserve(std::size_t count) {
+    i.reserve(count);
+    j.reserve(count);
+    impulse.reserve(count);
+  }
+  void add(BodyId lower, BodyId other, const Vec3& first, const Vec3& second = Vec3::Zero()) {
+    if (rolling.empty() && !second.isZero(0)) rolling.assign(size(), Vec3::Zero());
+    i.push_back(lower);
+    j.push_back(other);
+    impulse.push_back(first);
+    if (!rolling.empty() || !second.isZero(0)) rolling.push_back(second);
+  }
+  void add(const ContactMemory& more) {
+    for (std::size_t m = 0; m < more.size(); ++m)
+      add(more.i[m], more.j[m], more.impulse[m], more.rolling_of(m));
+  }
+};
+
+}  // namespace spall

@@ -1,0 +1,24 @@
+// What follows from the constants of a solid.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "state/material.hpp"
+
+#include <algorithm>
+
+namespace spall {
+
+double temperature(const Solid& solid, double heat) {
+  constexpr double room = 298;
+  const double c = solid.specific_heat, T = room + heat / c;
+  if (solid.melting_point == 0 || T < solid.melting_point) return T;
+  return std::max(solid.melting_point, solid.melting_point + (heat - solid.melt_energy) / c);
+}
+
+double sphere_mass(const Solid& solid, const Lattice& lattice) {
+  return solid.density * lattice.volume();
+}
+
+std::string pair_name(const std::vector<Material>& materials, int a, int b) {
+  return materials[a].name + " and " + materials[b].name;
+}
+
+}  // namespace spall

@@ -1,0 +1,61 @@
+// What bodies are made of.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "spall/types.hpp"
+
+namespace spall {
+
+/// What handbooks say of a solid. 0: not known; a law that needs it says so.
+struct Solid {
+  double density = 0;             ///< kg/m^3
+  double sound_speed = 0;         ///< m/s, c0 of the shock speed U_s = c0 + s u_p
+  double hugoniot_slope = 0;      ///< s
+  double gruneisen = 0;           ///< Gruneisen's parameter
+  double youngs_modulus = 0;      ///< Pa
+  double poisson_ratio = 0;       ///< -
+  double yield_strength = 0;      ///< Pa
+  double tensile_strength = 0;    ///< Pa
+  double spall_strength = 0;      ///< Pa
+  double specific_heat = 0;       ///< J/(kg K)
+  double melting_point = 0;       ///< K
+  double melt_energy = 0;         ///< J/kg, from room temperature to liquid
+  double sublimation_energy = 0;  ///< J/kg
+
+  double bulk_modulus() const { return density * sound_speed * sound_speed; }          ///< Pa
+  double shear_modulus() const { return youngs_modulus / (2 * (1 + poisson_ratio)); }  ///< Pa
+};
+
+/// K, of a solid that had room temperature, 298 K, before it took up `heat` (J/kg): in proportion
+/// to its specific heat but while it melts.
+double temperature(const Solid& solid, double heat);
+
+/// A lattice of equal spheres, by its nearest neighbours.
+struct Lattice {
+  int neighbours = 0;   ///< Z
+  double cell = 0;      ///< volume of a sphere's cell over d^3
+  double distance = 0;  ///< m, d
+  double volume() const { return cell * distance * distance * distance; }  ///< m^3, V
+};
+
+/// kg, of a sphere that stands for its cell of the solid.
+double sphere_mass(const Solid& solid, const Lattice& lattice);
+
+struct Material {
+  std::string name;
+  double density = 0;           ///< kg/m^3 of a sphere of it
+  double youngs_modulus = 0;    ///< Pa; 0: not known
+  double poisson_ratio = 0.25;  ///< -
+  /// What it is a piece of: then `density` and the elastic constants are the solid's, and a sphere
+  /// of a lattice has the mass of its cell.
+  std::optional<Solid> solid = std::nullopt;
+};
+
+/// "rock and ice".
+std::string pair_name(const std::vector<Material>& materials, int a, int b);
+
+}  // namespace spall

@@ -1,0 +1,25 @@
+// Space that repeats itself.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cmath>
+
+#include "spall/types.hpp"
+
+namespace spall {
+
+/// Directions in which space repeats itself: bodies lie in [low, low + size). Images are ghosts.
+struct Period {
+  Vec3 low = Vec3::Zero();   ///< m
+  Vec3 size = Vec3::Zero();  ///< m; 0: this direction does not repeat
+
+  bool any() const { return !size.isZero(0); }
+  /// The image of `x` that lies inside.
+  Vec3 wrapped(Vec3 x) const {
+    for (int k = 0; k < 3; ++k)
+      if (size[k] > 0) x[k] -= size[k] * std::floor((x[k] - low[k]) / size[k]);
+    return x;
+  }
+};
+
+}  // namespace spall

@@ -1,0 +1,80 @@
+// All that a step changes whatever its engine: bodies, gravity's pending kick, the energy ledger.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "base/timer.hpp"
+#include "spall/bodies.hpp"
+#include "spall/comm.hpp"
+#include "state/by_pair.hpp"
+#include "state/contact_law.hpp"
+#include "state/gravity.hpp"
+#include "state/material.hpp"
+#include "state/period.hpp"
+#include "state/walls.hpp"
+
+namespace spall {
+
+/// What bodies are made of and what is around them: given by the case, the same for all engines.
+struct Surroundings {
+  std::vector<Material> materials;
+  ByPair<ContactLaw> contact;
+  std::vector<Plane> planes;
+  std::vector<Cylinder> cylinders;
+  Period period;
+  GravitySettings gravity;
+  Vec3 uniform_gravity = Vec3::Zero();  ///< m/s^2
+
+  Walls walls() const { return {planes, cylinders}; }
+  bool has_gravity() const {
+    return gravity.method != GravityMethod::none || !uniform_gravity.isZero(0);
+  }
+};
+
+/// Energy that went somewhere since the start, J; sums over this rank's part.
+struct Ledger {
+  double dissipated = 0;     ///< by contacts and dashpots, less the work of heat's pressure
+  double cohesion_work = 0;  ///< by cohesion on the bodies
+  double corrections = 0;  ///< gained by the bodies, height included, as overlaps were taken apart
+  double own_work = 0;     ///< by forces of the program that uses Spall
+};
+
+/// Forces of a program: adds to the force (N) on each owned body, row by row.
+using OwnForce = std::function<void(const Bodies&, std::span<Vec3> force)>;
+
+struct World : Surroundings {
+  Comm comm;
+  Bodies bodies;
+  GravityKick kick;
+  Ledger ledger;
+  StageTimes times;
+  std::vector<OwnForce> own_forces;
+
+  /// f(name, value) for what must go on after a restart beside bodies and contacts.
+  template <class Self, class F>
+  static void for_each_scalar(Self& self, F&& f) {
+    auto& kick = self.kick;
+    f("kick.evaluated", kick.evaluated);
+    f("kick.steps_left", kick.steps_left);
+    f("kick.evaluations", kick.evaluations);
+    f("kick.interval", kick.interval);
+    f("kick.closed", kick.closed);
+    f("kick.remembered_load", kick.remembered_load);
+    f("kick.largest", kick.largest);
+    f("kick.fall", kick.fall);
+    f("kick.hold", kick.hold);
+    f("kick.may_hold", kick.may_hold);
+    f("kick.potential", kick.potential);
+    auto& ledger = self.ledger;
+    f("ledger.dissipated", ledger.dissipated);
+    f("ledger.cohesion_work", ledger.cohesion_work);
+    f("ledger.corrections", ledger.corrections);
+    f("ledger.own_work", ledger.own_work);
+    for (auto& [stage, seconds] : self.times) f("seconds." + stage, seconds);
+  }
+};
+
+}  // namespace spall

@@ -1,0 +1,242 @@
+// The library as a program uses it: scenes, steps, own forces, questions; and integrators.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "run/simulation.hpp"
+
+#include <cmath>
+
+#include "pair_potentials.hpp"
+#include "spall/spall.hpp"
+#include "testing.hpp"
+#include "worlds.hpp"
+
+namespace spall {
+namespace {
+
+const std::string rock = R"(
+[materials.rock]
+density = "2000 kg/m^3"
+[contact]
+friction = 0.5
+restitution = 0.3
+)";
+std::string phase(const std::string& keys) {
+  return "[[phases]]\nname = \"only\"\n" + keys;
+}
+
+/// Four spheres in a row, apart.
+Scene four(const std::string& text) {
+  Scene scene = Scene::from_text(text);
+  for (int k = 0; k < 4; ++k)
+    scene.add({.material = "rock", .radius = 0.5, .position = {2.0 * k, 0, 0}});
+  return scene;
+}
+
+/// By id, on every rank.
+std::vector<Vec3> positions(const Simulation& simulation) {
+  const Bodies& bodies = simulation.bodies();
+  std::vector<double> rows;
+  for (Index b = 0; b < bodies.owned; ++b) {
+    rows.push_back(static_cast<double>(bodies.id[b]));
+    rows.insert(rows.end(), bodies.position[b].data(), bodies.position[b].data() + 3);
+  }
+  const std::vector<double> all = testing_world().all_gather(rows);
+  std::vector<Vec3> x(all.size() / 4);
+  for (std::size_t k = 0; k < all.size(); k += 4)
+    x[static_cast<std::size_t>(all[k])] = {all[k + 1], all[k + 2], all[k + 3]};
+  return x;
+}
+
+TEST(Simulation, spheres_of_a_program_have_the_mass_of_their_material_and_the_ids_in_order) {
+  const Simulation simulation(testing_world(), four(rock + phase("step = 0.01\nduration = 1\n")));
+  double mass = 0;
+  for (Index b = 0; b < simulation.bodies().owned; ++b) mass += simulation.bodies().mass[b];
+  EXPECT_NEAR(testing_world().sum(mass), 4 * 2000 * pi / 6, 1e-9);
+  const auto x = positions(simulation);
+  ASSERT_EQ(x.size(), 4u);
+  for (int k = 0; k < 4; ++k) EXPECT_EQ(x[k].x(), 2.0 * k);
+}
+
+TEST(Simulation, a_material_that_the_scene_lacks_is_an_error_that_names_it) {
+  Scene scene = Scene::from_text(rock + phase("step = 0.01\nduration = 1\n"));
+  EXPECT_EQ(complaint_of([&] { scene.add({.material = "ice", .radius = 1}); }),
+            "scene: sphere 0: material \"ice\" is not in [materials]");
+}
+
+TEST(Simulation, an_own_force_like_gravity_does_what_gravity_does_with_every_engine) {
+  for (const std::string method : {"nonsmooth", "penalty", "potential"}) {
+    const std::string text =
+        rock + "[penalty]\nmodel = \"hooke\"\nstiffness = 1e5\n" +
+        "[pair_potential]\nlaw = \"lennard_jones\"\ndepth = 1\ndistance = 1\ncutoff = 1.5\n";
+    const std::string steps = "method = \"" + method + "\"\nstep = 1e-3\nduration = 1\n";
+    const auto fall = [&](const std::string& gravity, bool own) {
+      Simulation simulation(testing_world(), four(text + gravity + phase(steps)));
+      if (own)
+        simulation.add_force([](const Bodies& bodies, std::span<Vec3> force) {
+          for (Index b = 0; b < bodies.owned; ++b) force[b].z() -= 9.81 * bodies.mass[b];
+        });
+      simulation.run_until(0.5);
+      EXPECT_EQ(simulation.steps(), 500);
+      return std::pair(positions(simulation), simulation.energies());
+    };
+    const auto [x, energies] = fall("", true);
+    const auto [expected, by_gravity] = fall("[gravity]\nuniform = [0, 0, -9.81]\n", false);
+    for (int k = 0; k < 4; ++k)  // kicks stand half a step apart
+      EXPECT_LE((x[k] - expected[k]).norm(), 9.81 * 0.5 * 1e-3) << method;
+    EXPECT_NEAR(energies.own_work, energies.kinetic, 1e-9 * energies.kinetic) << method;
+    EXPECT_NEAR(x[0].z(), -9.81 * 0.125, 9.81 * 0.5 * 1e-3) << method;
+    EXPECT_EQ(by_gravity.own_work, 0);
+  }
+}
+
+TEST(Simulation, questions_move_nothing) {
+  const std::string text =
+      rock + "[gravity]\nmethod = \"direct\"\n" + phase("step = 1\nduration = 4000\n");
+  Simulation asked(testing_world(), four(text)), silent(testing_world(), four(text));
+  for (int k = 0; k < 100; ++k) {
+    asked.step();
+    silent.step();
+    EXPECT_GE(asked.energies().kinetic, 0);
+    asked.pairs();
+  }
+  const auto a = positions(asked), b = positions(silent);
+  for (int k = 0; k < 4; ++k) EXPECT_EQ(a[k], b[k]);  // the same bits
+}
+
+TEST(Simulation, touching_bodies_are_told_as_pairs_once) {
+  Scene scene = Scene::from_text(rock + phase("step = 0.01\nduration = 1\n"));
+  for (int k = 0; k < 5; ++k)
+    scene.add({.material = "rock", .radius = 0.5, .position = {1.0 * k, 0, 0}});
+  const Simulation simulation(testing_world(), scene);
+  std::int64_t count = 0;
+  for (const BodyPair& pair : simulation.pairs()) {
+    EXPECT_EQ(pair.j, pair.i + 1);
+    ++count;
+  }
+  EXPECT_EQ(testing_world().sum(count), 4);
+}
+
+TEST(Simulation, a_change_of_bodies_is_booked_and_followed) {
+  Simulation simulation(testing_world(), four(rock + phase("step = 0.01\nduration = 1\n")));
+  simulation.step();
+  simulation.change_bodies([](Bodies& bodies) {
+    for (Index b = 0; b < bodies.owned; ++b)
+      if (bodies.id[b] == 0) bodies.velocity[b] = {10, 0, 0};
+  });
+  simulation.run_until(0.3);
+  // The ball flies 1 m to its neighbour and hands its momentum on; what is lost is booked.
+  const double given = 0.5 * 2000 * pi / 6 * 100;
+  const Energies energies = simulation.energies();
+  EXPECT_NEAR(energies.kinetic + energies.dissipated, given, 1e-6 * given);
+  EXPECT_GT(energies.dissipated, 0.1 * given);
+  EXPECT_GT(positions(simulation)[1].x(), 2);
+}
+
+TEST(Simulation, phases_follow_each_other_and_end) {
+  Simulation simulation(
+      testing_world(),
+      four(rock + "[[phases]]\nname = \"a\"\nstep = 0.1\nduration = 0.3\n[[phases]]\nname = \"b\"\n"
+                  "step = 0.05\nduration = 0.1\n"));
+  EXPECT_EQ(simulation.phase_name(), "a");
+  simulation.run_until(infinity);
+  EXPECT_TRUE(simulation.over());
+  EXPECT_EQ(simulation.steps(), 5);
+  EXPECT_NEAR(simulation.time(), 0.4, 1e-12);
+  EXPECT_NE(complaint_of([&] { simulation.step(); }).find("all phases are over"),
+            std::string::npos);
+}
+
+/// A program's law: Lennard-Jones as a textbook writes it, to compare with Spall's own.
+struct Textbook {
+  double depth, d;
+  Lanes force_over_distance(const Lanes& r2) const {
+    const Lanes s2 = d * d / r2, s6 = s2 * s2 * s2;
+    return 12 * depth * (s6 * s6 - s6) / r2;
+  }
+  Lanes energy(const Lanes& r2) const {
+    const Lanes s2 = d * d / r2, s6 = s2 * s2 * s2;
+    return depth * (s6 * s6 - 2.0 * s6);
+  }
+};
+
+TEST(Simulation, a_pair_law_of_a_program_acts_like_the_same_law_of_spall) {
+  const auto drop = [](const std::string& law, bool own) {
+    Scene scene = Scene::from_text("[materials.rock]\ndensity = 1\n[pair_potential]\n" + law +
+                                   "distance = 1.1\ncutoff = 1.8\n" +
+                                   phase("method = \"potential\"\nstep = 0.01\nduration = 5\n"));
+    if (own) scene.set_pair_law(Textbook{0.7, 1.1});
+    for (int k = 0; k < 8; ++k)
+      scene.add({.material = "rock",
+                 .radius = 0.5,
+                 .mass = 1,
+                 .position = {1.2 * (k & 1), 1.15 * (k >> 1 & 1), 1.1 * (k >> 2 & 1)}});
+    Simulation simulation(testing_world(), scene);
+    const double before = simulation.energies().pairs;
+    simulation.run_until(2);
+    const Energies now = simulation.energies();
+    EXPECT_NEAR(now.kinetic + now.pairs, before, 2e-4 * std::abs(before));  // leapfrog
+    return positions(simulation);
+  };
+  const auto expected = drop("law = \"lennard_jones\"\ndepth = 0.7\n", false);
+  const auto x = drop("law = \"program\"\n", true);
+  for (int k = 0; k < 8; ++k) EXPECT_LE((x[k] - expected[k]).norm(), 1e-11) << k;
+  EXPECT_NE(complaint_of([&] { drop("law = \"program\"\n", false); }).find("set_pair_law"),
+            std::string::npos);
+}
+
+// Integrators: two bodies swing and turn about each other in Morse's potential, inside its range.
+
+const Splitting velocity_verlet{0, {{0.5, 1}, {0.5, 0}}};
+/// Fourth order (Forest & Ruth, Physica D 43 (1990) 105).
+const Splitting forest_ruth = [] {
+  const double w = 1 / (2 - std::cbrt(2.0)), v = 1 - 2 * w;
+  return Splitting{w / 2, {{w, (w + v) / 2}, {v, (w + v) / 2}, {w, w / 2}}};
+}();
+
+/// Largest error of energy over some oscillations of `steps` steps.
+double error_of_energy(const Splitting& integrator, int steps) {
+  Lab lab = make_world(
+      alone(), {{.velocity = {0, -0.2, 0}}, {.position = {1.2, 0, 0}, .velocity = {0, 0.2, 0}}},
+      {});
+  lab.potential = Potential([] {
+    PairPotential far = morse;
+    far.cutoff = 4 * far.distance;
+    return far;
+  }());
+  lab.potential.integrator = integrator;
+  const auto energy = [&] {
+    double kinetic = 0;
+    for (const Vec3& v : lab.bodies.velocity) kinetic += v.squaredNorm() / 2;
+    return kinetic + potential_energy(lab);
+  };
+  const double before = energy();
+  double worst = 0;
+  for (int k = 0; k < steps; ++k) {
+    potential_steps(lab, 3.0 / steps, 1);
+    worst = std::max(worst, std::abs(energy() - before));
+  }
+  return worst;
+}
+
+TEST(Integrators, leapfrog_and_velocity_verlet_are_of_second_order_forest_and_ruth_of_fourth) {
+  for (const auto& [integrator, order] :
+       {std::pair(leapfrog, 2.0), std::pair(velocity_verlet, 2.0), std::pair(forest_ruth, 4.0)}) {
+    const double coarse = error_of_energy(integrator, 100), fine = error_of_energy(integrator, 200);
+    EXPECT_NEAR(std::log2(coarse / fine), order, 0.25);
+  }
+  EXPECT_LT(error_of_energy(forest_ruth, 200), 0.1 * error_of_energy(leapfrog, 200));
+}
+
+TEST(Integrators, shares_of_kicks_and_drifts_are_whole_steps) {
+  for (const Splitting& s : {leapfrog, velocity_verlet, forest_ruth}) {
+    double kicks = 0, drifts = s.first_drift;
+    for (const auto& stage : s.stages) {
+      kicks += stage.kick;
+      drifts += stage.drift;
+    }
+    EXPECT_NEAR(kicks, 1, 1e-14);
+    EXPECT_NEAR(drifts, 1, 1e-14);
+  }
+}
+
+}  // namespace
+}  // namespace spall
