@@ -15,6 +15,10 @@ void read_solver(Section& in, SolverSettings& settings) {
   in.take("friction", "", settings.friction, friction_models);
   in.take("tolerance", "on the residual, relative to that without impulses", settings.tolerance,
           positive(number));
+  in.take("speed_tolerance",
+          "on each contact's residual; by default `tolerance` of the fastest closing speed of an "
+          "impact",
+          settings.speed_tolerance, positive(speed));
   std::int64_t max_iterations = settings.max_iterations;
   in.take("max_iterations", "a step", max_iterations, 1);
   settings.max_iterations = static_cast<int>(std::min<std::int64_t>(max_iterations, 1 << 30));

@@ -58,9 +58,18 @@ bool has_friction(const World& world) {
   return any;
 }
 
+/// m/s at which a pair that closes at `closing` over `gap` comes back to this gap after an impact
+/// with restitution `e`. Its relative acceleration `a` (negative: closing) speeds it up on the way
+/// to the surface and slows it down behind it. 0: it does not come back so far.
+double rebound(double closing, double gap, double a, double e) {
+  const double speed2_at_surface = std::max(closing * closing - 2 * a * gap, 0.0);
+  return std::sqrt(std::max(e * e * speed2_at_surface + 2 * a * gap, 0.0));
+}
+
 /// Signorini with restitution on velocity level: u_n+ >= -g/h before contact, u_n+ >= 0 in it,
 /// u_n+ >= -e u_n- where the pair would close within the step faster than gravity or cohesion alone
-/// can drive a resting contact.
+/// can drive a resting contact. The law of impact is about velocities of this instant, at the
+/// surface: leapfrog's are those of the middle between kicks, and the step begins at the gap.
 ProblemData pose(const World& world, const Contacts& contacts, double h) {
   const Bodies& bodies = world.bodies;
   ProblemData data;
@@ -68,7 +77,9 @@ ProblemData pose(const World& world, const Contacts& contacts, double h) {
   data.free_velocity.resize(contacts.size());
   data.friction.resize(contacts.size());
   data.cohesive_impulse.assign(contacts.size(), 0);
-  const double driven = world.has_gravity() ? 2 * world.kick.interval * world.kick.largest : 0;
+  const GravityKick& kick = world.kick;
+  const double driven = world.has_gravity() ? 2 * kick.interval * kick.largest : 0;
+  const double ahead = world.has_gravity() ? kick.steps_left * h - kick.interval / 2 : 0;  // s
   for (Index c = 0; c < contacts.size(); ++c) {
     const Index i = contacts.i[c], j = contacts.j[c];
     const ContactLaw& law = law_of(world, contacts, c);
@@ -83,9 +94,15 @@ ProblemData pose(const World& world, const Contacts& contacts, double h) {
       cohesive = law.cohesion_is_impulse
                      ? (gap <= law.cohesion_range ? law.cohesion : 0)
                      : law.cohesion * time_in_range(gap, closing, h, law.cohesion_range);
-    double bias = std::max(gap, 0.0) / h;
-    if (law.restitution > 0 && gap + h * closing < 0 && -closing > driven + 2 * cohesive * w)
-      bias = law.restitution * closing;
+    const double open = std::max(gap, 0.0);
+    double bias = open / h;
+    if (law.restitution > 0 && gap + h * closing < 0 && -closing > driven + 2 * cohesive * w) {
+      Vec3 a = -bodies.acceleration[i];
+      if (j != ground) a += bodies.acceleration[j];
+      const double a_n = a.dot(n);
+      const double leaves = rebound(closing - ahead * a_n, open, a_n, law.restitution);
+      bias = std::min(bias, -(leaves + ahead * a_n));
+    }
     data.free_velocity[c] = u + bias * n;
   }
   return data;

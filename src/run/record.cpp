@@ -53,6 +53,7 @@ void Record::book(const StepReport& report) {
   squares_ += report.solver.residual_rms * report.solver.residual_rms;
   worst_relative_ = std::max(worst_relative_, report.solver.residual);
   unconverged_ += report.solver.converged ? 0 : 1;
+  over_tolerance_ += report.solver.over_tolerance ? 1 : 0;
 }
 
 std::vector<Column> Record::columns() {
@@ -85,6 +86,8 @@ void Record::add_to(ResultTable& table, std::int64_t steps, bool solves) const {
   table.add("solver", "products", static_cast<std::int64_t>(products_));
   table.add("solver", "products_a_step", products_ / count);
   table.add("solver", "steps_not_converged", static_cast<std::int64_t>(unconverged_));
+  table.add("solver", "steps_over_tolerance", static_cast<std::int64_t>(over_tolerance_), "",
+            "whose residual, without the proximal term, missed the tolerance");
   table.add("solver", "correction_products", static_cast<std::int64_t>(correction_products_));
 }
 

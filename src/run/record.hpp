@@ -37,11 +37,12 @@ class Record {
     f("record.residual_squares", self.squares_);
     f("record.residual_relative", self.worst_relative_);
     f("record.unconverged", self.unconverged_);
+    f("record.over_tolerance", self.over_tolerance_);
   }
 
  private:
   double products_ = 0, correction_products_ = 0, residual_max_ = 0, squares_ = 0;
-  double worst_relative_ = 0, unconverged_ = 0;
+  double worst_relative_ = 0, unconverged_ = 0, over_tolerance_ = 0;
 };
 
 }  // namespace spall

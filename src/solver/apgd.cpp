@@ -84,7 +84,7 @@ Candidate<dimension> apgd(const ContactSystem<dimension>& system, const SolverSe
                                space.difference_product(ones, zero, ones, zero));
   double theta = 1;
 
-  while (!used_up(settings, report) && best.residual.relative > settings.tolerance) {
+  while (!used_up(settings, report) && !met(best.residual, system, settings)) {
     const auto g = space.velocity(system.product(y));
     ++report.products;
     Candidate<dimension> next;

@@ -87,6 +87,15 @@ template <int dimension>
 void add_centre(ContactBlocks<dimension, double>& contacts,
                 const Impulses<dimension, double>& centre, double prox);
 
+/// The free impulses of `from`, rounded.
+template <int dimension, class Real>
+void take_free_impulses(const ContactBlocks<dimension, double>& from,
+                        ContactBlocks<dimension, Real>& to) {
+  for (std::size_t at = 0; at < to.blocks.size(); ++at)
+    for (int d = 0; d < dimension; ++d)
+      to.blocks[at].free_impulse[d] = convert<Real>(from.blocks[at].free_impulse[d]);
+}
+
 /// The same in less precision.
 template <int dimension>
 ContactBlocks<dimension, float> round(const ContactBlocks<dimension, double>& contacts);

@@ -71,12 +71,40 @@ Residual ContactSystem<dimension>::residual(const DoubleImpulses& impulse,
     return residual_sums<model()>(contacts, velocity.data(), impulse, centre, prox);
   });
   double sums[4] = {local.energy, local.energy_prox, local.square, local.norm2};
+  double largest[2] = {local.largest, local.largest_prox};
   ghosts.comm().sum(sums);
+  ghosts.comm().max(largest);
   return {.relative = std::sqrt(sums[0]) / scale,
           .relative_prox = std::sqrt(sums[1]) / scale,
-          .max = std::sqrt(ghosts.comm().max(local.largest)) * units.velocity,
+          .max = std::sqrt(largest[0]) * units.velocity,
+          .max_prox = std::sqrt(largest[1]) * units.velocity,
           .rms = std::sqrt(sums[2] / std::max<double>(1, count)) * units.velocity,
           .norm = std::sqrt(sums[3]) / scale};
+}
+
+template <int dimension>
+void ContactSystem<dimension>::stay_near(const DoubleImpulses& impulse, double eps) {
+  prox = eps;
+  centre = impulse;
+  add_centre(contacts, centre, prox);
+  fresh.resize(impulse.size());
+  for (std::size_t at = 0; at < impulse.size(); ++at)
+    for (std::size_t l = 0; l < lane_count; ++l) {
+      bool none = true;
+      for (int d = 0; d < dimension; ++d) none &= impulse[at].at[d][l] == 0;
+      fresh[at][l] = none || none_holds ? 1 : 0;
+    }
+}
+
+template <int dimension>
+void ContactSystem<dimension>::follow(const DoubleImpulses& iterate) {
+  DoubleImpulses change(iterate.size());
+  for (std::size_t at = 0; at < iterate.size(); ++at)
+    for (int d = 0; d < dimension; ++d) {
+      change[at].at[d] = fresh[at] * (iterate[at].at[d] - centre[at].at[d]);
+      centre[at].at[d] += change[at].at[d];
+    }
+  add_centre(contacts, change, prox);
 }
 
 template <int dimension>

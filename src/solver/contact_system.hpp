@@ -11,9 +11,10 @@ namespace spall {
 struct Residual {
   double relative = 0;
   double relative_prox = 0;
-  double max = 0;   ///< m/s
-  double rms = 0;   ///< m/s
-  double norm = 0;  ///< |p|_S over the residual at zero impulses
+  double max = 0;       ///< m/s
+  double max_prox = 0;  ///< m/s
+  double rms = 0;       ///< m/s
+  double norm = 0;      ///< |p|_S over the residual at zero impulses
 };
 
 /// Impulses with their velocity changes (ghost rows current) and their residual.
@@ -33,13 +34,23 @@ struct ContactSystem {
   FrictionModel friction;
   PackedUnits units;
   ContactBlocks<dimension, double> contacts;
-  DoubleImpulses centre;   ///< p_c of the proximal problem
-  double prox = 0;         ///< its eps; 0: none
-  double scale = 1;        ///< sqrt(sum R^T S^-1 R) at zero impulses, packed units
-  std::int64_t count = 0;  ///< contacts over all ranks
+  DoubleImpulses centre;          ///< p_c of the proximal problem
+  std::vector<Lanes> fresh = {};  ///< 1 where p_c follows the iterate, eight contacts each; else 0
+  bool none_holds = true;  ///< all of them follow: no impulses of an earlier step serve this one
+  double speed_tolerance = 0;  ///< m/s, on |R_c| of the proximal problem
+  double prox = 0;             ///< its eps; 0: none
+  double scale = 1;            ///< sqrt(sum R^T S^-1 R) at zero impulses, packed units
+  std::int64_t count = 0;      ///< contacts over all ranks
 
   BlockRange boundary() const { return {0, contacts.boundary}; }
   BlockRange interior() const { return {contacts.boundary, contacts.blocks.size()}; }
+
+  /// Stays near `impulse` with weight `eps`. A contact that comes with no impulse has nothing to
+  /// stay near: its centre follows. Where `none_holds` all of them follow.
+  void stay_near(const DoubleImpulses& impulse, double eps);
+
+  /// Centres that follow become `iterate`.
+  void follow(const DoubleImpulses& iterate);
 
   /// Impulses with their velocities and residual. Collective.
   Candidate<dimension> evaluate(DoubleImpulses impulse) const;

@@ -147,7 +147,7 @@ Candidate<dimension> gauss_seidel(const ContactSystem<dimension>& system,
   Rows<dimension, double> velocity = best.velocity;
   std::vector<Vec3> changes;
 
-  while (!used_up(settings, report) && best.residual.relative > settings.tolerance) {
+  while (!used_up(settings, report) && !met(best.residual, system, settings)) {
     changes.clear();
     for_each_contact(contacts, system.boundary(), [&](const auto& contact, std::size_t at) {
       const double split =

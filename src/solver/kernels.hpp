@@ -273,6 +273,7 @@ struct ResidualSums {
   double square = 0;       ///< |R|^2
   double norm2 = 0;        ///< |p|_S^2
   double largest = 0;      ///< |R|^2
+  double largest_prox = 0;
 };
 
 /// d = p - P(p - g), g = S^-1 u~, with De Saxcé's mu |u_t| n for exact Coulomb: R = S d.
@@ -317,7 +318,7 @@ ResidualSums residual_sums(const ContactBlocks<dimension, double>& contacts,
                            const Row<dimension, double>* velocity,
                            const Impulses<dimension, double>& iterate,
                            const Impulses<dimension, double>& centre, double prox) {
-  Lanes energy{}, energy_prox{}, square{}, norm2{}, most{};
+  Lanes energy{}, energy_prox{}, square{}, norm2{}, most{}, most_prox{};
   for (std::size_t at = 0; at < iterate.size(); ++at) {
     const ContactBlock<dimension, double>& block = contacts.blocks[at];
     const Lanes* p = iterate[at].at;
@@ -336,10 +337,11 @@ ResidualSums residual_sums(const ContactBlocks<dimension, double>& contacts,
     most = larger(most, r2);
     if (prox > 0) natural_map<model>(block, p, g_prox, d);
     energy_prox += weight * metric_product(block, d, d);
+    most_prox = larger(most_prox, weight * velocity_square(block, d));
     norm2 += weight * metric_product(block, p, p);
   }
   return {sum_of_lanes(energy), sum_of_lanes(energy_prox), sum_of_lanes(square),
-          sum_of_lanes(norm2), largest_lane(most)};
+          sum_of_lanes(norm2),  largest_lane(most),        largest_lane(most_prox)};
 }
 
 }  // namespace spall

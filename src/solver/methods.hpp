@@ -10,11 +10,19 @@ inline bool used_up(const SolverSettings& settings, const SolverReport& report) 
   return report.iterations >= settings.max_iterations || report.products >= settings.max_products;
 }
 
+/// Whether a residual is as small as asked.
+template <int dimension>
+bool met(const Residual& residual, const ContactSystem<dimension>& system,
+         const SolverSettings& settings) {
+  return residual.relative_prox <= settings.tolerance &&
+         residual.max_prox <= system.speed_tolerance;
+}
+
 /// Nesterov's gradient method in the block-Jacobi metric with one product an iteration; the only
 /// one that knows the proximal term. Exact Coulomb friction by its normal-first projection.
 /// Collective, as all of these.
 template <int dimension>
-Candidate<dimension> accelerated_gradient(const ContactSystem<dimension>& system,
+Candidate<dimension> accelerated_gradient(ContactSystem<dimension>& system,
                                           const SolverSettings& settings,
                                           Candidate<dimension> start, SolverReport& report);
 

@@ -56,7 +56,9 @@ inline constexpr Choice<FrictionModel> friction_models[] = {{"coulomb", Friction
 struct SolverSettings {
   SolverMethod method = SolverMethod::accelerated;
   FrictionModel friction = FrictionModel::coulomb;
-  double tolerance = 1e-2;  ///< on E (on E_eps where `prox` > 0): relative to impulses all zero
+  double tolerance = 1e-2;     ///< on E (on E_eps where `prox` > 0): relative to impulses all zero
+  double speed_tolerance = 0;  ///< m/s, on every |R_c| too; 0: `tolerance` of the fastest closing
+                               ///< speed where no impulses of an earlier step serve
   int max_iterations = 1000;
   int max_products = std::numeric_limits<int>::max();  ///< checks between iterations go beyond it
   double prox = 4e-3;  ///< of `accelerated`: weight eps of staying near the warm start; 0: none

@@ -9,11 +9,12 @@ struct SolverReport {
   int iterations = 0;
   int products = 0;     ///< with the Delassus operator
   double residual = 0;  ///< E = sqrt(sum R^T S^-1 R) / E(p = 0), of the problem as asked, no prox
-  double residual_prox = 0;  ///< E_eps, of the proximal problem; equals `residual` without one
-  double residual_max = 0;   ///< m/s, largest |R_c|
-  double residual_rms = 0;   ///< m/s
-  bool converged = true;
-  double seconds = 0;  ///< longest rank
+  double residual_prox = 0;     ///< E_eps, of the proximal problem; equals `residual` without one
+  double residual_max = 0;      ///< m/s, largest |R_c|
+  double residual_rms = 0;      ///< m/s
+  bool converged = true;        ///< met its tolerances, by E_eps
+  bool over_tolerance = false;  ///< E, of the problem as asked, missed them
+  double seconds = 0;           ///< longest rank
 };
 
 }  // namespace spall

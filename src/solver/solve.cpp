@@ -52,9 +52,8 @@ std::int64_t count_bad(const ContactProblem& problem, const std::vector<Vec3>& i
 }
 
 template <int dimension>
-Candidate<dimension> run_method(const ContactSystem<dimension>& system,
-                                const SolverSettings& settings, Candidate<dimension> start,
-                                SolverReport& report) {
+Candidate<dimension> run_method(ContactSystem<dimension>& system, const SolverSettings& settings,
+                                Candidate<dimension> start, SolverReport& report) {
   switch (settings.method) {
     case SolverMethod::accelerated:
       return accelerated_gradient(system, settings, std::move(start), report);
@@ -68,13 +67,16 @@ Candidate<dimension> run_method(const ContactSystem<dimension>& system,
   throw Error("unknown solver method");
 }
 
+/// Where less of the impulses than this serves, most of them belong to another state of motion.
+constexpr double least_part_to_hold = 0.5;
+
 /// The part of the given impulses that serves best: p scaled to minimise p N p / 2 + p b, between
 /// none and all of it. What belongs to another state of motion (the step after an impact) scales to
 /// nothing: it would be neither where to start nor what to stay near. E is no such test: a few fast
-/// collisions make it equal for good and bad impulses of all other contacts.
+/// collisions make it equal for good and bad impulses of all other contacts. `part` is the scale.
 template <int dimension>
 Candidate<dimension> warm_start(const ContactSystem<dimension>& system,
-                                Impulses<dimension, double> impulse) {
+                                Impulses<dimension, double> impulse, double& part) {
   Candidate<dimension> warm{std::move(impulse), {}, {}};
   make_admissible(system, warm.impulse);
   warm.velocity = system.product(warm.impulse);
@@ -90,7 +92,7 @@ Candidate<dimension> warm_start(const ContactSystem<dimension>& system,
   }
   double sums[2] = {sum_of_lanes(curvature), sum_of_lanes(slope)};
   system.ghosts.comm().sum(sums);
-  const double part = sums[0] > 0 ? std::clamp(-sums[1] / sums[0], 0.0, 1.0) : 0;
+  part = sums[0] > 0 ? std::clamp(-sums[1] / sums[0], 0.0, 1.0) : 0;
   for (auto& block : warm.impulse)
     for (auto& p : block.at) p *= part;
   for (auto& row : warm.velocity) row.at *= part;
@@ -150,20 +152,23 @@ SolverResult solve_packed(const ContactProblem& problem, const Ghosts& ghosts,
   auto [system, best] = pose<dimension>(problem, ghosts, settings.friction, count);
   const PackedUnits& units = system.units;
   if (best.residual.relative > 0) {
-    best = warm_start(system, pack_impulses<dimension>(problem, units, impulse));
+    const double fastest = best.residual.max;
+    double part = 0;
+    best = warm_start(system, pack_impulses<dimension>(problem, units, impulse), part);
     ++report.products;
-
-    if (settings.method == SolverMethod::accelerated) {
-      system.prox = settings.prox;
-      system.centre = best.impulse;
-      add_centre(system.contacts, system.centre, system.prox);
-    }
+    system.none_holds = part < least_part_to_hold;
+    system.speed_tolerance = settings.speed_tolerance > 0 ? settings.speed_tolerance
+                             : system.none_holds          ? settings.tolerance * fastest
+                                                          : infinity;
+    if (settings.method == SolverMethod::accelerated && settings.prox > 0)
+      system.stay_near(best.impulse, settings.prox);
     best = run_method(system, settings, std::move(best), report);
   }
 
   report_residual(best.residual, report);
-  report.converged = best.residual.relative_prox <= settings.tolerance;
+  report.converged = best.residual.relative == 0 || met(best.residual, system, settings);
 
+  report.over_tolerance = best.residual.relative > settings.tolerance;
   unpack_impulses(problem, units, best.impulse, impulse);
   result.change.resize(problem.inverse_mass.size());
   for (std::size_t b = 0; b < result.change.size(); ++b)

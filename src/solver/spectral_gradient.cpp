@@ -31,7 +31,7 @@ Candidate<dimension> spectral_gradient(const ContactSystem<dimension>& system,
   std::deque<double> values{0};  // of the objective, from the start's
   double step = 1;
 
-  while (!used_up(settings, report) && best.residual.relative > settings.tolerance) {
+  while (!used_up(settings, report) && !met(best.residual, system, settings)) {
     Impulses<dimension, double> direction = p;
     add_scaled(direction, -step, gradient);
     for (std::size_t at = 0; at < p.size(); ++at) {
