@@ -299,9 +299,30 @@ breaking_strain = "5 %"
             "bodies");
   EXPECT_EQ(complaint(bodies + law + "cutoff = 3\n").substr(0, 49),
             "x.toml:18:1: pair_potential.cutoff is not a key h");
-  EXPECT_EQ(complaint(bodies + law + "[[planes]]\n"),
-            "x.toml: phases.hit.method = \"potential\": [[planes]], [[boxes]], [[cylinders]] and "
-            "[periodic] do not act in it");
+  EXPECT_EQ(
+      complaint(bodies + law + "[[planes]]\n"),
+      "x.toml:7:1: phases.hit.method = \"potential\": [[planes]], [[boxes]], [[cylinders]] and "
+      "[periodic] do not act in it");
+}
+
+TEST(Case, a_key_behind_a_condition_that_hides_it_from_the_reference_cannot_be_read) {
+  double value = 0;
+  const auto hides = [&](Section& in) {
+    std::string kind;
+    in.need("kind", "", kind);
+    if (kind == "rare") in.take("secret", "", value, any(dimension::number));
+  };
+  const auto read_rare = [&](const Section::Reader& read) {
+    Section::read_all(toml::parse("kind = \"rare\"\nsecret = 1"), "x.toml", read,
+                      Section::reference(read));
+  };
+  EXPECT_THROW(read_rare(hides), std::logic_error);
+  read_rare([&](Section& in) {
+    std::string kind;
+    in.need("kind", "", kind);
+    if (in.reads(kind == "rare")) in.take("secret", "", value, any(dimension::number));
+  });
+  EXPECT_EQ(value, 1);
 }
 
 TEST(Case, the_reference_lists_every_key) {

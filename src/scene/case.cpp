@@ -290,6 +290,15 @@ Case parse_case(const std::string& text, const std::string& file,
   try {
     root = toml::parse(text, file);
   } catch (const toml::parse_error& error) {
+/// Of a case file, as its own reader asks for them.
+const Section::Reference& all_keys() {
+  static const Section::Reference keys = Section::reference([](Section& in) {
+    Case scene;
+    read_case_keys(in, scene);
+  });
+  return keys;
+}
+
     throw Error(fmt::format("{}:{}:{}: {}", file, error.source().begin.line,
                             error.source().begin.column, error.description()));
   }
@@ -302,7 +311,8 @@ Case parse_case(const std::string& text, const std::string& file,
   scene.text = text;
   scene.overrides = overrides;
   insert_material_files(root, file, scene.overrides);
-  Section::read_all(root, file, [&](Section& in) { read_case_keys(in, scene); });
+  Section::read_all(
+      root, file, [&](Section& in) { read_case_keys(in, scene); }, all_keys());
   draw_orientations(scene);
   const auto hit =
       std::ranges::find_if(scene.phases, [](const Phase& p) { return p.impactor.has_value(); });
@@ -341,10 +351,7 @@ std::vector<std::string> find_cases(const std::string& folder) {
 }
 
 std::string case_reference() {
-  return Section::reference([](Section& in) {
-    Case scene;
-    read_case_keys(in, scene);
-  });
+  return all_keys().text;
 }
 
 }  // namespace spall
