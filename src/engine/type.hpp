@@ -19,7 +19,7 @@ struct MaterialUse {
   std::string group;     ///< its name
   int material = 0;      ///< index into the materials
   Lattice lattice = {};  ///< no neighbours: none
-  double mean_mass = 0;  ///< kg; 0: not known yet
+  double mass = 0;       ///< kg, of its lightest body; 0: not known yet
   bool fixed = false;
 };
 

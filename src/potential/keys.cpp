@@ -308,7 +308,7 @@ std::string describe(const Surroundings& around, std::span<const MaterialUse> us
   const auto lightest = [&](int m) {
     double mass = infinity;
     for (const MaterialUse& use : uses)
-      if (!use.fixed && (m < 0 || use.material == m)) mass = std::min(mass, use.mean_mass);
+      if (!use.fixed && (m < 0 || use.material == m)) mass = std::min(mass, use.mass);
     return mass;
   };
   const auto lattice = [&](int m) -> const Lattice* {

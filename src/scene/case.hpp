@@ -34,8 +34,11 @@ struct Volume {
 
 /// A body of an earlier run.
 struct StoredBody {
-  Vec3 position;  ///< m, from the centre of mass
-  double radius, mass;
+  Vec3 position;        ///< m, from the centre of mass of those that can move
+  double radius = 0;    ///< m
+  double mass = 0;      ///< kg
+  Vec3 velocity, spin;  ///< m/s, rad/s
+  bool fixed = false;   ///< never moves: it has no mass of its own
 };
 
 struct PackingType;  // scene/packing.hpp
@@ -43,6 +46,7 @@ extern const PackingType single_packing;
 
 enum class Orientation { rotation, random };
 
+enum class StoredMotion { kept, none };
 /// How a volume is filled.
 struct Packing {
   const PackingType* type = &single_packing;
@@ -53,11 +57,18 @@ struct Packing {
   Vec3 rotation = Vec3::Zero();                      ///< rotation vector, rad
   Orientation orientation = Orientation::rotation;   ///< random: `rotation` is drawn by the seed
   std::string file = {};                             ///< of file: a restart file of an earlier run
-  std::vector<StoredBody> stored = {};               ///< of file: read_stored_bodies puts them here
+  std::vector<StoredBody> stored = {};               ///< of file: with_stored_bodies puts them here
+  StoredMotion stored_motion = StoredMotion::kept;   ///< of file: none: bodies are at rest
   std::any own = {};                                 ///< what its type alone knows
 };
 
 /// One recipe: a volume filled with spheres of one material.
+/// Random velocities, as molecules have them.
+struct ThermalVelocity {
+  double rms = 0;  ///< m/s, of each component
+  std::uint64_t seed = 1;
+};
+
 struct Group {
   std::string name;
   std::string place;  ///< where the case asks for it, for messages: "x.toml:12:1: groups.cloud"
@@ -69,6 +80,7 @@ struct Group {
   Vec3 spin = Vec3::Zero();  ///< rad/s, rigid rotation about the volume's center
   bool fixed = false;        ///< infinite mass
 };
+  std::optional<ThermalVelocity> thermal = std::nullopt;  ///< beside `velocity` and `spin`
 
 /// How the line of flight is laid: head_on shifts it to pass through the centre of the first sphere
 /// that it meets.

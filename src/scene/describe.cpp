@@ -27,13 +27,17 @@ std::size_t bytes_of_a_body(const Case& scene) {
 }
 
 std::string describe_group(const Group& group, const GroupContent& content) {
-  const double each = content.mean_mass(group), mass = each * static_cast<double>(content.count);
+  const double mass = content.mass * content.mass_factor(group);
+  const double each = mass / static_cast<double>(std::max<std::int64_t>(content.movable, 1));
   std::string radius = fmt::format("{:.6g}", content.largest);
   if (content.smallest < content.largest)
     radius = fmt::format("{:.3g} to {:.3g}", content.smallest, content.largest);
   return fmt::format("  {:<16}{:>10}{:>14}{:>14.6g}{:>14.6g}{:>10.4f}{}\n", group.name,
                      content.count, radius, each, mass, content.volume / volume_of(group.volume),
-                     group.fixed ? "  fixed" : "");
+                     group.fixed ? "  fixed"
+                     : content.movable < content.count
+                         ? fmt::format("  {} fixed", content.count - content.movable)
+                         : "");
 }
 
 std::string describe_phase(const Phase& phase, double start) {
@@ -92,7 +96,7 @@ std::string describe_phases(const Case& scene) {
   std::vector<MaterialUse> uses = material_uses(scene);
   const std::vector<GroupContent> contents = measure_groups(scene);
   for (std::size_t g = 0; g < contents.size(); ++g)
-    uses[g].mean_mass = contents[g].mean_mass(scene.groups[g]);
+    uses[g].mass = contents[g].lightest * contents[g].mass_factor(scene.groups[g]);
   for (const EngineType* type : all_engines()) {
     const auto phase = std::ranges::find(scene.phases, type, &Phase::engine);
     if (phase != scene.phases.end()) text += type->describe(scene, uses, phase->settings);
