@@ -56,6 +56,7 @@ class Run {
       if (clock().step_in_phase == 0) begin_phase();
       if (clock().step == 0) snapshot();
       if (!run_phase(signals)) return false;
+      progress_.begin_phase(clock());
       end_phase();
     }
     finish();
