@@ -67,7 +67,7 @@ TEST(ExampleEngine, refuses_what_it_does_not_model) {
   const Case fast = in_free_flight("free = {drag = 8}");
   Simulation simulation(comm, Scene(std::make_shared<Case>(fast)));
   EXPECT_EQ(complaint_of([&] { simulation.begin_phase(); }),
-            "x.toml: phases.flight.step = 0.25 s is longer than 1/drag, 0.125 s");
+            "x.toml:10:1: phases.flight.step = 0.25 s is longer than 1/drag, 0.125 s");
   Case walls = in_free_flight("");
   walls.planes.push_back({});
   EXPECT_EQ(complaint_of([&] {

@@ -4,6 +4,7 @@
 
 #include <any>
 #include <array>
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <string>
@@ -45,8 +46,8 @@ struct PackingType;  // scene/packing.hpp
 extern const PackingType single_packing;
 
 enum class Orientation { rotation, random };
-
 enum class StoredMotion { kept, none };
+
 /// How a volume is filled.
 struct Packing {
   const PackingType* type = &single_packing;
@@ -62,13 +63,13 @@ struct Packing {
   std::any own = {};                                 ///< what its type alone knows
 };
 
-/// One recipe: a volume filled with spheres of one material.
 /// Random velocities, as molecules have them.
 struct ThermalVelocity {
   double rms = 0;  ///< m/s, of each component
   std::uint64_t seed = 1;
 };
 
+/// One recipe: a volume filled with spheres of one material.
 struct Group {
   std::string name;
   std::string place;  ///< where the case asks for it, for messages: "x.toml:12:1: groups.cloud"
@@ -79,8 +80,8 @@ struct Group {
   Vec3 velocity = Vec3::Zero();
   Vec3 spin = Vec3::Zero();  ///< rad/s, rigid rotation about the volume's center
   bool fixed = false;        ///< infinite mass
-};
   std::optional<ThermalVelocity> thermal = std::nullopt;  ///< beside `velocity` and `spin`
+};
 
 /// How the line of flight is laid: head_on shifts it to pass through the centre of the first sphere
 /// that it meets.
@@ -103,6 +104,7 @@ enum class PhaseEnd { time, settled };
 
 struct Phase {
   std::string name;
+  std::string place;                   ///< where the case asks for it: "x.toml:12:1: phases.hit"
   const EngineType* engine = nullptr;  ///< how bodies act on each other where they meet
   double step = 0;                     ///< s
   double duration = 0;                 ///< s; until settled the longest
@@ -112,6 +114,9 @@ struct Phase {
   std::optional<Impactor> impactor;  ///< added at the start of the phase
   bool remove_drift = false;         ///< at the start: centre of mass to rest at the origin
   EngineSettings settings;           ///< the case's, with what the phase changes
+
+  /// That it lasts, at most where it ends settled.
+  std::int64_t steps() const { return std::llround(duration / step); }
 };
 
 struct OutputSettings {
@@ -131,10 +136,11 @@ struct DebrisSettings {
 
 /// The orbit whose change is asked for (thesis eqs. 3.3, 3.4).
 struct Binary {
-  double separation = 0;  ///< m, R
-  double speed = 0;       ///< m/s, v_old; negative where the impactor comes from ahead
-  double parameter = 0;   ///< m^3/s^2, mu
-  double period = 0;      ///< s, T_old
+  double separation = 0;   ///< m, R
+  double speed = 0;        ///< m/s, v_old; negative where the impactor comes from ahead
+  double parameter = 0;    ///< m^3/s^2, mu
+  double period = 0;       ///< s, T_old
+  std::string place = {};  ///< where the case asks for it, for messages
 };
 
 struct Case : Surroundings {
@@ -158,6 +164,7 @@ struct Case : Surroundings {
   std::optional<DebrisSettings> debris;
   std::vector<SceneSphere> spheres;  ///< that a program added; masses as they are
   std::vector<double> read_out;      ///< s after the impactor was added: where dv is tabulated
+  std::string read_out_place;        ///< where the case asks for it, for messages
 };
 
 /// Reads and checks a case. `overrides` are "key.path=value" as given to --set; elements of arrays

@@ -41,9 +41,8 @@ std::string describe_group(const Group& group, const GroupContent& content) {
 }
 
 std::string describe_phase(const Phase& phase, double start) {
-  std::string text =
-      fmt::format("  {:<16}{:>12.6g}{:>12.6g}{:>10.0f}{:>12.6g}", phase.name, phase.step,
-                  phase.duration, std::ceil(phase.duration / phase.step * (1 - 1e-12)), start);
+  std::string text = fmt::format("  {:<16}{:>12.6g}{:>12.6g}{:>10}{:>12.6g}", phase.name,
+                                 phase.step, phase.duration, phase.steps(), start);
   if (phase.until == PhaseEnd::settled)
     text += fmt::format("  at most, until the rms speed is below {:g} m/s", phase.settled_speed);
   if (phase.remove_drift) text += "  drift removed";
