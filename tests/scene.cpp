@@ -237,7 +237,7 @@ TEST(Scene, the_cases_that_come_with_the_program_have_the_thesis_masses) {
     if (folder == "pull") {
       EXPECT_DOUBLE_EQ(mass, 1.0723e9);
     }
-    EXPECT_FALSE(describe_bodies(scene).empty());
+    EXPECT_FALSE(describe_bodies(scene, 1, 0).empty());
   }
   EXPECT_GE(files.size(), 7u);
 }

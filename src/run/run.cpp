@@ -9,6 +9,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "base/resident.hpp"
 #include "gravity/kick.hpp"
 #include "output/restart.hpp"
 #include "output/results.hpp"
@@ -44,7 +45,7 @@ class Run {
       simulation_.emplace(comm, parts, *from);
       load(from->scalars);
     } else {
-      progress_.say(describe_bodies(scene_));
+      progress_.say(describe_bodies(scene_, comm.size, resident_bytes()));
       simulation_.emplace(comm, parts);
     }
   }
@@ -291,10 +292,11 @@ class Run {
 }  // namespace
 
 std::string check_case(const Comm& comm, const Case& scene) {
+  const double bytes_of_program = resident_bytes();
   const auto whole = std::make_shared<Case>(with_stored_bodies(scene));
   Simulation simulation(comm, Scene(whole));
   simulation.begin_phase();
-  return describe_bodies(*whole) + describe_phases(*whole);
+  return describe_bodies(*whole, comm.size, bytes_of_program) + describe_phases(*whole);
 }
 
 bool run_case(const Comm& comm, const Case& scene, const std::string& folder) {

@@ -14,16 +14,16 @@
 namespace spall {
 namespace {
 
-/// Bytes that a body needs while a pile of them is solved: its row, its share of contacts (at most
-/// six, in a close packing) with the solver's copies of them, its row of the field and of the
-/// velocity changes.
-std::size_t bytes_of_a_body(const Case& scene) {
-  std::size_t row = 0;
-  Bodies none;
-  none.fields = fields_of(scene);
-  for_each_field(none, [&]<class T>(const TypedField<T>&, const auto&) { row += sizeof(T); });
-  constexpr std::size_t contact = 250, contacts = 6, field = 40, changes = 2 * 64;
-  return row + contacts * contact + field + changes;
+/// Bytes that the bodies of a group need at most, in the phase that needs most.
+double bytes_of(const Case& scene, const Group& group, const GroupContent& content) {
+  // A settled pile has 2.4 contacts a body; inside a lattice each body shares its neighbours' ones.
+  constexpr double of_a_pile = 2.4;
+  const Lattice lattice = lattice_of(group.packing);
+  const double contacts = lattice.neighbours > 0 ? lattice.neighbours / 2.0 : of_a_pile;
+  double most = 0;
+  for (const Phase& phase : scene.phases)
+    most = std::max(most, bytes_a_body(*phase.engine, contacts));
+  return most * static_cast<double>(content.count);
 }
 
 std::string describe_group(const Group& group, const GroupContent& content) {
@@ -55,19 +55,23 @@ std::string describe_phase(const Phase& phase, double start) {
 
 }  // namespace
 
-std::string describe_bodies(const Case& scene) {
+std::string describe_bodies(const Case& scene, int ranks, double bytes_of_program) {
   std::string text = fmt::format("{}\n\n", scene.title.empty() ? scene.file : scene.title);
   text += fmt::format("  {:<16}{:>10}{:>14}{:>14}{:>14}{:>10}\n", "group", "bodies", "radius (m)",
                       "mean (kg)", "all (kg)", "filled");
   const std::vector<GroupContent> contents = measure_groups(scene);
   std::int64_t all = 0;
+  double bytes = 0;  // of bodies
   for (std::size_t g = 0; g < contents.size(); ++g) {
+    bytes += bytes_of(scene, scene.groups[g], contents[g]);
     text += describe_group(scene.groups[g], contents[g]);
     all += contents[g].count;
   }
-  return text +
-         fmt::format("\n  {} bodies, about {:.3g} MB over all ranks\n", all,
-                     1e-6 * static_cast<double>(all) * static_cast<double>(bytes_of_a_body(scene)));
+  // Libraries take more once they are used: measured beside 36 MB at the start.
+  constexpr double bytes_of_use = 6e6;
+  const double of_a_rank = bytes_of_program + bytes_of_use + bytes / ranks;
+  return text + fmt::format("\n  {} bodies, at most about {:.3g} MB a rank on {} rank{}\n", all,
+                            1e-6 * of_a_rank, ranks, ranks == 1 ? "" : "s");
 }
 
 std::string describe_phases(const Case& scene) {

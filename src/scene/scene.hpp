@@ -45,8 +45,9 @@ inline std::int32_t group_of_spheres(const Case& scene) {
 /// Every rank runs through the whole recipe, so nothing is sent.
 Bodies make_bodies(const Case& scene, const Comm& comm);
 
-/// What a case will make: bodies, masses, packings, memory.
-std::string describe_bodies(const Case& scene);
+/// What a case will make: bodies, masses, packings, and the memory that a rank of so many needs,
+/// on top of what the program takes before it has bodies.
+std::string describe_bodies(const Case& scene, int ranks, double bytes_of_program);
 /// What a case will run: what is switched off, phases and their step limits.
 std::string describe_phases(const Case& scene);
 
