@@ -22,7 +22,7 @@ double bytes_of(const Case& scene, const Group& group, const GroupContent& conte
   const double contacts = lattice.neighbours > 0 ? lattice.neighbours / 2.0 : of_a_pile;
   double most = 0;
   for (const Phase& phase : scene.phases)
-    most = std::max(most, bytes_a_body(*phase.engine, contacts));
+    most = std::max(most, bytes_a_body(*phase.engine, scene, contacts));
   return most * static_cast<double>(content.count);
 }
 
