@@ -15,11 +15,9 @@
 
 #include "base/kernels.hpp"
 #include "output/snapshot.hpp"
-#include "output/stored_bodies.hpp"
 #include "run/run.hpp"
 #include "run/solve_file.hpp"
 #include "scene/case.hpp"
-#include "scene/scene.hpp"
 #include "spall/comm.hpp"
 #include "spall/error.hpp"
 
@@ -62,11 +60,6 @@ void list_cases() {
   require(std::filesystem::is_directory("cases"), "there is no folder 'cases' here");
   for (const std::string& file : find_cases("cases"))
     fmt::print("{:<36} {}\n", file, read_case(file).title);
-}
-
-void check_case(const Options& options) {
-  const Case scene = with_stored_bodies(read_case(options.file, options.overrides));
-  fmt::print("{}{}", describe_bodies(scene), describe_phases(scene));
 }
 
 /// The script that draws reports: of the installation that this program is of, or of its build.
@@ -160,8 +153,11 @@ int dispatch(const Comm& comm, int argc, char** argv) {
     solve_file(comm, options.file, options.solver, options.evaluate);
     return 0;
   }
+  if (*check) {
+    const std::string text = check_case(comm, read_case(options.file, options.overrides));
+    if (comm.rank == 0) fmt::print("{}", text);
+  }
   if (comm.rank != 0) return 0;  // what follows needs no second rank
-  if (*check) check_case(options);
   if (*page) return report(options.file);
   if (*list) list_cases();
   if (*keys) fmt::print("{}{}", case_reference(), describe_output_fields());

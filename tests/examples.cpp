@@ -33,11 +33,15 @@ step = 0.25
 duration = 8
 )";
 
+/// Lets `read` ask for the keys of a text.
+void read_keys(const std::string& text, const Section::Reader& read) {
+  Section::read_all(toml::parse(text), "x.toml", read, Section::reference(read));
+}
+
 /// The same case with the engine of the example in its phase.
 Case in_free_flight(const std::string& keys) {
   Case scene = parse_case(two_bodies, "x.toml");
-  Section::read_all(toml::parse(keys), "x.toml",
-                    [&](Section& in) { free_engine.read(in, scene.phases[0].settings); });
+  read_keys(keys, [&](Section& in) { free_engine.read(in, scene.phases[0].settings); });
   scene.phases[0].engine = &free_engine;
   return scene;
 }
@@ -63,7 +67,7 @@ TEST(ExampleEngine, refuses_what_it_does_not_model) {
   const Case fast = in_free_flight("free = {drag = 8}");
   Simulation simulation(comm, Scene(std::make_shared<Case>(fast)));
   EXPECT_EQ(complaint_of([&] { simulation.begin_phase(); }),
-            "x.toml: phases.flight.step = 0.25 s is longer than 1/drag, 0.125 s");
+            "x.toml:10:1: phases.flight.step = 0.25 s is longer than 1/drag, 0.125 s");
   Case walls = in_free_flight("");
   walls.planes.push_back({});
   EXPECT_EQ(complaint_of([&] {
@@ -77,8 +81,7 @@ TEST(ExamplePacking, puts_spheres_in_a_row_with_its_gap) {
   Case scene = parse_case(two_bodies, "x.toml");
   Packing& packing = scene.groups[0].packing;
   packing.type = &row_packing;
-  Section::read_all(toml::parse("gap = 0.5"), "x.toml",
-                    [&](Section& in) { row_packing.read(in, packing); });
+  read_keys("gap = 0.5", [&](Section& in) { row_packing.read(in, packing); });
   const Bodies bodies = make_bodies(scene, alone());
   ASSERT_EQ(bodies.owned, 3);
   for (Index b = 0; b < 3; ++b) EXPECT_EQ(bodies.position[b], Vec3(2.5 * (b - 1), 0, 0));

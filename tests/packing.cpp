@@ -5,9 +5,11 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <random>
 
 #include "scene/shape.hpp"
+#include "scene/sizes.hpp"
 #include "testing.hpp"
 
 namespace spall {
@@ -30,8 +32,8 @@ std::vector<Vec3> random_spheres(const Volume& volume, double radius, std::int64
                                  std::uint64_t seed) {
   std::vector<Vec3> centers;
   place_at_random(
-      volume, {.radius = radius, .count = count}, seed, [](const Vec3&) { return true; },
-      [&](const Vec3& center) { centers.push_back(center); });
+      volume, std::vector<double>(count, radius), seed, [](const Vec3&, double) { return true; },
+      [&](const Vec3& center, double) { centers.push_back(center); });
   return centers;
 }
 
@@ -170,6 +172,83 @@ TEST(RandomPacking, a_scene_in_other_units_is_the_same_to_the_bit) {
   for (std::size_t k = 0; k < one.size(); ++k) EXPECT_EQ(Vec3(one[k] * 0x1p20), other[k]);
 }
 
+TEST(RandomPacking, that_cannot_fit_is_known_before_it_is_tried) {
+  const auto most = [](const Volume& volume, double radius) {
+    return most_filled_at_random(volume, std::vector<double>{radius});
+  };
+  // What did find a place is never more; in small volumes walls make a difference.
+  for (double radius : {0.1, 0.3, 1.0}) {
+    const auto centers = random_spheres(ball(1), radius, 10000, 2);
+    EXPECT_LT(static_cast<double>(centers.size()) * std::pow(radius, 3), most(ball(1), radius));
+  }
+  // A row of spheres that fill a tube as a random line: Renyi's 0.7476 of its length.
+  const Volume tube{.shape = Shape::cylinder, .extents = {2, 2, 2000}};
+  EXPECT_GT(most(tube, 1 - 1e-9), 0.7476 * 2 / 3);
+  // In large volumes it is the known end of such packings.
+  EXPECT_NEAR(most(ball(1), 0.002), 0.384, 0.006);
+}
+
+double largest_gap_between(std::vector<double> drawn, const std::function<double(double)>& below) {
+  std::ranges::sort(drawn);
+  double gap = 0;
+  const auto count = static_cast<double>(drawn.size());
+  for (std::size_t k = 0; k < drawn.size(); ++k)
+    gap = std::max({gap, std::abs(below(drawn[k]) - static_cast<double>(k) / count),
+                    std::abs(below(drawn[k]) - static_cast<double>(k + 1) / count)});
+  return gap;
+}
+
+// Kolmogorov and Smirnov: one sample in a thousand has a larger gap.
+constexpr double ks_1_in_1000 = 1.95;
+constexpr std::int64_t many = 20000;
+
+TEST(Sizes, of_a_power_law_lie_between_their_limits_as_it_says) {
+  for (double exponent : {-1.0, 0.0, 2.5, 3.0}) {
+    const Sizes sizes{.law = SizeLaw::power, .smallest = 0.5, .largest = 4, .exponent = exponent};
+    const auto radii = draw_radii(sizes, many, 7);
+    EXPECT_TRUE(std::ranges::is_sorted(radii, std::greater()));
+    EXPECT_LE(radii.front(), 4);
+    EXPECT_GE(radii.back(), 0.5);
+    const double gap = largest_gap_between(radii, [&](double r) {
+      const double a = exponent;
+      if (a == 0) return std::log(r / 0.5) / std::log(8.0);
+      return (std::pow(0.5, -a) - std::pow(r, -a)) / (std::pow(0.5, -a) - std::pow(4.0, -a));
+    });
+    EXPECT_LT(gap, ks_1_in_1000 / std::sqrt(many)) << exponent;
+  }
+}
+
+TEST(Sizes, of_a_lognormal_law_are_those_between_its_limits) {
+  const Sizes sizes{
+      .law = SizeLaw::lognormal, .smallest = 0.8, .largest = 3, .median = 1, .spread = 0.4};
+  const auto normal_below = [](double z) { return std::erfc(-z / std::sqrt(2.0)) / 2; };
+  const auto below = [&](double r) { return normal_below(std::log(r) / 0.4); };
+  const auto radii = draw_radii(sizes, many, 3);
+  EXPECT_LE(radii.front(), 3);
+  EXPECT_GE(radii.back(), 0.8);
+  const double gap = largest_gap_between(
+      radii, [&](double r) { return (below(r) - below(0.8)) / (below(3) - below(0.8)); });
+  EXPECT_LT(gap, ks_1_in_1000 / std::sqrt(many));
+}
+
+TEST(Sizes, of_a_list_are_as_many_as_their_shares) {
+  const Sizes sizes{.law = SizeLaw::list, .radii = {1, 3, 2}, .shares = {0.7, 0.1, 0.2}};
+  EXPECT_EQ(draw_radii(sizes, 10, 1), (std::vector<double>{3, 2, 2, 1, 1, 1, 1, 1, 1, 1}));
+  const auto eleven = draw_radii(sizes, 11, 1);  // 7.7, 1.1, 2.2: the first is rounded up
+  EXPECT_EQ(std::ranges::count(eleven, 1.0), 8);
+  EXPECT_EQ(std::ranges::count(eleven, 2.0), 2);
+}
+
+TEST(Sizes, in_other_units_are_the_same_to_the_bit) {
+  for (SizeLaw law : {SizeLaw::power, SizeLaw::lognormal}) {
+    Sizes sizes{.law = law, .smallest = 0.5, .largest = 4, .exponent = 3, .median = 1, .spread = 1};
+    const auto one = draw_radii(sizes, 100, 7);
+    for (double* length : {&sizes.smallest, &sizes.largest, &sizes.median}) *length *= 0x1p-20;
+    const auto other = draw_radii(sizes, 100, 7);
+    for (std::size_t k = 0; k < one.size(); ++k) EXPECT_EQ(one[k] * 0x1p-20, other[k]);
+  }
+}
+
 struct Boulder {
   Vec3 center;
   double radius;
@@ -181,6 +260,27 @@ std::vector<Boulder> graded_boulders(const Volume& volume, double largest, const
     boulders.push_back({center, radius});
   });
   return boulders;
+}
+
+TEST(RandomPacking, of_unequal_spheres_holds_all_of_them_clear_of_each_other) {
+  const Sizes sizes{.law = SizeLaw::power, .smallest = 0.1, .largest = 1, .exponent = 2};
+  const std::vector<double> radii = draw_radii(sizes, 700, 4);
+  const Volume volume = box({10, 8, 6});
+  std::vector<Boulder> boulders;
+  place_at_random(
+      volume, radii, 5, [](const Vec3& x, double r) { return x.z() > r; },
+      [&](const Vec3& center, double radius) {
+        boulders.push_back({center, radius});
+      });
+  ASSERT_EQ(boulders.size(), radii.size());
+  for (std::size_t a = 0; a < boulders.size(); ++a) {
+    const auto& [x, r] = boulders[a];
+    EXPECT_EQ(r, radii[a]);
+    EXPECT_GE(depth(volume, x), r);
+    EXPECT_GT(x.z(), r);
+    for (std::size_t b = 0; b < a; ++b)
+      EXPECT_GE((x - boulders[b].center).norm(), (r + boulders[b].radius) * (1 - 1e-12));
+  }
 }
 
 TEST(GradedPacking, is_fine_at_its_site_coarse_elsewhere_and_clear_of_itself) {

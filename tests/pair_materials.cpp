@@ -327,10 +327,12 @@ TEST(PairMaterials, mistakes_name_file_line_and_key) {
       {"youngs_modulus = 2e7\n", "",
        "x.toml:33:1: groups.b: penalty.model = \"hertz\" needs materials.ice.youngs_modulus"},
       {"restitution = 0.8", "restitution = 0",
-       "x.toml: phases.fall.method = \"penalty\" needs contact.restitution > 0 between ice and "
+       "x.toml:39:1: phases.fall.method = \"penalty\" needs contact.restitution > 0 between ice "
+       "and "
        "ice: it sets the damping"},
       {"friction = 0.1\n", "friction = 0\n",
-       "x.toml: phases.fall: penalty.rolling_friction needs contact.friction > 0 between rock and "
+       "x.toml:39:1: phases.fall: penalty.rolling_friction needs contact.friction > 0 between rock "
+       "and "
        "ice: bodies without it slide"},
       {"material = \"ice\"\npoint", "material = \"iron\"\npoint",
        "x.toml:25:12: planes.0.material = \"iron\" is not in [materials]"},

@@ -55,6 +55,7 @@ refuses() {  # name, ranks, file, words…
   [ $code -ne 0 ] || fail "$name: exit code is 0"
   [ $code -ne 124 ] && [ $code -ne 137 ] || fail "$name: hangs"
   [ "$(grep -c '^spall: ' stderr)" = 1 ] || fail "$name: not one message: $(cat stderr)"
+  [ "$(wc -l <stderr)" = 1 ] || fail "$name: more than one line: $(cat stderr)"
   for word in "$@"; do
     grep '^spall: ' stderr | grep -qF -- "$word" || fail "$name: no '$word' in: $(cat stderr)"
   done
@@ -106,6 +107,50 @@ for arguments in --help "solve --help" keys "check $cases/hello/case.toml"; do
   [ -s stdout ] || fail "spall $arguments: prints nothing"
 done
 
+# A lattice of some 40,000 spheres on a floor, for a few steps.
+cat >lattice.toml <<'END'
+[materials.rock]
+density = 2500
+youngs_modulus = "10 MPa"
+[contact]
+friction = 0.5
+restitution = 0.3
+[solver]
+max_iterations = 10
+[penalty]
+model = "hertz"
+[gravity]
+uniform = [0, 0, -9.81]
+[[planes]]
+[[groups]]
+name = "grains"
+material = "rock"
+volume = {shape = "box", size = [0.3, 0.3, 0.3], center = [0, 0, 0.15]}
+packing = {kind = "hcp", radius = "5 mm"}
+[[phases]]
+name = "fall"
+step = "20 us"
+duration = "80 us"
+END
+sed 's/^name = "fall"/&\nmethod = "penalty"/' lattice.toml >springs.toml
+sed 's/^name = "fall"/&\nmethod = "potential"/; /^\[\[planes/d
+  s/^\[penalty\]/[pair_potential]/; s/^model = .*/law = "morse"\ndepth = 1\ndistance = 0.01\nsteepness = 6\ncutoff = 0.015/
+  s/"20 us"/"1 us"/; s/"80 us"/"5 us"/' lattice.toml >bound.toml
+
+# The largest rank takes what was foretold, within a third.
+foretells_memory() {  # case
+  local told peak
+  on_ranks "$ranks" check "$1" || fail "check of $1: $(cat stderr)"
+  told=$(sed -n 's/.*at most about \([0-9.e+]*\) MB a rank.*/\1/p' stdout)
+  peak=$(/usr/bin/python3 -c 'import resource, subprocess, sys
+subprocess.run(sys.argv[1:], stdout=subprocess.DEVNULL, check=True)
+print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss * 1024e-6)' \
+    "$mpiexec" --oversubscribe -n "$ranks" "$spall" run "$1" --out lattice)
+  /usr/bin/python3 -c "import sys; sys.exit(not 0.75 < $told / $peak < 4 / 3)" ||
+    fail "$1 takes $peak MB a rank, not $told"
+}
+for one in lattice springs bound; do foretells_memory $one.toml; done
+
 # Waits for a condition, at most 20 s.
 wait_for() {
   for _ in $(seq 200); do
@@ -129,6 +174,7 @@ diff <(results_of whole) <(results_of resumed) || fail "a resumed run ends other
 
 # What a run took before its restart file counts, also where nothing is left to do.
 on_ranks "$ranks" resume whole/after_evolution.h5 --out ended || fail "resume at the end: $(cat stderr)"
+grep -q "all phases of this run are over" stdout || fail "does not say that nothing is left to do"
 grep -q "^solver_s = 0.0 " ended/results.toml && fail "a resumed run forgets the seconds of its stages"
 
 # The same in penalty contact, whose springs go on too.
@@ -165,6 +211,7 @@ wait $launcher
 grep -q "spall resume endless/restart.h5" stdout || fail "does not say how to go on: $(tail -3 stdout)"
 on_ranks "$ranks" resume endless/restart.h5 --set "phases.meet.duration=1 s" ||
   fail "a stopped run does not go on: $(cat stderr)"
+grep -q "phase meet is over: it has run for" stdout || fail "does not say that its phase is over"
 grep -q "^linear" endless/results.toml || fail "a stopped run has no results in the end"
 
 [ $failures -eq 0 ] && echo "all as it should be"

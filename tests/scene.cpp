@@ -130,6 +130,48 @@ TEST(Scene, motion_and_mass_are_the_groups) {
   EXPECT_NEAR(plate, 1e6, 1e-6 * std::sqrt(contents[2].count));  // round-off of the sum
 }
 
+const char* const gas = R"(
+[[groups]]
+name = "wall"
+material = "rock"
+volume = {radius = "7 m", center = [99, 0, 0]}
+[[groups]]
+name = "gas"
+material = "rock"
+volume = {shape = "box", size = [60, 60, 60]}
+packing = {kind = "random", count = 4000, sizes = {law = "list", radii = [0.5, 1], shares = [3, 1]}}
+velocity = [4, 0, 0]
+thermal_velocity = {rms = "2 m/s", seed = 5}
+)";
+
+TEST(Scene, thermal_velocities_are_maxwell_s_without_a_drift) {
+  const Comm comm = testing_world();
+  const Bodies own = make_bodies(parse(gas), comm), all = all_on_this_rank(parse(gas));
+  for (Index b = 0; b < own.owned; ++b) ASSERT_EQ(own.velocity[b], all.velocity[own.id[b]]);
+  EXPECT_EQ(all.velocity[0], Vec3(Vec3::Zero()));
+  Vec3 momentum = Vec3::Zero();
+  double mass = 0, squares = 0, fourth = 0;
+  Vec3 products = Vec3::Zero();
+  for (Index b = 1; b < all.owned; ++b) {
+    const Vec3 v = all.velocity[b] - Vec3(4, 0, 0);
+    momentum += all.mass[b] * v;
+    mass += all.mass[b];
+    squares += v.squaredNorm();
+    fourth += v.array().pow(4).sum();
+    products += v.cwiseProduct(Vec3(v.y(), v.z(), v.x()));
+  }
+  EXPECT_LT((momentum / mass).norm(), 1e-12);
+  const double n = all.owned - 1;
+  EXPECT_NEAR(squares / (3 * n), 4, 1e-11);  // exactly what was asked for
+  // Of a normal distribution <v^4> = 3 <v^2>^2 and components are independent: within four standard
+  // deviations, of which v^4 has sqrt(96) <v^2>^2 and v_x v_y has <v^2>.
+  EXPECT_NEAR(fourth / (3 * n), 48, 4 * std::sqrt(96 / (3 * n)) * 16);
+  for (double product : products) EXPECT_NEAR(product / n, 0, 4 * 4 / std::sqrt(n));
+  std::string other = gas;
+  other.replace(other.find("seed = 5"), 8, "seed = 6");
+  EXPECT_NE(all_on_this_rank(parse(other)).velocity[1], all.velocity[1]);
+}
+
 TEST(Scene, other_seeds_give_other_places_and_the_same_number) {
   Case scene = parse(nucleus_and_boulders);
   const Bodies one = all_on_this_rank(scene);
@@ -195,7 +237,7 @@ TEST(Scene, the_cases_that_come_with_the_program_have_the_thesis_masses) {
     if (folder == "pull") {
       EXPECT_DOUBLE_EQ(mass, 1.0723e9);
     }
-    EXPECT_FALSE(describe_bodies(scene).empty());
+    EXPECT_FALSE(describe_bodies(scene, 1, 0).empty());
   }
   EXPECT_GE(files.size(), 7u);
 }

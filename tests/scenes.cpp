@@ -126,7 +126,7 @@ std::string group(const std::string& name, const std::string& volume, const std:
 name = "{}"
 material = "rock"
 volume = {{{}}}
-packing = {{kind = "file", file = "{}"}}
+packing = {{kind = "file", file = "{}", motion = "none"}}
 {}
 )",
                      name, volume, settled_pile(), more);
@@ -166,6 +166,64 @@ TEST(StoredPile, is_placed_spun_carved_and_weighed_as_asked) {
   EXPECT_EQ(carved.owned, inside);
   EXPECT_GT(inside, 20);
   EXPECT_DOUBLE_EQ(carved.mass[0], 2000 * 4 * pi / 3);
+}
+
+const std::string materials_of_triple = "[materials.rock]\ndensity = 1000\n";
+
+/// A restart file with a body at rest, one that flies and spins, and one that is fixed.
+std::string stored_triple() {
+  const Comm self(MPI_COMM_SELF);
+  RestartState state;
+  Bodies& bodies = state.bodies;
+  bodies.owned = 3;
+  resize(bodies, 3);
+  for (Index b = 0; b < 3; ++b) {
+    bodies.id[b] = b;
+    bodies.radius[b] = 1;
+    bodies.mass[b] = b == 2 ? infinity : 1.0 + 2 * b;
+    bodies.position[b] = Vec3(4 * b, 0, 0);
+  }
+  bodies.velocity[1] = Vec3(1, 2, 3);
+  bodies.angular_velocity[1] = Vec3(0, 0, 5);
+  const std::string file = folder_of("triple") + fmt::format(".{}.h5", testing_world().rank);
+  std::filesystem::create_directories(std::filesystem::path(file).parent_path());
+  write_restart(self, file, state);
+  return file;
+}
+
+TEST(StoredPile, keeps_velocities_spins_and_what_is_fixed) {
+  const std::string file = stored_triple();
+  const auto made = [&](const std::string& packing, const std::string& group) {
+    const std::string text = fmt::format(
+        "[[groups]]\nname = \"a\"\nmaterial = \"rock\"\nvolume = {{radius = 100, center = [0, 9, "
+        "0]}}\npacking = {{kind = \"file\", file = \"{}\"{}}}\n{}[[phases]]\nname = \"x\"\nstep = "
+        "1\nduration = 1\n",
+        file, packing, group);
+    return make_bodies(with_stored_bodies(parse_case(materials_of_triple + text, "x.toml")),
+                       Comm(MPI_COMM_SELF));
+  };
+  // A quarter turn about z: x becomes y. The centre of mass of what moves is at (3, 0, 0).
+  const Bodies turned = made(", rotation = [0, 0, 1.5707963267948966]", "");
+  ASSERT_EQ(turned.owned, 3);
+  const auto expect_near = [](const Vec3& is, const Vec3& wanted) {
+    EXPECT_LT((is - wanted).norm(), 1e-14) << is.transpose();
+  };
+  expect_near(turned.position[0], Vec3(0, 6, 0));
+  expect_near(turned.position[1], Vec3(0, 10, 0));
+  expect_near(turned.position[2], Vec3(0, 14, 0));
+  expect_near(turned.velocity[0], Vec3::Zero());
+  expect_near(turned.velocity[1], Vec3(-2, 1, 3));
+  expect_near(turned.angular_velocity[1], Vec3(0, 0, 5));
+  EXPECT_EQ(turned.mass, (std::vector<double>{1, 3, infinity}));
+  EXPECT_EQ(turned.velocity[2], Vec3(Vec3::Zero()));
+
+  const Bodies resting = made(", motion = \"none\"", "total_mass = 8\n");
+  for (const Vec3& v : resting.velocity) EXPECT_EQ(v, Vec3(Vec3::Zero()));
+  EXPECT_EQ(resting.mass, (std::vector<double>{2, 6, infinity}));
+  EXPECT_EQ(
+      complaint_of([&] { made("", "velocity = [1, 0, 0]\n"); }),
+      "x.toml:3:1: groups.a: velocity and spin would move bodies of '" + file + "' that are fixed");
+  std::filesystem::remove(file);
 }
 
 TEST(StoredPile, that_is_not_there_or_none_is_told_with_its_group) {

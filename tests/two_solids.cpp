@@ -349,7 +349,7 @@ TEST(TwoSolids, a_case_gets_the_law_of_each_material_and_of_both) {
 TEST(TwoSolids, materials_without_a_law_are_refused) {
   const std::string one = "[pair_potential]\nmaterial = \"al\"\n";
   EXPECT_EQ(complaint(one),
-            "x.toml:24:1: groups.ball.material = \"steel\": x.toml: phases.only.method = "
+            "x.toml:24:1: groups.ball.material = \"steel\": x.toml:29:1: phases.only.method = "
             "\"potential\" has no law between bodies of al and steel; name them in "
             "pair_potential.materials or in a [[pair_potential.between]]");
   EXPECT_NE(complaint(one + "[[pair_potential.between]]\nmaterials = [\"al\", \"steel\"]\n")

@@ -24,7 +24,7 @@ void place(const PackingRequest& request) {
   const auto last = static_cast<std::int64_t>(room / pitch);
   for (std::int64_t k = -last; k <= last; ++k) {
     const Vec3 center = request.volume.center + static_cast<double>(k) * pitch * Vec3::UnitX();
-    if (depth(request.volume, center) >= radius) request.put(center, radius, {});
+    if (depth(request.volume, center) >= radius) request.put({.center = center, .radius = radius});
   }
 }
 

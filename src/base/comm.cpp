@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "spall/comm.hpp"
 
+#include <dlfcn.h>
 #include <petscsys.h>
 
 #include <cstdlib>
@@ -70,6 +71,18 @@ std::vector<std::vector<T>> exchange_rows(const Comm& comm,
   check_mpi(MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE),
             "MPI_Waitall");
   return incoming;
+}
+
+int say_nothing(const char*, const char*, bool, ...) {
+  return 0;
+}
+
+/// Open MPI tells of each abort in nine lines, in which the error's own would be lost. Its function
+/// for such texts is a pointer; other implementations have no such name and say what they say.
+void silence_open_mpi() {
+  using ShowHelp = int (*)(const char* file, const char* topic, bool header, ...);
+  if (auto* show_help = static_cast<ShowHelp*>(dlsym(RTLD_DEFAULT, "opal_show_help")))
+    *show_help = say_nothing;
 }
 
 }  // namespace
@@ -157,6 +170,7 @@ Comm Session::world() const {
 }
 
 void Session::abort_all(int exit_code) {
+  silence_open_mpi();
   MPI_Abort(MPI_COMM_WORLD, exit_code);
   std::abort();
 }

@@ -19,7 +19,7 @@ struct MaterialUse {
   std::string group;     ///< its name
   int material = 0;      ///< index into the materials
   Lattice lattice = {};  ///< no neighbours: none
-  double mean_mass = 0;  ///< kg; 0: not known yet
+  double mass = 0;       ///< kg, of its lightest body; 0: not known yet
   bool fixed = false;
 };
 
@@ -30,9 +30,10 @@ Lattice shared_lattice(const Surroundings& around, std::span<const MaterialUse> 
 
 /// A phase as its engine sees it.
 struct PhaseView {
-  std::string place;       ///< "cases/x.toml: phases.impact"
+  std::string place;       ///< "cases/x.toml:12:1: phases.impact"
   bool read_outs = false;  ///< the deflection is asked for
   bool impactor = false;   ///< there is one, whose material no law of materials can name
+  bool cohesion = false;   ///< it sets another cohesion of contacts
 };
 
 struct EngineType {

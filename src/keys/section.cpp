@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <stdexcept>
 
 #include "spall/error.hpp"
 
@@ -63,18 +64,19 @@ std::string kind_of(const Quantity& quantity) {
 
 }  // namespace
 
-void Section::read_all(const toml::table& table, const std::string& file, const Reader& read) {
-  Section section(&table, file, "", nullptr);
+void Section::read_all(const toml::table& table, const std::string& file, const Reader& read,
+                       const Reference& listed) {
+  Section section(&table, file, {}, &listed, nullptr);
   read(section);
   section.finish();
 }
 
-std::string Section::reference(const Reader& read) {
-  std::string text;
+Section::Reference Section::reference(const Reader& read) {
+  Reference all;
   const std::string no_file;
-  Section section(nullptr, no_file, "", &text);
+  Section section(nullptr, no_file, {}, nullptr, &all);
   read(section);
-  return text;
+  return all;
 }
 
 void Section::radius(std::string_view meaning, double& radius) {
@@ -88,31 +90,38 @@ void Section::radius(std::string_view meaning, double& radius) {
   }
 }
 
-bool Section::table(std::string_view key, std::string_view meaning, const Reader& read) {
-  const toml::node* node = find({key, meaning, false}, "table", "");
+bool Section::read_below(std::string_view key, const toml::node* node, Path path,
+                         const Reader& read) {
   if (node && !node->is_table())
     fail(key, fmt::format("is {}; a table is wanted: [{}] or {} = {{...}}", type_name(*node),
-                          path_of(key), key));
+                          path.of_place, key));
   if (!node && !reference_) return false;
-  Section section(node ? node->as_table() : nullptr, file_, path_of(key), reference_);
+  Section section(node ? node->as_table() : nullptr, file_, std::move(path), listed_, reference_);
   read(section);
   section.finish();
   return true;
+}
+
+bool Section::table(std::string_view key, std::string_view meaning, const Reader& read) {
+  return read_below(key, find({key, meaning, false}, "table", ""), below(key), read);
 }
 
 void Section::named_tables(std::string_view key, std::string_view meaning,
                            const std::function<void(Section&, const std::string&)>& read) {
   table(key, meaning, [&](Section& section) {
     if (reference_) return read(section, "");
-    for (auto&& [name, node] : *section.table_)
-      section.table(name.str(), "", [&](Section& one) { read(one, std::string(name.str())); });
+    for (auto&& [name, node] : *section.table_) {
+      section.known_.emplace_back(name.str());
+      section.read_below(name.str(), &node, {section.path_of(name.str()), section.path_.of_keys},
+                         [&](Section& one) { read(one, std::string(name.str())); });
+    }
   });
 }
 
 void Section::tables(std::string_view key, std::string_view meaning, const Reader& read) {
   const toml::node* node = find({key, meaning, false}, "tables", "");
   if (reference_) {
-    Section section(nullptr, file_, path_of(key), reference_);
+    Section section(nullptr, file_, below(key), nullptr, reference_);
     read(section);
   }
   if (!node) return;
@@ -122,9 +131,9 @@ void Section::tables(std::string_view key, std::string_view meaning, const Reade
   for (const toml::node& element : *node->as_array()) {
     const toml::table& one = *element.as_table();
     const auto name = one["name"].value<std::string>();
-    Section section(&one, file_,
-                    fmt::format("{}.{}", path_of(key), name.value_or(std::to_string(index))),
-                    nullptr);
+    Path path = below(key);
+    path.of_place += "." + name.value_or(std::to_string(index));
+    Section section(&one, file_, std::move(path), listed_, nullptr);
     read(section);
     section.finish();
     ++index;
@@ -132,7 +141,13 @@ void Section::tables(std::string_view key, std::string_view meaning, const Reade
 }
 
 std::string Section::path_of(std::string_view key) const {
-  return path_.empty() ? std::string(key) : fmt::format("{}.{}", path_, key);
+  const std::string& path = path_.of_place;
+  return path.empty() ? std::string(key) : fmt::format("{}.{}", path, key);
+}
+
+std::string Section::key_of(std::string_view key) const {
+  const std::string& path = path_.of_keys;
+  return path.empty() ? std::string(key) : fmt::format("{}.{}", path, key);
 }
 
 std::string Section::place_of(const toml::source_region& source) const {
@@ -146,7 +161,7 @@ std::string Section::place(std::string_view key) const {
   if (!table_) return "";
   const toml::node* node = table_->get(key);
   return fmt::format("{}: {}", place_of(node ? node->source() : table_->source()),
-                     key.empty() ? path_ : path_of(key));
+                     key.empty() ? path_.of_place : path_of(key));
 }
 
 void Section::fail(std::string_view key, std::string_view what) const {
@@ -160,12 +175,19 @@ void Section::check(std::string_view key, bool ok, std::string_view what) const 
 const toml::node* Section::find(const Key& key, const std::string& kind,
                                 const std::string& by_default) {
   if (reference_) {
-    const std::size_t depth = path_.empty() ? 0 : 1 + std::ranges::count(path_, '.');
-    *reference_ +=
+    const std::string& path = path_.of_keys;
+    const std::size_t depth = path.empty() ? 0 : 1 + std::ranges::count(path, '.');
+    reference_->keys.insert(key_of(key.name));
+    reference_->text +=
         fmt::format("{:<22} {:<14} {:<11} {}\n", fmt::format("{:{}}{}", "", 2 * depth, key.name),
                     kind, key.required ? "required" : by_default, key.meaning);
     return nullptr;
   }
+  if (!listed_->keys.contains(key_of(key.name)))
+    throw std::logic_error(
+        fmt::format("{} is read, but not listed: its condition must go through "
+                    "Section::reads",
+                    key_of(key.name)));
   known_.emplace_back(key.name);
   const toml::node* node = table_->get(key.name);
   if (!node && key.required) missing_.emplace_back(key.name);

@@ -7,6 +7,7 @@
 #include <array>
 #include <functional>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -36,16 +37,23 @@ inline constexpr Quantity fraction{dimension::number, 0, 1};
 
 /// Reads keys into fields: `need` for keys that must be there, `take` for those that may be left
 /// out, whose field then keeps its default. Without a table nothing is read: the same calls write
-/// the reference of all keys instead, so that it cannot differ from what is read.
+/// the reference of all keys instead. Keys that are not in it cannot be read.
 class Section {
  public:
   using Reader = std::function<void(Section&)>;
 
+  /// All keys that a reader asks for.
+  struct Reference {
+    std::string text;            ///< a line a key, with unit, default and meaning
+    std::set<std::string> keys;  ///< "groups.volume.radius"
+  };
+  static Reference reference(const Reader& read);
+
   /// The table of the file `path`; `read` asks for its keys. Throws Error at the first key that is
-  /// unknown, missing or wrong.
-  static void read_all(const toml::table& table, const std::string& file, const Reader& read);
-  /// All keys that `read` asks for, with units, defaults and meaning.
-  static std::string reference(const Reader& read);
+  /// unknown, missing or wrong, and std::logic_error where `read` asks for a key that `listed`
+  /// lacks: one behind a condition that is not passed to `reads`.
+  static void read_all(const toml::table& table, const std::string& file, const Reader& read,
+                       const Reference& listed);
 
   template <class... Into>
   void need(std::string_view key, std::string_view meaning, Into&&... into) {
@@ -80,9 +88,23 @@ class Section {
     bool required;
   };
 
-  Section(const toml::table* table, const std::string& file, std::string path,
-          std::string* reference)
-      : table_(table), file_(file), path_(std::move(path)), reference_(reference) {}
+  /// Where a table is: for people, with the names of elements, and among all keys.
+  struct Path {
+    std::string of_place;  ///< "phases.impact"
+    std::string of_keys;   ///< "phases"
+  };
+
+  Section(const toml::table* table, const std::string& file, Path path, const Reference* listed,
+          Reference* reference)
+      : table_(table),
+        file_(file),
+        path_(std::move(path)),
+        listed_(listed),
+        reference_(reference) {}
+
+  Path below(std::string_view key) const { return {path_of(key), key_of(key)}; }
+  /// Reads the table `node` at `path`, or writes its keys into the reference.
+  bool read_below(std::string_view key, const toml::node* node, Path path, const Reader& read);
 
   void read(const Key& key, double& value, const Quantity& quantity);
   void read(const Key& key, std::optional<double>& value, const Quantity& quantity);
@@ -115,13 +137,15 @@ class Section {
                      std::size_t by_default);
   [[noreturn]] void fail(std::string_view key, std::string_view what) const;
   std::string path_of(std::string_view key) const;
+  std::string key_of(std::string_view key) const;
   std::string place_of(const toml::source_region& source) const;
   void finish() const;
 
   const toml::table* table_;
   const std::string& file_;
-  std::string path_;  ///< "phases.impact"
-  std::string* reference_;
+  Path path_;
+  const Reference* listed_;
+  Reference* reference_;  ///< being written; null while a table is read
   std::vector<std::string> known_, missing_;
 };
 

@@ -1,4 +1,4 @@
-// Reads what a packing needs from a restart file; what moved there comes to rest.
+// Reads what a packing needs from a restart file.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "output/stored_bodies.hpp"
 
@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "output/h5.hpp"
+#include "scene/shape.hpp"
 #include "spall/error.hpp"
 
 namespace spall {
@@ -17,21 +18,34 @@ std::vector<StoredBody> read_bodies(const std::string& path) {
   const auto file = h5::File::open(path);
   const auto id = file.read<BodyId>("/bodies/id");
   const auto position = file.read<Vec3>("/bodies/position");
+  const auto velocity = file.read<Vec3>("/bodies/velocity");
   const auto radius = file.read<double>("/bodies/radius"), mass = file.read<double>("/bodies/mass");
+  std::vector<Vec3> spin(id.size(), Vec3::Zero());
+  if (file.exists("/bodies/angular_velocity")) spin = file.read<Vec3>("/bodies/angular_velocity");
   // Rows lie as they were distributed over ranks; ids are the same for any number of them.
   std::vector<std::size_t> order(id.size());
   std::iota(order.begin(), order.end(), 0);
   std::ranges::sort(order, {}, [&](std::size_t row) { return id[row]; });
+  const auto is_fixed = [&](std::size_t row) { return !std::isfinite(mass[row]); };
+  // Where nothing moves there is no centre of mass but that of equal densities.
+  const bool all_fixed = std::ranges::all_of(order, is_fixed);
   double all = 0;
   Vec3 center = Vec3::Zero();
   for (std::size_t row : order) {
-    require(std::isfinite(mass[row]), "its body {} is fixed", id[row]);
-    all += mass[row];
-    center += mass[row] * position[row];
+    if (is_fixed(row) && !all_fixed) continue;
+    const double weight = all_fixed ? ball_volume(radius[row]) : mass[row];
+    all += weight;
+    center += weight * position[row];
   }
   center /= all;
   std::vector<StoredBody> bodies;
-  for (std::size_t row : order) bodies.push_back({position[row] - center, radius[row], mass[row]});
+  for (std::size_t row : order)
+    bodies.push_back({.position = position[row] - center,
+                      .radius = radius[row],
+                      .mass = is_fixed(row) ? 0 : mass[row],
+                      .velocity = velocity[row],
+                      .spin = spin[row],
+                      .fixed = is_fixed(row)});
   return bodies;
 }
 
@@ -50,6 +64,15 @@ Case with_stored_bodies(Case scene) {
           "{}: '{}' is not a restart file, such as after_<phase>.h5 of an earlier run: {}",
           group.place, packing.file, error.what()));
     }
+  }
+  for (const Group& group : scene.groups) {
+    const bool has_fixed = std::ranges::any_of(group.packing.stored, &StoredBody::fixed);
+    require(!has_fixed || (group.velocity.isZero(0) && group.spin.isZero(0)),
+            "{}: velocity and spin would move bodies of '{}' that are fixed", group.place,
+            group.packing.file);
+    require(!has_fixed || scene.gravity.method == GravityMethod::none,
+            "{}: '{}' has fixed bodies, and self-gravity needs finite masses", group.place,
+            group.packing.file);
   }
   return scene;
 }

@@ -6,9 +6,9 @@
 
 namespace spall {
 
-/// The case with what its groups of packing "file" take from restart files: positions from the
-/// common centre of mass, radii and masses, in order of id. Throws Error with the group's place.
-/// Each rank reads for itself.
+/// The case with what its groups of packing "file" take from restart files, in order of id:
+/// positions from the centre of mass of what moves, velocities as they are, radii and masses.
+/// Throws Error with the group's place. Each rank reads for itself.
 Case with_stored_bodies(Case scene);
 
 }  // namespace spall

@@ -148,6 +148,24 @@ std::string stiffer(const World& world, const ByPair<PenaltyLaw>& laws, const Me
   return a == b ? of(a) : of(a) + " and " + of(b);
 }
 
+/// Throws Error where `h` (s) does not resolve surface waves on elastic bodies. Collective.
+void check_waves(const World& world, PenaltyModel model, double h, const std::string& place) {
+  if (model == PenaltyModel::hooke) return;
+  // pi r sqrt(rho/G)/(0.1631 nu + 0.8766) (Thornton 2015, eq. 5.14); sqrt(rho r^3) is the body's.
+  const auto crossing = [&](const Member& m) {
+    const Material& of = world.materials[static_cast<std::size_t>(m.material)];
+    const double nu = of.poisson_ratio, shear = of.youngs_modulus / (2 * (1 + nu));
+    return pi * std::sqrt(m.mass / (4 / 3.0 * pi * m.radius * shear)) / (0.1631 * nu + 0.8766);
+  };
+  const std::optional<Member> slow = least(world, any_material, -1, crossing);
+  if (!slow) return;  // nothing moves
+  const double time = crossing(*slow), longest = rayleigh_part * time;
+  require(h <= longest,
+          "{}: step = {:g} s is too long for penalty contact: surface waves cross {} in {:.4g} s "
+          "(Rayleigh), of which {:g} may pass in a step: {:.3g} s",
+          place, h, name_of(*slow), time, rayleigh_part, longest);
+}
+
 }  // namespace
 
 PenaltyLaw penalty_law(const PenaltySettings& s, const ContactLaw& contact, const Material& a,
@@ -251,7 +269,8 @@ void check_penalty_step(const World& world, const ByPair<PenaltySettings>& setti
     return std::sqrt(pair.mass / largest_stiffness(law_of(a, b), pair, speed));
   };
   const std::optional<Meeting> tight = least_meeting(world, there, limit);
-  if (!tight) return;  // nothing moves
+  // At rest springs of Hertz have no stiffness yet, but a time in which waves cross.
+  if (!tight) return check_waves(world, laws.common().model, h, place);
 
   const auto depth = [&](const Member& a, const Member& b) {
     const Reduced p = reduce(a, b);
@@ -273,18 +292,7 @@ void check_penalty_step(const World& world, const ByPair<PenaltySettings>& setti
           "{}: step = {:g} s is too long for penalty contact: {} and {} meet with m = {:.4g} kg, k "
           "= {:.4g} N/m at {:g} m/s and need at most {:g} sqrt(m/k) = {:.3g} s",
           place, h, name_of(tight->a), name_of(tight->b), pair.mass, k, speed, step_limit, longest);
-  if (laws.common().model == PenaltyModel::hooke) return;
-  // pi r sqrt(rho/G)/(0.1631 nu + 0.8766) (Thornton 2015, eq. 5.14); sqrt(rho r^3) is the body's.
-  const auto crossing = [&](const Member& m) {
-    const Material& of = world.materials[static_cast<std::size_t>(m.material)];
-    const double nu = of.poisson_ratio, shear = of.youngs_modulus / (2 * (1 + nu));
-    return pi * std::sqrt(m.mass / (4 / 3.0 * pi * m.radius * shear)) / (0.1631 * nu + 0.8766);
-  };
-  const Member slow = *least(world, any_material, -1, crossing);
-  require(h <= rayleigh_part * crossing(slow),
-          "{}: step = {:g} s is too long for penalty contact: surface waves cross {} in {:.4g} s "
-          "(Rayleigh), of which {:g} may pass in a step: {:.3g} s",
-          place, h, name_of(slow), crossing(slow), rayleigh_part, rayleigh_part * crossing(slow));
+  check_waves(world, laws.common().model, h, place);
 }
 
 }  // namespace spall

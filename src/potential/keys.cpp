@@ -234,6 +234,9 @@ void check(const Surroundings& around, std::span<const MaterialUse> uses,
   require(!phase.read_outs,
           "{}.method = \"potential\": read_out is for phases of method = \"nonsmooth\" only",
           phase.place);
+  require(!phase.cohesion,
+          "{}.cohesion is that of contacts: in method = \"potential\" pairs attract by their law",
+          phase.place);
   require(!phase.impactor || !potential->derived,
           "{}.method = \"potential\": the impactor has no law, since it is of none of {}; make it "
           "a group, or give the law by hand",
@@ -308,7 +311,7 @@ std::string describe(const Surroundings& around, std::span<const MaterialUse> us
   const auto lightest = [&](int m) {
     double mass = infinity;
     for (const MaterialUse& use : uses)
-      if (!use.fixed && (m < 0 || use.material == m)) mass = std::min(mass, use.mean_mass);
+      if (!use.fixed && (m < 0 || use.material == m)) mass = std::min(mass, use.mass);
     return mass;
   };
   const auto lattice = [&](int m) -> const Lattice* {

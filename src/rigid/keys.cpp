@@ -39,11 +39,24 @@ void read_phase(Section& in, EngineSettings& settings) {
   settings.set(solver);
 }
 
-void check(const Surroundings& around, std::span<const MaterialUse>, const EngineSettings&,
+bool has_friction(const Surroundings& around) {
+  bool friction = false;
+  around.contact.for_each([&](const ContactLaw& law) { friction |= law.friction > 0; });
+  return friction;
+}
+
+void check(const Surroundings& around, std::span<const MaterialUse>, const EngineSettings& settings,
            const PhaseView& phase) {
   require(around.cylinders.empty() && !around.period.any(),
           "{}: [[cylinders]] and [periodic] act in phases of method = \"penalty\" only",
           phase.place);
+  const auto solver = settings.get<SolverSettings>();
+  require(
+      !needs_convex(solver.method) || solver.friction == FrictionModel::convex ||
+          !has_friction(around),
+      "{}: solver.method = \"apgd\" and \"bb\" minimise: with friction between bodies they need "
+      "solver.friction = \"convex\"",
+      phase.place);
 }
 
 FieldSet fields(const Surroundings&, const EngineSettings&) {
@@ -52,9 +65,7 @@ FieldSet fields(const Surroundings&, const EngineSettings&) {
 
 std::string describe(const Surroundings& around, std::span<const MaterialUse>,
                      const EngineSettings&) {
-  bool friction = false;
-  around.contact.for_each([&](const ContactLaw& law) { friction |= law.friction > 0; });
-  return friction ? "" : "  no friction: one unknown a contact, no spins change\n";
+  return has_friction(around) ? "" : "  no friction: one unknown a contact, no spins change\n";
 }
 
 std::unique_ptr<Engine> make(const EngineSettings& settings) {

@@ -1,4 +1,4 @@
-// Rates and times left are those of the present phase: its steps cost alike.
+// Rates are those since the last line: steps cost more as contacts are made.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "run/progress.hpp"
 
@@ -25,7 +25,12 @@ std::string readable_time(double seconds) {
 }
 
 Progress::Progress(const Comm& comm, const Case& scene)
-    : scene_(scene), speaks_(comm.rank == 0), started_(MPI_Wtime()), last_(started_) {}
+    : scene_(scene), speaks_(comm.rank == 0), last_(MPI_Wtime()) {}
+
+void Progress::begin_phase(const Clock& clock) {
+  last_ = MPI_Wtime();
+  last_step_ = clock.step_in_phase;
+}
 
 bool Progress::due() const {
   return speaks_ && MPI_Wtime() - last_ > seconds_between_lines;
@@ -33,16 +38,12 @@ bool Progress::due() const {
 
 void Progress::show(const Clock& clock, const State& state) {
   const double now = MPI_Wtime();
-  if (clock.phase != phase_) {
-    phase_ = clock.phase;
-    first_step_ = clock.step_in_phase;
-    started_ = last_;
-  }
-  last_ = now;
   const Phase& phase = scene_.phases[clock.phase];
-  const double done = static_cast<double>(clock.step_in_phase - first_step_);
-  const double rate = done / (now - started_);
-  const double steps_left = phase.duration / phase.step - static_cast<double>(clock.step_in_phase);
+  const double done = static_cast<double>(clock.step_in_phase - last_step_);
+  const double rate = done / (now - last_);
+  last_ = now;
+  last_step_ = clock.step_in_phase;
+  const double steps_left = (phase.duration - clock.time_in_phase) / phase.step;
   const std::string line = fmt::format(
       "{:<16} step {:>7}  t {:<12} {:>7.1f} steps/s  left {}{:<12} contacts {:<7} E {:.1e}  rms "
       "speed "

@@ -19,6 +19,8 @@ class Progress {
     std::int64_t contacts = 0;
     double rms_speed = 0;  ///< m/s
   };
+  /// The rate of steps counts from here.
+  void begin_phase(const Clock& clock);
   /// True when a line is due; then `show` prints it. Both on every rank; only rank 0 acts.
   bool due() const;
   void show(const Clock& clock, const State& state);
@@ -28,8 +30,8 @@ class Progress {
  private:
   const Case& scene_;
   bool speaks_;
-  double started_, last_;
-  std::int64_t first_step_ = -1, phase_ = -1;
+  double last_;                 // s, when a line was shown or the phase began
+  std::int64_t last_step_ = 0;  // of the phase, made by then
 };
 
 /// "1.5 km", "12.3 ms", "2 h 4 min": numbers as people read them.

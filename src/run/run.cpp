@@ -9,6 +9,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "base/resident.hpp"
 #include "gravity/kick.hpp"
 #include "output/restart.hpp"
 #include "output/results.hpp"
@@ -44,7 +45,7 @@ class Run {
       simulation_.emplace(comm, parts, *from);
       load(from->scalars);
     } else {
-      progress_.say(describe_bodies(scene_));
+      progress_.say(describe_bodies(scene_, comm.size, resident_bytes()));
       simulation_.emplace(comm, parts);
     }
   }
@@ -52,8 +53,10 @@ class Run {
   bool go() {
     const SignalGuard signals;
     progress_.say(describe_phases(scene_));
+    say_what_is_over();
     while (!simulation_->over()) {
       if (clock().step_in_phase == 0) begin_phase();
+      progress_.begin_phase(clock());
       if (clock().step == 0) snapshot();
       if (!run_phase(signals)) return false;
       end_phase();
@@ -89,6 +92,18 @@ class Run {
         world().contact(phase().impactor->material, static_cast<int>(material)).restitution);
     progress_.say(fmt::format("impactor: {:.4g} kg at {:.4g} m/s, aimed at body {}",
                               phase().impactor->mass, phase().impactor->speed, events.aim->struck));
+  }
+
+  /// Of a run that goes on from a restart file: what there is nothing left to do of.
+  void say_what_is_over() {
+    if (simulation_->over()) {
+      progress_.say("all phases of this run are over: its results are written, no step is made");
+    } else if (clock().step_in_phase > 0 && simulation_->steps_left() <= 0) {
+      progress_.say(
+          fmt::format("phase {} is over: it has run for {} in {} steps, its duration is {}",
+                      phase().name, readable_time(clock().time_in_phase), clock().step_in_phase,
+                      readable_time(phase().duration)));
+    }
   }
 
   /// False where a signal ended it.
@@ -275,6 +290,14 @@ class Run {
 };
 
 }  // namespace
+
+std::string check_case(const Comm& comm, const Case& scene) {
+  const double bytes_of_program = resident_bytes();
+  const auto whole = std::make_shared<Case>(with_stored_bodies(scene));
+  Simulation simulation(comm, Scene(whole));
+  simulation.begin_phase();
+  return describe_bodies(*whole, comm.size, bytes_of_program) + describe_phases(*whole);
+}
 
 bool run_case(const Comm& comm, const Case& scene, const std::string& folder) {
   return Run(comm, Scene(std::make_shared<Case>(with_stored_bodies(scene))), folder, nullptr).go();

@@ -10,6 +10,7 @@
 #include "engine/type.hpp"
 #include "gravity/kick.hpp"
 #include "output/stored_bodies.hpp"
+#include "run/later_steps.hpp"
 #include "run/record.hpp"
 #include "scene/scene.hpp"
 #include "spall/error.hpp"
@@ -36,7 +37,7 @@ struct Simulation::State {
   void tick(double h) {
     ++clock.step;
     ++clock.step_in_phase;
-    clock.time_in_phase = static_cast<double>(clock.step_in_phase) * h;
+    clock.time_in_phase += h;  // steps may have been others before a restart
     clock.time += h;
     if (clock.since_impact >= 0) clock.since_impact += h;
   }
@@ -82,6 +83,14 @@ Simulation::Simulation(const Comm& comm, const Scene& scene, const RestartState&
   load_scalars(state_->account, from.scalars);
   load_scalars(*state_, from.scalars);
   set_cohesion(world.contact, find_scalar(from.scalars, "law.cohesion"));
+  if (!over() && clock.step_in_phase > 0) {
+    // What the phase began with was checked then; what changed since is another step.
+    constexpr double round_off = 1e-9;  // of a sum of steps
+    const double former = clock.time_in_phase / static_cast<double>(clock.step_in_phase);
+    if (std::abs(phase().step - former) > round_off * former)
+      state_->engine->check_step(world, phase().step, phase().place);
+    check_later_steps(world, this->scene(), clock.phase);
+  }
 }
 
 Simulation::~Simulation() = default;
@@ -136,8 +145,7 @@ const Phase& Simulation::phase() const {
 }
 
 std::int64_t Simulation::steps_left() const {
-  const auto all = std::max<std::int64_t>(1, std::llround(phase().duration / phase().step));
-  return all - clock().step_in_phase;
+  return std::llround((phase().duration - clock().time_in_phase) / phase().step);
 }
 
 StepSummary Simulation::step(int most) {
@@ -237,7 +245,8 @@ PhaseEvents Simulation::begin_phase(const std::function<void(const World&)>& bef
     });
   engine->restart_pairs(world, std::move(memory));
   if (phase().cohesion) set_cohesion(world.contact, *phase().cohesion);
-  engine->check_step(world, phase().step, fmt::format("{}: phases.{}", scene().file, phase().name));
+  engine->check_step(world, phase().step, phase().place);
+  check_later_steps(world, scene(), clock().phase);
   if (other_law) state_->account.book_energy(engine->energy(world) - held);
   return events;
 }

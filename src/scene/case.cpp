@@ -11,6 +11,7 @@
 #include <iterator>
 
 #include "keys/section.hpp"
+#include "scene/consistency.hpp"
 #include "scene/debris.hpp"
 #include "scene/engines.hpp"
 #include "scene/materials.hpp"
@@ -88,7 +89,10 @@ void read_engine(Section& in, Phase& phase) {
 }
 
 void read_phase(Section& in, Phase& phase, const EngineSettings& engines) {
-  in.need("name", "", phase.name);
+  in.need("name", "of files after_NAME.h5, too", phase.name);
+  in.check("name", !phase.name.empty() && phase.name.find('/') == std::string::npos,
+           "cannot be part of a file's name");
+  phase.place = in.place();
   read_engine(in, phase);
   in.need("step", "", phase.step, positive(time));
   in.need("duration", "with until = \"settled\" the longest", phase.duration, positive(time));
@@ -175,6 +179,7 @@ void read_case_keys(Section& in, Case& scene) {
                         binary.speed, any(speed));
                  s.need("parameter", "mu", binary.parameter, positive(gravitational_parameter));
                  s.need("period", "T_old", binary.period, positive(time));
+                 binary.place = s.place();
                }))
     scene.binary = binary;
   DebrisSettings debris;
@@ -182,6 +187,7 @@ void read_case_keys(Section& in, Case& scene) {
                [&](Section& s) { read_debris(s, debris); }))
     scene.debris = debris;
   in.take("read_out", "after the impact: when dv is tabulated", scene.read_out, positive(time));
+  scene.read_out_place = in.place("read_out");
 }
 
 /// What single keys cannot tell: names told twice, and parts that need each other.
@@ -189,7 +195,7 @@ void check_whole(const Case& scene, Groups groups) {
   const auto twice = [&](std::string_view what, const auto& things) {
     for (auto a = things.begin(); a != things.end(); ++a)
       for (auto b = things.begin(); b != a; ++b)
-        require(a->name != b->name, "{}: two {} are named \"{}\"", scene.file, what, a->name);
+        require(a->name != b->name, "{}: two {} are named \"{}\"", a->place, what, a->name);
   };
   twice("groups", scene.groups);
   twice("phases", scene.phases);
@@ -197,10 +203,11 @@ void check_whole(const Case& scene, Groups groups) {
           "{}: no bodies: it has no [[groups]]", scene.file);
   require(!scene.phases.empty(), "{}: nothing to run: it has no [[phases]]", scene.file);
   const auto has_impactor = [](const Phase& phase) { return phase.impactor.has_value(); };
-  require(std::ranges::count_if(scene.phases, has_impactor) <= 1,
-          "{}: two phases have an impactor; there can be one", scene.file);
-  require(scene.read_out.empty() || std::ranges::any_of(scene.phases, has_impactor),
-          "{}: read_out tells times after the impact, but no phase has an impactor", scene.file);
+  const auto first = std::ranges::find_if(scene.phases, has_impactor);
+  if (first != scene.phases.end())
+    for (auto phase = first + 1; phase != scene.phases.end(); ++phase)
+      require(!has_impactor(*phase), "{}: phases.{} has an impactor, too; there can be one",
+              phase->impactor->place, first->name);
   std::vector<MaterialUse> uses = material_uses(scene);
   bool struck = false;
   for (const Phase& phase : scene.phases) {
@@ -210,14 +217,15 @@ void check_whole(const Case& scene, Groups groups) {
           {.place = impactor->place, .group = "impactor", .material = impactor->material});
     }
     phase.engine->check(scene, uses, phase.settings,
-                        {.place = fmt::format("{}: phases.{}", scene.file, phase.name),
+                        {.place = phase.place,
                          .read_outs = !scene.read_out.empty(),
-                         .impactor = struck});
+                         .impactor = struck,
+                         .cohesion = phase.cohesion.has_value()});
   }
   for (const Phase& phase : scene.phases)
     require(phase.cohesion.value_or(0) == 0 || scene.contact.common().cohesion_range > 0,
-            "{}: phases.{}.cohesion needs contact.cohesion_range: the gap up to which it acts",
-            scene.file, phase.name);
+            "{}.cohesion needs contact.cohesion_range: the gap up to which it acts", phase.place);
+  check_consistency(scene);
 }
 
 /// The impactor's material is the case's of this name; else one of its density is added.
@@ -282,6 +290,15 @@ toml::table parse_override(const std::string& text) {
   }
 }
 
+/// Of a case file, as its own reader asks for them.
+const Section::Reference& all_keys() {
+  static const Section::Reference keys = Section::reference([](Section& in) {
+    Case scene;
+    read_case_keys(in, scene);
+  });
+  return keys;
+}
+
 }  // namespace
 
 Case parse_case(const std::string& text, const std::string& file,
@@ -302,7 +319,8 @@ Case parse_case(const std::string& text, const std::string& file,
   scene.text = text;
   scene.overrides = overrides;
   insert_material_files(root, file, scene.overrides);
-  Section::read_all(root, file, [&](Section& in) { read_case_keys(in, scene); });
+  Section::read_all(
+      root, file, [&](Section& in) { read_case_keys(in, scene); }, all_keys());
   draw_orientations(scene);
   const auto hit =
       std::ranges::find_if(scene.phases, [](const Phase& p) { return p.impactor.has_value(); });
@@ -341,10 +359,7 @@ std::vector<std::string> find_cases(const std::string& folder) {
 }
 
 std::string case_reference() {
-  return Section::reference([](Section& in) {
-    Case scene;
-    read_case_keys(in, scene);
-  });
+  return all_keys().text;
 }
 
 }  // namespace spall

@@ -4,6 +4,7 @@
 
 #include <any>
 #include <array>
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <string>
@@ -34,14 +35,18 @@ struct Volume {
 
 /// A body of an earlier run.
 struct StoredBody {
-  Vec3 position;  ///< m, from the centre of mass
-  double radius, mass;
+  Vec3 position;        ///< m, from the centre of mass of those that can move
+  double radius = 0;    ///< m
+  double mass = 0;      ///< kg
+  Vec3 velocity, spin;  ///< m/s, rad/s
+  bool fixed = false;   ///< never moves: it has no mass of its own
 };
 
 struct PackingType;  // scene/packing.hpp
 extern const PackingType single_packing;
 
 enum class Orientation { rotation, random };
+enum class StoredMotion { kept, none };
 
 /// How a volume is filled.
 struct Packing {
@@ -53,8 +58,15 @@ struct Packing {
   Vec3 rotation = Vec3::Zero();                      ///< rotation vector, rad
   Orientation orientation = Orientation::rotation;   ///< random: `rotation` is drawn by the seed
   std::string file = {};                             ///< of file: a restart file of an earlier run
-  std::vector<StoredBody> stored = {};               ///< of file: read_stored_bodies puts them here
+  std::vector<StoredBody> stored = {};               ///< of file: with_stored_bodies puts them here
+  StoredMotion stored_motion = StoredMotion::kept;   ///< of file: none: bodies are at rest
   std::any own = {};                                 ///< what its type alone knows
+};
+
+/// Random velocities, as molecules have them.
+struct ThermalVelocity {
+  double rms = 0;  ///< m/s, of each component
+  std::uint64_t seed = 1;
 };
 
 /// One recipe: a volume filled with spheres of one material.
@@ -68,6 +80,7 @@ struct Group {
   Vec3 velocity = Vec3::Zero();
   Vec3 spin = Vec3::Zero();  ///< rad/s, rigid rotation about the volume's center
   bool fixed = false;        ///< infinite mass
+  std::optional<ThermalVelocity> thermal = std::nullopt;  ///< beside `velocity` and `spin`
 };
 
 /// How the line of flight is laid: head_on shifts it to pass through the centre of the first sphere
@@ -91,6 +104,7 @@ enum class PhaseEnd { time, settled };
 
 struct Phase {
   std::string name;
+  std::string place;                   ///< where the case asks for it: "x.toml:12:1: phases.hit"
   const EngineType* engine = nullptr;  ///< how bodies act on each other where they meet
   double step = 0;                     ///< s
   double duration = 0;                 ///< s; until settled the longest
@@ -100,6 +114,9 @@ struct Phase {
   std::optional<Impactor> impactor;  ///< added at the start of the phase
   bool remove_drift = false;         ///< at the start: centre of mass to rest at the origin
   EngineSettings settings;           ///< the case's, with what the phase changes
+
+  /// That it lasts, at most where it ends settled.
+  std::int64_t steps() const { return std::llround(duration / step); }
 };
 
 struct OutputSettings {
@@ -119,10 +136,11 @@ struct DebrisSettings {
 
 /// The orbit whose change is asked for (thesis eqs. 3.3, 3.4).
 struct Binary {
-  double separation = 0;  ///< m, R
-  double speed = 0;       ///< m/s, v_old; negative where the impactor comes from ahead
-  double parameter = 0;   ///< m^3/s^2, mu
-  double period = 0;      ///< s, T_old
+  double separation = 0;   ///< m, R
+  double speed = 0;        ///< m/s, v_old; negative where the impactor comes from ahead
+  double parameter = 0;    ///< m^3/s^2, mu
+  double period = 0;       ///< s, T_old
+  std::string place = {};  ///< where the case asks for it, for messages
 };
 
 struct Case : Surroundings {
@@ -146,6 +164,7 @@ struct Case : Surroundings {
   std::optional<DebrisSettings> debris;
   std::vector<SceneSphere> spheres;  ///< that a program added; masses as they are
   std::vector<double> read_out;      ///< s after the impactor was added: where dv is tabulated
+  std::string read_out_place;        ///< where the case asks for it, for messages
 };
 
 /// Reads and checks a case. `overrides` are "key.path=value" as given to --set; elements of arrays

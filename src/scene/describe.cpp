@@ -14,32 +14,35 @@
 namespace spall {
 namespace {
 
-/// Bytes that a body needs while a pile of them is solved: its row, its share of contacts (at most
-/// six, in a close packing) with the solver's copies of them, its row of the field and of the
-/// velocity changes.
-std::size_t bytes_of_a_body(const Case& scene) {
-  std::size_t row = 0;
-  Bodies none;
-  none.fields = fields_of(scene);
-  for_each_field(none, [&]<class T>(const TypedField<T>&, const auto&) { row += sizeof(T); });
-  constexpr std::size_t contact = 250, contacts = 6, field = 40, changes = 2 * 64;
-  return row + contacts * contact + field + changes;
+/// Bytes that the bodies of a group need at most, in the phase that needs most.
+double bytes_of(const Case& scene, const Group& group, const GroupContent& content) {
+  // A settled pile has 2.4 contacts a body; inside a lattice each body shares its neighbours' ones.
+  constexpr double of_a_pile = 2.4;
+  const Lattice lattice = lattice_of(group.packing);
+  const double contacts = lattice.neighbours > 0 ? lattice.neighbours / 2.0 : of_a_pile;
+  double most = 0;
+  for (const Phase& phase : scene.phases)
+    most = std::max(most, bytes_a_body(*phase.engine, scene, contacts));
+  return most * static_cast<double>(content.count);
 }
 
 std::string describe_group(const Group& group, const GroupContent& content) {
-  const double each = content.mean_mass(group), mass = each * static_cast<double>(content.count);
+  const double mass = content.mass * content.mass_factor(group);
+  const double each = mass / static_cast<double>(std::max<std::int64_t>(content.movable, 1));
   std::string radius = fmt::format("{:.6g}", content.largest);
   if (content.smallest < content.largest)
     radius = fmt::format("{:.3g} to {:.3g}", content.smallest, content.largest);
   return fmt::format("  {:<16}{:>10}{:>14}{:>14.6g}{:>14.6g}{:>10.4f}{}\n", group.name,
                      content.count, radius, each, mass, content.volume / volume_of(group.volume),
-                     group.fixed ? "  fixed" : "");
+                     group.fixed ? "  fixed"
+                     : content.movable < content.count
+                         ? fmt::format("  {} fixed", content.count - content.movable)
+                         : "");
 }
 
 std::string describe_phase(const Phase& phase, double start) {
-  std::string text =
-      fmt::format("  {:<16}{:>12.6g}{:>12.6g}{:>10.0f}{:>12.6g}", phase.name, phase.step,
-                  phase.duration, std::ceil(phase.duration / phase.step * (1 - 1e-12)), start);
+  std::string text = fmt::format("  {:<16}{:>12.6g}{:>12.6g}{:>10}{:>12.6g}", phase.name,
+                                 phase.step, phase.duration, phase.steps(), start);
   if (phase.until == PhaseEnd::settled)
     text += fmt::format("  at most, until the rms speed is below {:g} m/s", phase.settled_speed);
   if (phase.remove_drift) text += "  drift removed";
@@ -52,19 +55,23 @@ std::string describe_phase(const Phase& phase, double start) {
 
 }  // namespace
 
-std::string describe_bodies(const Case& scene) {
+std::string describe_bodies(const Case& scene, int ranks, double bytes_of_program) {
   std::string text = fmt::format("{}\n\n", scene.title.empty() ? scene.file : scene.title);
   text += fmt::format("  {:<16}{:>10}{:>14}{:>14}{:>14}{:>10}\n", "group", "bodies", "radius (m)",
                       "mean (kg)", "all (kg)", "filled");
   const std::vector<GroupContent> contents = measure_groups(scene);
   std::int64_t all = 0;
+  double bytes = 0;  // of bodies
   for (std::size_t g = 0; g < contents.size(); ++g) {
+    bytes += bytes_of(scene, scene.groups[g], contents[g]);
     text += describe_group(scene.groups[g], contents[g]);
     all += contents[g].count;
   }
-  return text +
-         fmt::format("\n  {} bodies, about {:.3g} MB over all ranks\n", all,
-                     1e-6 * static_cast<double>(all) * static_cast<double>(bytes_of_a_body(scene)));
+  // Libraries take more once they are used: measured beside 36 MB at the start.
+  constexpr double bytes_of_use = 6e6;
+  const double of_a_rank = bytes_of_program + bytes_of_use + bytes / ranks;
+  return text + fmt::format("\n  {} bodies, at most about {:.3g} MB a rank on {} rank{}\n", all,
+                            1e-6 * of_a_rank, ranks, ranks == 1 ? "" : "s");
 }
 
 std::string describe_phases(const Case& scene) {
@@ -92,7 +99,7 @@ std::string describe_phases(const Case& scene) {
   std::vector<MaterialUse> uses = material_uses(scene);
   const std::vector<GroupContent> contents = measure_groups(scene);
   for (std::size_t g = 0; g < contents.size(); ++g)
-    uses[g].mean_mass = contents[g].mean_mass(scene.groups[g]);
+    uses[g].mass = contents[g].lightest * contents[g].mass_factor(scene.groups[g]);
   for (const EngineType* type : all_engines()) {
     const auto phase = std::ranges::find(scene.phases, type, &Phase::engine);
     if (phase != scene.phases.end()) text += type->describe(scene, uses, phase->settings);

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
-#include <random>
 
+#include "base/random.hpp"
 #include "scene/packing.hpp"
 #include "scene/shape.hpp"
 
@@ -58,7 +58,9 @@ void read(Section& in, Packing& packing) {
 void place(const PackingRequest& request) {
   place_graded(request.volume, request.packing.radius,
                std::any_cast<const Grading&>(request.packing.own), request.seed,
-               [&](const Vec3& center, double radius) { request.put(center, radius, {}); });
+               [&](const Vec3& center, double radius) {
+                 request.put({.center = center, .radius = radius});
+               });
 }
 
 }  // namespace
@@ -70,9 +72,8 @@ void place_graded(const Volume& volume, double largest, const Grading& grading, 
                   const std::function<void(const Vec3&, double)>& place) {
   const Wanted wanted(grading, largest);
   const Vec3 half = half_widths(volume), site = grading.site;
-  // The standard distributions differ from library to library; the engine does not.
   std::mt19937_64 engine(seed);
-  const auto uniform = [&] { return static_cast<double>(engine() >> 11) * 0x1p-53; };
+  const auto uniform = [&] { return spall::uniform(engine); };
 
   const std::int64_t expected = 1 << 20;
   SphereSet spheres(volume.center, half, expected);

@@ -19,7 +19,7 @@ struct Meeting {
 };
 
 /// The first body that a sphere of `radius` meets that comes along `direction` on the line through
-/// `through`; of all ranks.
+/// `through`; of all ranks. Without any it lies infinitely far.
 Meeting first_meeting(const Comm& comm, const Bodies& bodies, const Vec3& through,
                       const Vec3& direction, double radius) {
   Meeting own;
@@ -35,8 +35,6 @@ Meeting first_meeting(const Comm& comm, const Bodies& bodies, const Vec3& throug
   }
   Meeting first;
   first.along = comm.min(own.along);
-  require(first.along < infinity,
-          "the impactor misses: no body within its radius, {} m, of its line of flight", radius);
   const bool may = own.along == first.along;
   first.id = static_cast<BodyId>(comm.min(may ? static_cast<double>(own.id) : infinity));
   first.center = comm.sum(may && own.id == first.id ? own.center : Vec3(Vec3::Zero()));
@@ -68,6 +66,9 @@ Aim aim_impactor(const Comm& comm, const Impactor& impactor, const Bodies& bodie
   const Vec3& direction = impactor.direction;
   Vec3 through = target.center + impactor.offset;
   Meeting met = first_meeting(comm, bodies, through, direction, impactor.radius);
+  require(met.along < infinity,
+          "{}: the impactor misses: no body within its radius, {} m, of its line of flight",
+          impactor.place, impactor.radius);
   // Each shift brings the impactor to an earlier meeting, so this ends.
   for (BodyId struck = -1; impactor.aim == Aiming::head_on && met.id != struck;) {
     struck = met.id;
@@ -78,8 +79,20 @@ Aim aim_impactor(const Comm& comm, const Impactor& impactor, const Bodies& bodie
           target.velocity + impactor.speed * direction, met.id};
 }
 
+bool would_hit(const Comm& comm, const Impactor& impactor, const Bodies& bodies) {
+  const Vec3 through = measure_target(comm, bodies).center + impactor.offset;
+  return first_meeting(comm, bodies, through, impactor.direction, impactor.radius).along < infinity;
+}
+
 Aim add_impactor(const Comm& comm, const Case& scene, const Impactor& impactor, Bodies& bodies) {
   const Aim aim = aim_impactor(comm, impactor, bodies);
+  for (std::size_t p = 0; p < scene.planes.size(); ++p) {
+    const Plane& plane = scene.planes[p];
+    const double gap = plane.normal.dot(aim.position - plane.point) - impactor.radius;
+    require(gap >= 0,
+            "{}: it begins {:.3g} m deep in planes.{}: another direction or distance is wanted",
+            impactor.place, -gap, p);
+  }
   const auto highest = std::ranges::max_element(bodies.id);
   const BodyId next = 1 + static_cast<BodyId>(comm.max(
                               highest == bodies.id.end() ? -1.0 : static_cast<double>(*highest)));

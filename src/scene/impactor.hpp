@@ -17,11 +17,16 @@ struct Aim {
 /// can move) plus `offset`. Aimed head-on it is shifted to pass through the centre of the first
 /// body that the impactor meets, and again if on the new line that is another one: the last body
 /// is met first and head-on. Bodies are taken where they are now; of equals the lower id is met.
-/// Throws Error where the line misses all bodies. Collective.
+/// Throws Error, with the impactor's place in the case, where the line misses all bodies.
+/// Collective.
 Aim aim_impactor(const Comm& comm, const Impactor& impactor, const Bodies& bodies);
 
+/// Whether the line of flight meets any body. Collective.
+bool would_hit(const Comm& comm, const Impactor& impactor, const Bodies& bodies);
+
 /// Adds the impactor, aimed, as an owned row of the rank that owns the struck body; its id is the
-/// next, its group the next after the case's. Bodies must hold no ghosts. Collective.
+/// next, its group the next after the case's. Bodies must hold no ghosts. Throws Error where it
+/// would begin inside a wall. Collective.
 Aim add_impactor(const Comm& comm, const Case& scene, const Impactor& impactor, Bodies& bodies);
 
 }  // namespace spall

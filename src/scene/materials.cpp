@@ -154,7 +154,7 @@ std::vector<MaterialUse> material_uses(const Case& scene) {
     uses.push_back({.place = fmt::format("{}: sphere", scene.file),
                     .group = "spheres",
                     .material = find_material(scene.materials, sphere.material, scene.file),
-                    .mean_mass = sphere.mass,
+                    .mass = sphere.mass,
                     .fixed = sphere.fixed});
   return uses;
 }

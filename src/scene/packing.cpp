@@ -5,9 +5,12 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <random>
+#include <numeric>
 
+#include "base/hash.hpp"
+#include "base/random.hpp"
 #include "scene/shape.hpp"
+#include "scene/sizes.hpp"
 #include "spall/error.hpp"
 
 namespace spall {
@@ -39,11 +42,6 @@ void visit_sites(LatticeKind kind, double d, const Vec3& room, Visit&& visit) {
       for (int i = 0; site(i, j, k).x() <= end.x(); ++i) visit(site(i, j, k));
 }
 
-/// In [0, 1). The standard distributions differ from library to library; the engine does not.
-double uniform(std::mt19937_64& engine) {
-  return static_cast<double>(engine() >> 11) * 0x1p-53;
-}
-
 double spacing_of(const Packing& packing) {
   return packing.spacing.value_or(2 * packing.radius);
 }
@@ -51,29 +49,54 @@ double spacing_of(const Packing& packing) {
 void read_nothing(Section&, Packing&) {}
 
 void place_single(const PackingRequest& request) {
-  request.put(request.volume.center, request.packing.radius, {});
+  request.put({.center = request.volume.center, .radius = request.packing.radius});
 }
 
 void read_random(Section& in, Packing& packing) {
   std::int64_t count = 0;
   in.need("count", "of random: spheres wholly inside the volume", count, 1);
   packing.count = count;
+  for (const char* one : {"radius", "diameter"})
+    in.check(one, !in.has(one) || !in.has("sizes"), "is given beside sizes: give one of them");
+  Sizes sizes;
+  if (!in.table("sizes", "of random, in place of radius: unequal spheres",
+                [&](Section& s) { read_sizes(s, sizes, count); }))
+    return;
+  packing.radius = sizes.largest;
+  packing.own = sizes;
+}
+
+std::vector<double> radii_at_random(const Packing& packing, std::uint64_t seed) {
+  const std::int64_t count = packing.count.value();
+  const auto* sizes = std::any_cast<Sizes>(&packing.own);
+  if (!sizes) return std::vector<double>(count, packing.radius);
+  constexpr std::uint64_t stream = 0x53495a45;  // another than that of the places
+  return draw_radii(*sizes, count, mix(seed ^ stream));
 }
 
 void place_random(const PackingRequest& request) {
-  const double radius = request.packing.radius;
-  const std::int64_t count = request.packing.count.value();
+  const std::vector<double> radii = radii_at_random(request.packing, request.seed);
+  const double all = volume_of(request.volume);
+  const auto filled = [&](std::int64_t spheres) {
+    return std::accumulate(radii.begin(), radii.begin() + spheres, 0.0,
+                           [](double sum, double r) { return sum + ball_volume(r); }) /
+           all;
+  };
+  const auto count = std::ssize(radii);
+  const std::string wanted = fmt::format(
+      "{}: {} spheres of radius {}{} m would be {:.3f} of the volume", request.place, count,
+      radii.back() < radii.front() ? fmt::format("{:.4g} to ", radii.back()) : "", radii.front(),
+      filled(count));
+  const std::string mend =
+      "enlarge the volume (random packings of equal spheres end near 0.38) or "
+      "take a lattice";
+  const double most = most_filled_at_random(request.volume, radii);
+  require(filled(count) <= most, "{}; at random at most {:.3f} can be: {}", wanted, most, mend);
   const std::int64_t placed = place_at_random(
-      request.volume, request.packing, request.seed,
-      [&](const Vec3& center) { return request.is_free(center, radius); },
-      [&](const Vec3& center) { request.put(center, radius, {}); });
-  const double share = ball_volume(radius) / volume_of(request.volume);
-  require(
-      placed == count,
-      "{}: {} spheres of radius {} m would be {:.3f} of the volume; {} ({:.3f}) found a place at "
-      "random: enlarge the volume (random packings end near 0.38) or take a lattice",
-      request.place, count, radius, static_cast<double>(count) * share, placed,
-      static_cast<double>(placed) * share);
+      request.volume, radii, request.seed, request.is_free,
+      [&](const Vec3& center, double r) { request.put({.center = center, .radius = r}); });
+  require(placed == count, "{}; {} ({:.3f}) found a place at random: {}", wanted, placed,
+          filled(placed), mend);
 }
 
 constexpr Choice<Orientation> orientations[] = {{"rotation", Orientation::rotation},
@@ -98,23 +121,38 @@ Lattice close_packed(const Packing& packing) {
 
 template <LatticeKind kind>
 void place_sites(const PackingRequest& request) {
-  place_lattice(kind, request.volume, request.packing,
-                [&](const Vec3& center) { request.put(center, request.packing.radius, {}); });
+  place_lattice(kind, request.volume, request.packing, [&](const Vec3& center) {
+    request.put({.center = center, .radius = request.packing.radius});
+  });
 }
+
+constexpr Choice<StoredMotion> stored_motions[] = {{"kept", StoredMotion::kept},
+                                                   {"none", StoredMotion::none}};
 
 void read_file(Section& in, Packing& packing) {
   in.need("file",
-          "of file: a restart file, beside the case; bodies at rest, centre of mass at center",
+          "of file: a restart file, beside the case; the centre of mass of what moves is at center",
           packing.file);
+  in.take("motion", "of file: velocities and spins are those of the file, or bodies are at rest",
+          packing.stored_motion, stored_motions);
 }
 
 /// Those bodies of an earlier run that have their centres in the volume.
 void place_stored(const PackingRequest& request) {
   const Vec3& turn = request.packing.rotation;
   const Eigen::Matrix3d rotation(Eigen::AngleAxisd(turn.norm(), turn.stableNormalized()));
+  const bool moves = request.packing.stored_motion == StoredMotion::kept;
   for (const StoredBody& body : request.packing.stored) {
-    const Vec3 center = request.volume.center + rotation * body.position;
-    if (depth(request.volume, center) >= 0) request.put(center, body.radius, body.mass);
+    PackedSphere sphere{.center = request.volume.center + rotation * body.position,
+                        .radius = body.radius,
+                        .fixed = body.fixed};
+    if (depth(request.volume, sphere.center) < 0) continue;
+    if (!body.fixed) sphere.mass = body.mass;
+    if (!body.fixed && moves) {
+      sphere.velocity = rotation * body.velocity;
+      sphere.spin = rotation * body.spin;
+    }
+    request.put(sphere);
   }
 }
 
@@ -124,8 +162,11 @@ extern const PackingType random_packing, simple_cubic_packing, fcc_packing, hcp_
 extern const PackingType file_packing;
 const PackingType single_packing{
     .name = "single", .sized = false, .read = read_nothing, .place = place_single};
-const PackingType random_packing{
-    .name = "random", .keeps_clear = true, .read = read_random, .place = place_random};
+const PackingType random_packing{.name = "random",
+                                 .keeps_clear = true,
+                                 .read = read_random,
+                                 .radii = radii_at_random,
+                                 .place = place_random};
 const PackingType simple_cubic_packing{.name = "simple_cubic",
                                        .turns = true,
                                        .read = read_lattice,
@@ -192,10 +233,11 @@ std::int64_t SphereGrid::find_nearer(const Vec3& point, double distance) const {
 }
 
 void SphereSet::add(const Vec3& center, double radius) {
-  const int power = static_cast<int>(std::ceil(std::log2(radius)));
+  if (count_ == 0) first_ = radius;
+  const int power = static_cast<int>(std::ceil(std::log2(radius / first_)));
   auto level = levels_.find(power);
   if (level == levels_.end()) {
-    const double largest = std::ldexp(1.0, power);
+    const double largest = std::ldexp(first_, power);
     level =
         levels_.emplace(power, Level{{center_, half_, largest, expected_}, largest, {}, {}}).first;
   }
@@ -242,29 +284,53 @@ void place_lattice(LatticeKind kind, const Volume& volume, const Packing& packin
   });
 }
 
-std::int64_t place_at_random(const Volume& volume, const Packing& packing, std::uint64_t seed,
-                             const std::function<bool(const Vec3&)>& is_free,
-                             const std::function<void(const Vec3&)>& place) {
-  const double r = packing.radius;
-  const std::int64_t count = packing.count.value();
-  const Vec3 room = half_widths(volume) - Vec3::Constant(r);  // of centres
-  if ((room.array() < 0).any()) return 0;
+double most_filled_at_random(const Volume& volume, std::span<const double> radii) {
+  // Where random sequential addition of equal spheres ends (Zhang & Torquato 2013: 0.38413). For
+  // each halving of the radius another such packing may fill what is left.
+  constexpr double equal = 0.3842;
+  const double halvings = 1 + std::log2(radii.front() / radii.back());
+  const double inside = 1 - std::pow(1 - equal, halvings);
+  // Spheres that lean on walls stand denser: as if the volume had a layer more, of at most this
+  // part of the layer in which no centre may be.
+  constexpr double beside_walls = 2;
+  const Vec3 half = half_widths(volume);
+  std::mt19937_64 engine(1);
+  constexpr int samples = 20'000;
+  int all = 0, free = 0;
+  for (int k = 0; k < samples; ++k) {
+    const double x = uniform(engine), y = uniform(engine), z = uniform(engine);
+    const Vec3 offset = half.cwiseProduct(2 * Vec3(x, y, z) - Vec3::Ones());
+    const double d = depth(volume, volume.center + offset);
+    all += d >= 0;
+    free += d >= radii.back();
+  }
+  return inside * (1 + beside_walls * (all - free) / std::max(all, 1));
+}
 
+std::int64_t place_at_random(const Volume& volume, std::span<const double> radii,
+                             std::uint64_t seed,
+                             const std::function<bool(const Vec3&, double radius)>& is_free,
+                             const std::function<void(const Vec3&, double radius)>& place) {
   std::mt19937_64 engine(seed);
   const auto coordinate = [&] { return 2 * uniform(engine) - 1; };
-
-  SphereGrid grid(volume.center, half_widths(volume), r, count);
-  const std::int64_t most_tries_in_vain = 2'000'000;
+  const Vec3 half = half_widths(volume);
+  SphereSet spheres(volume.center, half, std::ssize(radii));
+  constexpr std::int64_t most_tries_in_vain = 2'000'000;
   std::int64_t placed = 0;
-  for (std::int64_t in_vain = 0; placed < count && in_vain < most_tries_in_vain; ++in_vain) {
-    const double x = coordinate(), y = coordinate(), z = coordinate();
-    const Vec3 center = volume.center + room.cwiseProduct(Vec3(x, y, z));
-    if (depth(volume, center) < r || grid.find_nearer(center, 2 * r) >= 0 || !is_free(center))
-      continue;
-    grid.add(center);
-    place(center);
-    ++placed;
-    in_vain = 0;
+  for (double r : radii) {
+    const Vec3 room = half - Vec3::Constant(r);  // of centres
+    if ((room.array() < 0).any()) return placed;
+    for (std::int64_t in_vain = 0;; ++in_vain) {
+      if (in_vain == most_tries_in_vain) return placed;
+      const double x = coordinate(), y = coordinate(), z = coordinate();
+      const Vec3 center = volume.center + room.cwiseProduct(Vec3(x, y, z));
+      if (depth(volume, center) < r || spheres.find_overlap(center, r, 0) || !is_free(center, r))
+        continue;
+      spheres.add(center, r);
+      place(center, r);
+      ++placed;
+      break;
+    }
   }
   return placed;
 }

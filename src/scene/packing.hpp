@@ -14,6 +14,15 @@
 
 namespace spall {
 
+/// A sphere where a packing puts it.
+struct PackedSphere {
+  Vec3 center;                                        ///< m
+  double radius = 0;                                  ///< m
+  std::optional<double> mass = {};                    ///< kg; left out: its material gives it
+  Vec3 velocity = Vec3::Zero(), spin = Vec3::Zero();  ///< m/s, rad/s, beside the group's motion
+  bool fixed = false;                                 ///< never moves, whatever its group does
+};
+
 /// What a packing is to fill, and what it may ask and give.
 struct PackingRequest {
   const Volume& volume;
@@ -22,8 +31,8 @@ struct PackingRequest {
   std::string_view place;  ///< where the case asks for it, for messages
   /// Whether a sphere (m) is clear of earlier groups and of planes.
   std::function<bool(const Vec3& center, double radius)> is_free;
-  /// Makes a body (m, kg); without a mass its material gives it.
-  std::function<void(const Vec3& center, double radius, std::optional<double> mass)> put;
+  /// Makes a body.
+  std::function<void(const PackedSphere&)> put;
 };
 
 /// A way to fill a volume, as a case sees it. Every rank runs through it, with the same result.
@@ -31,10 +40,13 @@ struct PackingType {
   std::string_view name;  ///< of `kind` in a packing
   bool sized = true;      ///< has the key `radius` or `diameter`
   bool turns = false;     ///< has the key `rotation`
-  /// It asks `is_free` for each body, and reads `count`; bodies of others are checked afterwards.
+  /// It asks `is_free` for each body; bodies of others are checked afterwards.
   bool keeps_clear = false;
   /// Reads its own keys; `radius` is read.
   void (*read)(Section& in, Packing& packing);
+  /// m, radii of its spheres in their order, where they are known before they are placed; null:
+  /// placing them tells.
+  std::vector<double> (*radii)(const Packing& packing, std::uint64_t seed) = nullptr;
   /// The lattice of its spheres; null: none.
   Lattice (*lattice)(const Packing& packing) = nullptr;
   /// Puts all bodies, in an order that does not depend on the rank.
@@ -105,7 +117,7 @@ std::int64_t SphereGrid::find(const Vec3& point, double distance, Test&& is_want
   return -1;
 }
 
-/// Spheres of many sizes: a grid for those of each power of two in radius.
+/// Spheres of many sizes: a grid for each power of two in radius.
 class SphereSet {
  public:
   /// For about `expected` spheres in the box `center` +- `half`.
@@ -121,6 +133,7 @@ class SphereSet {
   std::optional<Overlap> find_overlap(const Vec3& center, double radius, double allowed) const;
 
  private:
+  /// Spheres up to `largest`; those of the first level are as large as the first sphere.
   struct Level {
     SphereGrid grid;
     double largest;  ///< m, no sphere of the level has a larger radius
@@ -128,16 +141,22 @@ class SphereSet {
     std::vector<std::int64_t> sphere;
   };
   Vec3 center_, half_;
+  double first_ = 0;  ///< m, radius of the sphere that was added first
   std::int64_t expected_, count_ = 0;
   std::map<int, Level> levels_;
 };
 
-/// `packing.count` spheres at random, wholly inside the volume, clear of each other and where
-/// `is_free`: random sequential addition, which ends near 0.38 of the volume. The same on every
-/// machine. Returns how many found a place before two million tries in a row failed.
-std::int64_t place_at_random(const Volume& volume, const Packing& packing, std::uint64_t seed,
-                             const std::function<bool(const Vec3&)>& is_free,
-                             const std::function<void(const Vec3&)>& place);
+/// Spheres of these radii (m, the largest first) at random, wholly inside the volume, clear of each
+/// other and where `is_free`: random sequential addition, which ends near 0.38 of the volume where
+/// all are equal. The same on every machine. Returns how many found a place before two million
+/// tries in a row failed.
+std::int64_t place_at_random(const Volume& volume, std::span<const double> radii,
+                             std::uint64_t seed,
+                             const std::function<bool(const Vec3&, double radius)>& is_free,
+                             const std::function<void(const Vec3&, double radius)>& place);
+
+/// Part of the volume, the most that random sequential addition of such radii can fill, for sure.
+double most_filled_at_random(const Volume& volume, std::span<const double> radii);
 
 /// Boulders that are fine around a site and coarse far from it. At x the largest have the radius
 ///   R(x) = growth |x - site|, not below `smallest` and not above the packing's radius,

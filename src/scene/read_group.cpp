@@ -51,7 +51,7 @@ void read_packing(Section& in, Packing& packing) {
   std::size_t chosen = 0;
   in.need("kind", "single: one sphere, the volume itself", chosen, names);
   packing.type = types[chosen];
-  if (in.reads(packing.type->sized))
+  if (in.reads(packing.type->sized && !in.has("sizes")))
     in.radius("of the spheres; of graded: of the largest", packing.radius);
   // Lattices have their keys in common, which the reference of all keys lists once.
   for (auto type = types.begin(); type != types.end(); ++type)
@@ -62,6 +62,21 @@ void read_packing(Section& in, Packing& packing) {
       (*type)->read(in, packing);
   if (in.reads(packing.type->turns))
     in.take("rotation", "of lattices, file: rotation vector", packing.rotation, any(number));
+}
+
+/// As LAMMPS's `velocity create`: without a drift, and of exactly the rms that is asked for.
+void read_thermal_velocity(Section& in, Group& group) {
+  ThermalVelocity thermal;
+  std::int64_t seed = 1;
+  if (!in.table("thermal_velocity", "random, Maxwell's, beside velocity: the group has no drift",
+                [&](Section& s) {
+                  s.need("rms", "of each component", thermal.rms, positive(speed));
+                  s.take("seed", "another draws others", seed, 0);
+                }))
+    return;
+  in.check("thermal_velocity", !group.fixed, "is of no use: the group is fixed");
+  thermal.seed = static_cast<std::uint64_t>(seed);
+  group.thermal = thermal;
 }
 
 }  // namespace
@@ -80,6 +95,8 @@ void read_group(Section& in, Group& group, const std::vector<Material>& material
   in.take("spin", "rigid rotation about the volume's center", group.spin, any(spin));
   in.take("fixed", "never moves", group.fixed);
   in.take("total_mass", "the density is scaled to give it", group.total_mass, positive(mass));
+  in.check("total_mass", !group.total_mass || !group.fixed, "is of no use: the group is fixed");
+  read_thermal_velocity(in, group);
   group.material = find_material(in, material, materials);
   const bool single = group.packing.type == &single_packing;
   in.check("volume", !single || group.volume.shape == Shape::sphere,

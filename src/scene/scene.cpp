@@ -3,19 +3,27 @@
 #include "scene/scene.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <optional>
 
+#include "base/hash.hpp"
 #include "engine/between.hpp"
 #include "scene/packing.hpp"
 #include "scene/shape.hpp"
+#include "scene/thermal.hpp"
 #include "spall/error.hpp"
 
 namespace spall {
 namespace {
 
 using IsFree = std::function<bool(const Vec3& center, double radius)>;
-using Place = std::function<void(const Vec3& center, double radius, double mass)>;
+using Place = std::function<void(const PackedSphere&, double mass)>;
+
+/// A stream of random numbers for each group: changing one leaves the others as they are.
+std::uint64_t stream_of(const Case& scene, std::size_t g) {
+  return scene.seed * 0x9E3779B97F4A7C15u + g;
+}
 
 /// kg, of a sphere: one of a solid's lattice stands for its cell.
 double mass_of_sphere(const Case& scene, const Group& group, double radius) {
@@ -32,12 +40,11 @@ void place_group(const Case& scene, std::size_t g, const IsFree& is_free, const 
   group.packing.type->place(
       {.volume = group.volume,
        .packing = group.packing,
-       // A stream of its own for each group: changing one leaves the others as they are.
-       .seed = scene.seed * 0x9E3779B97F4A7C15u + g,
+       .seed = stream_of(scene, g),
        .place = group.place,
        .is_free = is_free,
-       .put = [&](const Vec3& center, double radius, std::optional<double> mass) {
-         place(center, radius, mass ? *mass : mass_of_sphere(scene, group, radius));
+       .put = [&](const PackedSphere& sphere) {
+         place(sphere, sphere.mass ? *sphere.mass : mass_of_sphere(scene, group, sphere.radius));
        }});
 }
 
@@ -64,15 +71,20 @@ std::string words(const Vec3& v) {
   return fmt::format("({:.6g}, {:.6g}, {:.6g}) m", v.x(), v.y(), v.z());
 }
 
-/// Throws unless the sphere at `center`, body `id` of `group`, is clear of planes and of `placed`.
+/// Throws unless `sphere`, body `id` of `group`, is clear of walls and of `placed`.
 void check_clear(const Case& scene, const Group& group, const std::vector<Placed>& placed,
-                 BodyId id, const Vec3& center, double radius) {
-  for (std::size_t p = 0; p < scene.planes.size(); ++p) {
-    const double gap = scene.planes[p].normal.dot(center - scene.planes[p].point) - radius;
+                 BodyId id, const PackedSphere& sphere) {
+  const Vec3& center = sphere.center;
+  const double radius = sphere.radius;
+  const Walls walls = scene.walls();
+  for (std::size_t w = 0; w < walls.size(); ++w) {
+    const double gap = face_of(walls, w, center).height - radius;
+    const bool plane = w < scene.planes.size();
     require(gap >= -scene.allowed_overlap * radius,
-            "{}: body {} at {} lies {:.3g} m deep in planes.{}; allowed_overlap = {} of its "
-            "radius, {} m",
-            group.place, id, words(center), -gap, p, scene.allowed_overlap, radius);
+            "{}: body {} at {} lies {:.3g} m deep in {}.{}; allowed_overlap = {} of its radius, "
+            "{} m",
+            group.place, id, words(center), -gap, plane ? "planes" : "cylinders",
+            plane ? w : w - scene.planes.size(), scene.allowed_overlap, radius);
   }
   for (const Placed& earlier : placed) {
     const auto hit = earlier.spheres.find_overlap(center, radius, scene.allowed_overlap);
@@ -86,10 +98,18 @@ void check_clear(const Case& scene, const Group& group, const std::vector<Placed
   }
 }
 
-/// What the mass of each body of a group is multiplied with.
-double mass_factor(const Group& group, const GroupContent& content) {
-  if (group.fixed) return infinity;
-  return group.total_mass ? *group.total_mass / content.mass : 1;
+/// Gives the bodies of group `g` that this rank owns, the last rows of `bodies`, their share of its
+/// random velocities; `mass` are those of the whole group, from id `first` on.
+void add_thermal_velocities(const Case& scene, std::size_t g, std::span<const double> mass,
+                            BodyId first, Bodies& bodies) {
+  const Group& group = scene.groups[g];
+  require(std::ranges::count_if(mass, [](double m) { return std::isfinite(m); }) > 1,
+          "{}.thermal_velocity: without a drift one body that moves has none", group.place);
+  const std::vector<Vec3> velocity =
+      thermal_velocities(mass, group.thermal->rms, mix(mix(group.thermal->seed) + g));
+  for (Index b = 0; b < bodies.size(); ++b)
+    if (bodies.group[b] == static_cast<std::int32_t>(g))
+      bodies.velocity[b] += velocity[bodies.id[b] - first];
 }
 
 }  // namespace
@@ -99,19 +119,23 @@ std::vector<GroupContent> measure_groups(const Case& scene) {
   for (std::size_t g = 0; g < scene.groups.size(); ++g) {
     const Group& group = scene.groups[g];
     GroupContent content;
-    const auto count = [&](std::int64_t bodies, double radius, double mass) {
-      content.count += bodies;
-      content.volume += static_cast<double>(bodies) * ball_volume(radius);
-      content.mass += static_cast<double>(bodies) * mass;
+    const auto count = [&](double radius, double mass, bool fixed) {
+      ++content.count;
+      content.volume += ball_volume(radius);
       content.smallest = std::min(content.smallest, radius);
       content.largest = std::max(content.largest, radius);
+      if (fixed) return;
+      ++content.movable;
+      content.mass += mass;
+      content.lightest = std::min(content.lightest, mass);
     };
-    if (const auto known = group.packing.count) {
-      const double radius = group.packing.radius;
-      count(*known, radius, mass_of_sphere(scene, group, radius));
+    if (const auto radii_of = group.packing.type->radii) {
+      for (double radius : radii_of(group.packing, stream_of(scene, g)))
+        count(radius, mass_of_sphere(scene, group, radius), false);
     } else {
-      place_group(scene, g, {},
-                  [&](const Vec3&, double radius, double mass) { count(1, radius, mass); });
+      place_group(scene, g, {}, [&](const PackedSphere& sphere, double mass) {
+        count(sphere.radius, mass, sphere.fixed);
+      });
     }
     require(content.count > 0, "{}: its volume holds no sphere{}", group.place,
             group.packing.file.empty() ? fmt::format(" of radius {} m", group.packing.radius)
@@ -123,8 +147,13 @@ std::vector<GroupContent> measure_groups(const Case& scene) {
 
 FieldSet fields_of(const Case& scene) {
   const auto turns = [](const auto& bodies) { return !bodies.spin.isZero(0); };
+  // Files need not be there any more where a run goes on: what they hold is not asked.
+  const auto may_turn = [](const Group& group) {
+    return !group.packing.file.empty() && group.packing.stored_motion == StoredMotion::kept;
+  };
   FieldSet fields;
-  if (std::ranges::any_of(scene.groups, turns) || std::ranges::any_of(scene.spheres, turns))
+  if (std::ranges::any_of(scene.groups, turns) || std::ranges::any_of(scene.spheres, turns) ||
+      std::ranges::any_of(scene.groups, may_turn))
     fields |= {Field::angular_velocity};
   if (scene.has_gravity()) fields |= {Field::acceleration};
   for (const Phase& phase : scene.phases) fields |= phase.engine->fields(scene, phase.settings);
@@ -154,11 +183,13 @@ Bodies make_bodies(const Case& scene, const Comm& comm) {
   bodies.owned = static_cast<Index>(end_owned - first_owned);
   for_each_field(bodies, [&](const auto&, auto& field) { field.reserve(bodies.owned); });
 
+  const Walls walls = scene.walls();
   std::vector<Placed> placed;
   BodyId id = 0;
   for (std::size_t g = 0; g < scene.groups.size(); ++g) {
     const Group& group = scene.groups[g];
-    const double factor = mass_factor(group, contents[g]);
+    const double factor = contents[g].mass_factor(group);
+    std::vector<double> masses;  // of all ranks, where random velocities ask for them
     std::optional<SphereSet> spheres;
     if (std::any_of(scene.groups.begin() + g + 1, scene.groups.end(),
                     [&](const Group& later) { return may_touch(group, later); }))
@@ -166,29 +197,36 @@ Bodies make_bodies(const Case& scene, const Comm& comm) {
     const BodyId first = id;
 
     const auto is_free = [&](const Vec3& center, double radius) {
-      for (const Plane& plane : scene.planes)
-        if (plane.normal.dot(center - plane.point) < radius) return false;
+      for (std::size_t w = 0; w < walls.size(); ++w)
+        if (face_of(walls, w, center).height < radius) return false;
       for (const Placed& earlier : placed)
         if (earlier.spheres.find_overlap(center, radius, 0)) return false;
       return true;
     };
-    const auto place = [&](const Vec3& center, double radius, double mass) {
-      if (!group.packing.type->keeps_clear) check_clear(scene, group, placed, id, center, radius);
-      if (spheres) spheres->add(center, radius);
+    const auto place = [&](const PackedSphere& sphere, double nominal) {
+      const Vec3& center = sphere.center;
+      const bool fixed = group.fixed || sphere.fixed;
+      const double mass = fixed ? infinity : factor * nominal;
+      if (!group.packing.type->keeps_clear) check_clear(scene, group, placed, id, sphere);
+      if (spheres) spheres->add(center, sphere.radius);
+      if (group.thermal) masses.push_back(mass);
       if (id >= first_owned && id < end_owned) {
         const Index row = append_row(bodies);
         bodies.id[row] = id;
         bodies.group[row] = static_cast<std::int32_t>(g);
         bodies.material[row] = group.material;
-        bodies.radius[row] = radius;
-        bodies.mass[row] = factor * mass;
+        bodies.radius[row] = sphere.radius;
+        bodies.mass[row] = mass;
         bodies.position[row] = center;
         bodies.velocity[row] = group.velocity + group.spin.cross(center - group.volume.center);
-        if (bodies.has(Field::angular_velocity)) bodies.angular_velocity[row] = group.spin;
+        if (!fixed) bodies.velocity[row] += sphere.velocity;
+        if (bodies.has(Field::angular_velocity))
+          bodies.angular_velocity[row] = fixed ? group.spin : Vec3(group.spin + sphere.spin);
       }
       ++id;
     };
     place_group(scene, g, is_free, place);
+    if (group.thermal) add_thermal_velocities(scene, g, masses, first, bodies);
     if (spheres) placed.push_back({g, first, std::move(*spheres)});
   }
   for (const SceneSphere& sphere : scene.spheres) {

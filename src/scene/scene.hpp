@@ -14,12 +14,15 @@ namespace spall {
 /// What a group makes.
 struct GroupContent {
   std::int64_t count = 0;                   ///< bodies
+  std::int64_t movable = 0;                 ///< of them, unless the whole group is fixed
   double volume = 0;                        ///< m^3, of the spheres
-  double mass = 0;                          ///< kg, before it is scaled to the group's total
+  double mass = 0;                          ///< kg, of the movable, before it is scaled
+  double lightest = infinity;               ///< kg, of the movable, before it is scaled
   double smallest = infinity, largest = 0;  ///< m, radii
 
-  double mean_mass(const Group& group) const {
-    return group.total_mass.value_or(mass) / static_cast<double>(count);
+  /// What the mass of each body is multiplied with, for the total that the group asks for.
+  double mass_factor(const Group& group) const {
+    return group.total_mass && mass > 0 ? *group.total_mass / mass : 1;
   }
 };
 std::vector<GroupContent> measure_groups(const Case& scene);
@@ -42,8 +45,9 @@ inline std::int32_t group_of_spheres(const Case& scene) {
 /// Every rank runs through the whole recipe, so nothing is sent.
 Bodies make_bodies(const Case& scene, const Comm& comm);
 
-/// What a case will make: bodies, masses, packings, memory.
-std::string describe_bodies(const Case& scene);
+/// What a case will make: bodies, masses, packings, and the memory that a rank of so many needs,
+/// on top of what the program takes before it has bodies.
+std::string describe_bodies(const Case& scene, int ranks, double bytes_of_program);
 /// What a case will run: what is switched off, phases and their step limits.
 std::string describe_phases(const Case& scene);
 

@@ -50,6 +50,10 @@ inline constexpr Choice<SolverMethod> solver_methods[] = {
     {"apgd", SolverMethod::apgd},
     {"bb", SolverMethod::barzilai_borwein},
     {"sor", SolverMethod::sor}};
+/// Methods that minimise an energy know no exact Coulomb friction.
+constexpr bool needs_convex(SolverMethod method) {
+  return method == SolverMethod::apgd || method == SolverMethod::barzilai_borwein;
+}
 inline constexpr Choice<FrictionModel> friction_models[] = {{"coulomb", FrictionModel::coulomb},
                                                             {"convex", FrictionModel::convex}};
 

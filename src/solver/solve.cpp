@@ -28,9 +28,8 @@ void check_shapes(const ContactProblem& problem, const Ghosts& ghosts,
   require(settings.tolerance > 0, "solver tolerance is {}, must be positive", settings.tolerance);
   require(settings.max_iterations >= 0, "solver's max_iterations is {}, must not be negative",
           settings.max_iterations);
-  const bool descends =
-      settings.method == SolverMethod::apgd || settings.method == SolverMethod::barzilai_borwein;
-  require(!descends || problem.dimension == 1 || settings.friction == FrictionModel::convex,
+  require(!needs_convex(settings.method) || problem.dimension == 1 ||
+              settings.friction == FrictionModel::convex,
           "solver methods apgd and bb minimise: they need friction \"convex\"");
   require(settings.relaxation > 0 && settings.relaxation < 2,
           "solver's relaxation is {}, must lie between 0 and 2", settings.relaxation);

@@ -1,0 +1,74 @@
+// Each refusal here is of something that a run would leave out or do wrong without a word.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "scene/consistency.hpp"
+
+#include <algorithm>
+
+#include "spall/error.hpp"
+
+namespace spall {
+namespace {
+
+bool has_impactor(const Phase& phase) {
+  return phase.impactor.has_value();
+}
+
+const Group* find_fixed(const Case& scene) {
+  const auto found = std::ranges::find_if(scene.groups, &Group::fixed);
+  return found == scene.groups.end() ? nullptr : &*found;
+}
+
+/// Times of read-outs count from the impact; what lies behind the last phase is never measured.
+void check_read_outs(const Case& scene) {
+  if (scene.read_out.empty()) return;
+  const auto hit = std::ranges::find_if(scene.phases, has_impactor);
+  require(hit != scene.phases.end(),
+          "{} tells times after the impact, but no phase has an impactor", scene.read_out_place);
+  double end = 0;
+  for (auto phase = hit; phase != scene.phases.end(); ++phase)
+    end += static_cast<double>(phase->steps()) * phase->step;
+  const double half_a_step = scene.phases.back().step / 2;
+  const double last = std::ranges::max(scene.read_out);
+  require(last <= end + half_a_step,
+          "{} = {:g} s is never reached: phases end {:g} s after the impactor is added",
+          scene.read_out_place, last, end);
+}
+
+/// The centre of mass moves to the origin, and with it all bodies: nothing else may be anywhere.
+void check_removal_of_drift(const Case& scene, const Phase& phase) {
+  const auto refuse_beside = [&](bool there, std::string_view what) {
+    require(!there, "{}.remove_drift: {} would stay where it is while bodies are moved",
+            phase.place, what);
+  };
+  refuse_beside(!scene.planes.empty(), "a wall of [[planes]] or [[boxes]]");
+  refuse_beside(!scene.cylinders.empty(), "a wall of [[cylinders]]");
+  refuse_beside(scene.period.any(), "the box of [periodic]");
+  const Group* fixed = find_fixed(scene);
+  refuse_beside(fixed, fixed ? fmt::format("groups.{}, which is fixed,", fixed->name) : "");
+}
+
+void check_gravity(const Case& scene) {
+  if (scene.gravity.method == GravityMethod::none) return;
+  if (const Group* fixed = find_fixed(scene))
+    throw Error(
+        fmt::format("{}.fixed: self-gravity needs finite masses: leave out fixed, or "
+                    "gravity.method",
+                    fixed->place));
+}
+
+}  // namespace
+
+void check_consistency(const Case& scene) {
+  check_read_outs(scene);
+  check_gravity(scene);
+  for (const Phase& phase : scene.phases)
+    if (phase.remove_drift) check_removal_of_drift(scene, phase);
+  require(!scene.binary || std::ranges::any_of(scene.phases, has_impactor),
+          "{} asks for the orbit after an impact, but no phase has an impactor",
+          scene.binary ? scene.binary->place : "");
+  require(!scene.binary || !scene.read_out.empty(),
+          "{} follows from the deflection: it needs read_out, times at which that is measured",
+          scene.binary ? scene.binary->place : "");
+}
+
+}  // namespace spall

@@ -1,0 +1,191 @@
+// What is not modelled or contradicts itself: refused alike by check and by run, before any step.
+// SPDX-License-Identifier: BSD-3-Clause
+#include <unistd.h>
+
+#include <filesystem>
+
+#include "run/run.hpp"
+#include "testing.hpp"
+
+namespace spall {
+namespace {
+
+/// Two spheres, a metre apart, that do not move.
+const std::string bodies = R"([materials.rock]
+density = 1600
+[[groups]]
+name = "a"
+material = "rock"
+volume = {radius = 1}
+[[groups]]
+name = "b"
+material = "rock"
+volume = {radius = 1, center = [3, 0, 0]}
+)";
+const std::string phase = R"([[phases]]
+name = "only"
+step = "1 ms"
+duration = "10 s"
+)";
+const std::string impactor =
+    "impactor = {mass = 1, radius = 0.1, speed = \"1 km/s\", distance = 1}\n";
+const std::string springs = "[contact]\nrestitution = 0.5\n[penalty]\nmodel = \"hooke\"\n";
+const std::string by_springs = "method = \"penalty\"\n";
+const std::string law = "[pair_potential]\nlaw = \"lennard_jones\"\ndepth = 1\ndistance = 2\n";
+const std::string by_law = "method = \"potential\"\n";
+
+/// The bodies and a group by another recipe.
+std::string with_group(const std::string& keys) {
+  return bodies + "[[groups]]\nname = \"c\"\nmaterial = \"rock\"\n" + keys + phase;
+}
+
+struct Refused {
+  std::string text;     ///< of the case
+  std::string message;  ///< from its beginning on
+};
+
+const std::vector<Refused> table = {
+    // Times and phases.
+    {bodies + phase + "until = \"settled\"\n", "x.toml:11:1: phases.only.settled_speed is missing"},
+    {bodies + phase + "[[phases]]\nname = \"a/b\"\nstep = 1\nduration = 1\n",
+     "x.toml:16:8: phases.a/b.name cannot be part of a file's name"},
+    {bodies + phase + phase, "x.toml:15:1: phases.only: two phases are named \"only\""},
+    {"read_out = [5, 20]\n" + bodies + phase + impactor,
+     "x.toml:1:12: read_out = 20 s is never reached: phases end 10 s after the impactor is added"},
+    {"read_out = [5]\n" + bodies + phase,
+     "x.toml:1:12: read_out tells times after the impact, but no phase has an impactor"},
+    {bodies + phase + impactor + "[[phases]]\nname = \"again\"\nstep = 1\nduration = 1\n" +
+         impactor,
+     "x.toml:20:12: phases.again.impactor: phases.only has an impactor, too; there can be one"},
+    {bodies + phase + "[orbit]\nseparation = 1\nspeed = 1\nparameter = 1\nperiod = 1\n",
+     "x.toml:15:1: orbit asks for the orbit after an impact, but no phase has an impactor"},
+    {bodies + phase + impactor + "[orbit]\nseparation = 1\nspeed = 1\nparameter = 1\nperiod = 1\n",
+     "x.toml:16:1: orbit follows from the deflection: it needs read_out"},
+    {bodies + phase + "cohesion = \"1 N\"\n",
+     "x.toml:11:1: phases.only.cohesion needs contact.cohesion_range"},
+    // What would be moved away from what stays.
+    {bodies + phase + "remove_drift = true\n[[planes]]\npoint = [0, 0, -2]\n",
+     "x.toml:11:1: phases.only.remove_drift: a wall of [[planes]] or [[boxes]] would stay"},
+    {bodies + springs + "stiffness = 1e6\n[periodic]\nsize = [9, 9, 9]\n" + phase + by_springs +
+         "remove_drift = true\n",
+     "x.toml:18:1: phases.only.remove_drift: the box of [periodic] would stay"},
+    {bodies + "fixed = true\n" + phase + "remove_drift = true\n",
+     "x.toml:12:1: phases.only.remove_drift: groups.b, which is fixed, would stay"},
+    // Bodies that never move.
+    {bodies + "fixed = true\ntotal_mass = 5\n" + phase,
+     "x.toml:12:14: groups.b.total_mass is of no use: the group is fixed"},
+    {bodies + "fixed = true\nthermal_velocity = {rms = 1}\n" + phase,
+     "x.toml:12:20: groups.b.thermal_velocity is of no use: the group is fixed"},
+    {bodies + "thermal_velocity = {rms = 1}\n" + phase,
+     "x.toml:7:1: groups.b.thermal_velocity: without a drift one body that moves has none"},
+    {bodies + "fixed = true\n[gravity]\nmethod = \"direct\"\n" + phase,
+     "x.toml:7:1: groups.b.fixed: self-gravity needs finite masses"},
+    // Volumes and packings.
+    {with_group("volume = {shape = \"box\", size = [1, 1, 1], center = [9, 0, 0]}\n"),
+     "x.toml:14:10: groups.c.volume is not a sphere"},
+    {with_group(
+         "volume = {radius = 1, center = [9, 0, 0]}\npacking = {kind = \"hcp\", radius = 2}\n"),
+     "x.toml:11:1: groups.c: its volume holds no sphere of radius 2 m"},
+    {with_group("volume = {radius = 1, center = [4, 0, 0]}\n"),
+     "x.toml:11:1: groups.c: body 2 at (4, 0, 0) m overlaps body 1 of groups.b at (3, 0, 0) m"},
+    {with_group("volume = {radius = 9, center = [99, 0, 0]}\n"
+                "packing = {kind = \"random\", radius = 0.1, count = 320000}\n"),
+     "x.toml:11:1: groups.c: 320000 spheres of radius 0.1 m would be 0.439 of the volume; at "
+     "random at most 0.4"},
+    {with_group("volume = {radius = 1, center = [9, 0, 0]}\n"
+                "packing = {kind = \"random\", radius = 0.3, count = 13}\n"),
+     "x.toml:11:1: groups.c: 13 spheres of radius 0.3 m would be 0.351 of the volume; "},
+    {with_group(
+         "volume = {radius = 1}\npacking = {kind = \"random\", radius = 1, count = 5, sizes = "
+         "{law = \"list\", radii = [1]}}\n"),
+     "x.toml:15:38: groups.c.packing.radius is given beside sizes"},
+    {with_group("volume = {radius = 1}\npacking = {kind = \"random\", count = 5, sizes = {law = "
+                "\"power\", smallest = 2, largest = 1, exponent = 3}}\n"),
+     "x.toml:15:88: groups.c.packing.sizes.largest is less than smallest"},
+    {with_group("volume = {radius = 1}\npacking = {kind = \"random\", count = 5, sizes = {law = "
+                "\"list\", radii = [1, 2], shares = [1]}}\n"),
+     "x.toml:15:88: groups.c.packing.sizes.shares are not as many as radii"},
+    {with_group("volume = {radius = 1}\npacking = {kind = \"random\", count = 5, sizes = {law = "
+                "\"lognormal\", smallest = 1, largest = 2, median = 9, spread = 0.1}}\n"),
+     "x.toml:15:104: groups.c.packing.sizes.median and spread leave less than a hundredth"},
+    {with_group("volume = {radius = 1}\npacking = {kind = \"file\", file = \"gone.h5\"}\n"),
+     "x.toml:11:1: groups.c: there is no file 'gone.h5'"},
+    // Walls.
+    {bodies + phase + "[[planes]]\npoint = [0, 0, -0.5]\n",
+     "x.toml:3:1: groups.a: body 0 at (0, 0, 0) m lies 0.5 m deep in planes.0"},
+    {bodies + springs + "stiffness = 1e6\n[[cylinders]]\nradius = 3\n" + phase + by_springs,
+     "x.toml:7:1: groups.b: body 1 at (3, 0, 0) m lies 1 m deep in cylinders.0"},
+    {bodies + phase + "[[cylinders]]\nradius = 30\n",
+     "x.toml:11:1: phases.only: [[cylinders]] and [periodic] act in phases of method = "
+     "\"penalty\""},
+    {bodies + law + "cutoff = 3\n[[cylinders]]\nradius = 30\n" + phase + by_law,
+     "x.toml:18:1: phases.only.method = \"potential\": "},
+    {bodies + phase + impactor + "[[planes]]\npoint = [-1.5, 0, 0]\nnormal = [1, 0, 0]\n",
+     "x.toml:15:12: phases.only.impactor: it begins 0.7 m deep in planes.0"},
+    // The impactor.
+    {bodies + phase +
+         "impactor = {mass = 1, radius = 0.1, speed = 1, offset = [0, 0, 5], distance = 1}\n",
+     "x.toml:15:12: phases.only.impactor: the impactor misses"},
+    {bodies + "[materials.impactor]\ndensity = 5\n" + phase + impactor,
+     "x.toml:17:12: phases.only.impactor: its mass and radius give 238.732 kg/m^3"},
+    // Methods.
+    {bodies + "[contact]\nfriction = 0.5\n[solver]\nmethod = \"bb\"\n" + phase,
+     "x.toml:15:1: phases.only: solver.method = \"apgd\" and \"bb\" minimise"},
+    {bodies + phase + by_springs, "x.toml:11:1: phases.only.method = \"penalty\" needs [penalty]"},
+    {bodies + "[penalty]\nmodel = \"hooke\"\nstiffness = 1e6\n" + phase + by_springs,
+     "x.toml:14:1: phases.only.method = \"penalty\" needs contact.restitution > 0"},
+    {bodies + "[contact]\nrestitution = 0.5\n[penalty]\n" + phase + by_springs,
+     "x.toml:3:1: groups.a: penalty.model = \"hertz\" needs materials.rock.youngs_modulus"},
+    {bodies + springs + "stiffness = 1e6\nrolling_friction = 0.1\n" + phase + by_springs,
+     "x.toml:17:1: phases.only: penalty.rolling_friction needs contact.friction > 0"},
+    {"read_out = [1]\n" + bodies + springs + "stiffness = 1e9\n" + phase + by_springs + impactor,
+     "x.toml:17:1: phases.only.method = \"penalty\": read_out is for phases of"},
+    {bodies + phase + by_law,
+     "x.toml:11:1: phases.only.method = \"potential\" needs [pair_potential]"},
+    {bodies + law + "cutoff = 3\n[contact]\ncohesion_range = 1\n" + phase + by_law +
+         "cohesion = 1\n",
+     "x.toml:18:1: phases.only.cohesion is that of contacts"},
+    // Steps that are too long, in the first phase and in a later one.
+    {bodies + springs + "stiffness = 1e10\n" + phase + by_springs,
+     "x.toml:16:1: phases.only: step = 0.001 s is too long for penalty contact: body "},
+    {bodies + springs + "stiffness = 1e10\n" + phase +
+         "[[phases]]\nname = \"later\"\nstep = 1e-3\n"
+         "duration = 1\n" +
+         by_springs,
+     "x.toml:20:1: phases.later: step = 0.001 s is too long for penalty contact: body "},
+    {"[contact]\nrestitution = 0.5\n[penalty]\nmodel = \"hertz\"\n" + bodies +
+         "[materials.steel]\ndensity = 7800\n" + phase + by_springs,
+     "x.toml:7:1: groups.a: penalty.model = \"hertz\" needs materials.rock.youngs_modulus"},
+    {"materials.rock.youngs_modulus = 1e11\nmaterials.rock.density = 1600\n" +
+         bodies.substr(bodies.find("[[groups]]")) + "[contact]\nrestitution = 0.5\n[penalty]\n" +
+         phase + by_springs,
+     "x.toml:14:1: phases.only: step = 0.001 s is too long for penalty contact: surface waves"},
+    {bodies + law + "cutoff = 3\n" + phase.substr(0, phase.find("step")) +
+         "step = 10\nduration = 100\n" + by_law,
+     "x.toml:16:1: phases.only: step = 10 s is too long for the pair potential"},
+    {bodies + law + "cutoff = 3\n" + phase +
+         "[[phases]]\nname = \"later\"\nstep = 10\nduration = 20\n" + by_law + impactor,
+     "x.toml:20:1: phases.later: step = 10 s is too long for the pair potential"},
+};
+
+TEST(Refusals, are_those_of_check_and_of_run_alike_with_file_line_and_key) {
+  const Comm comm = testing_world();
+  const std::string folder = (std::filesystem::temp_directory_path() /
+                              fmt::format("spall_refusals_{}", comm.sum(std::int64_t{getpid()})))
+                                 .string();
+  for (const auto& [text, message] : table) {
+    const std::string checked = complaint_of([&] { check_case(comm, parse_case(text, "x.toml")); });
+    EXPECT_TRUE(checked.starts_with(message)) << checked << "\n  instead of\n" << message;
+    EXPECT_EQ(complaint_of([&] { run_case(comm, parse_case(text, "x.toml"), folder); }), checked);
+  }
+  if (comm.rank == 0) std::filesystem::remove_all(folder);
+  EXPECT_GE(table.size(), 40u);
+}
+
+TEST(Refusals, are_not_of_what_is_modelled) {
+  const Comm comm = testing_world();
+  EXPECT_EQ(complaint_of([&] { check_case(comm, parse_case(bodies + phase, "x.toml")); }), "");
+}
+
+}  // namespace
+}  // namespace spall
