@@ -33,7 +33,7 @@ class Flight {
       if (!std::isfinite(bodies.mass[b])) continue;
       world_.ledger.dissipated +=
           bodies.mass[b] / 2 * (1 - kept * kept) * bodies.velocity[b].squaredNorm();
-      bodies.velocity[b] *= kept;
+      bodies.velocity[b] = kept * bodies.velocity[b] + h * world_.steady_gravity();
     }
     drift(first);
     if (second != 0) drift(second);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "engine/engine.hpp"
@@ -23,7 +24,8 @@ struct Splitting {
 inline const Splitting leapfrog{0.5, {{1, 0.5}}};
 
 /// Gives the kick of gravity that is due and says how many steps of `h` may follow: up to
-/// `most_steps`, the last of which ends at the next kick at the latest. Collective.
+/// `most_steps`, the last of which ends at the next kick at the latest. A uniform field alone is
+/// left to the kicks of the forces. Collective.
 StepReport begin_smooth_steps(World& world, double h, int most_steps);
 /// They were made: bodies have moved.
 void end_smooth_steps(World& world, int steps);
@@ -33,11 +35,15 @@ void end_smooth_steps(World& world, int steps);
 ///
 ///   begin(h)                    of a step; owned velocities are current
 ///   drift(t)                    moves owned bodies by their velocities
-///   kick(t, drift, next_drift)  forces where bodies are, the kick by them, then the two drifts,
-///                               each rounded as if alone, while a body is in the cache
+///   energy()                    J on this rank, that pairs hold where bodies are
+///   kick(t, drift, next_drift)  forces where bodies are, the kick by them and by
+///                               `world.steady_gravity()`, then the two drifts, each rounded as if
+///                               alone, while a body is in the cache
 ///   end()                       owned positions and velocities are current
 ///
-/// Collective.
+/// The report's energy is read in the middle of the first kick, where leapfrog's positions and
+/// velocities belong to one instant; what half the kick gives is added to it. With the kinetic
+/// energy from before the drift it adds up to the energy that velocity Verlet tells. Collective.
 template <class Forces>
 StepReport smooth_steps(World& world, Forces&& forces, const Splitting& scheme, double h,
                         int most_steps) {
@@ -49,6 +55,7 @@ StepReport smooth_steps(World& world, Forces&& forces, const Splitting& scheme, 
       const auto& [kick, drift] = scheme.stages[k];
       const bool goes_on = k + 1 == scheme.stages.size() && step < report.steps;
       forces.kick(kick * h, drift * h, goes_on ? scheme.first_drift * h : 0);
+      if (half) report.energy += half->energy(world, kick * h);
     }
   forces.end();
   end_smooth_steps(world, report.steps);

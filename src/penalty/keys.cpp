@@ -118,13 +118,7 @@ void check(const Surroundings& around, std::span<const MaterialUse> uses,
           "{}.method = \"penalty\": contact.cohesion_law = \"impulse\" is for phases of method = "
           "\"nonsmooth\" only",
           phase.place);
-  for (int k = 0; k < 3; ++k)
-    require(around.period.size[k] == 0 || around.uniform_gravity[k] == 0,
-            "{}: gravity.uniform points along {}, in which [periodic] repeats: nothing would end a "
-            "body's fall",
-            phase.place, "xyz"[k]);
-  require(!around.period.any() || around.gravity.method == GravityMethod::none,
-          "{}: [periodic] needs gravity.method = \"none\": images do not attract", phase.place);
+  check_images(around, phase.place);
   require(!phase.read_outs,
           "{}.method = \"penalty\": read_out is for phases of method = \"nonsmooth\" only",
           phase.place);

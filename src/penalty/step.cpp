@@ -82,6 +82,7 @@ void update_pairs(World& world, Penalty& engine, const ByPair<PenaltyLaw>& laws)
                         .most = 1,
                         .search = 60};
   engine.loads = std::vector<ForceRow>();  // a search needs the memory
+  wrap_bodies(world);
   search_touch_pairs(world.comm, bodies, world.walls(), world.period,
                      {.gap = widest_gap(laws, radii.largest),
                       .skin = best_skin(world.comm, bodies, touch, skins),
@@ -98,6 +99,7 @@ Box kick_and_drift(World& world, Penalty& engine, const ByPair<PenaltyLaw>& laws
   StageTimer timer(world.times, "forces");
   Bodies& bodies = world.bodies;
   ForceRow* const rows = engine.loads.data();
+  const Vec3 fall = h * world.steady_gravity();
   Box box;
   double taken = 0;
   const auto finish = [&](Index b) {
@@ -105,6 +107,7 @@ Box kick_and_drift(World& world, Penalty& engine, const ByPair<PenaltyLaw>& laws
     const double scale = h / bodies.mass[b], r = bodies.radius[b];
     const double turn = scale / (sphere_inertia * r * r);
     bodies.velocity[b] += scale * Vec3(row.force[0], row.force[1], row.force[2]);
+    if (scale > 0) bodies.velocity[b] += fall;
     bodies.angular_velocity[b] += turn * Vec3(row.torque[0], row.torque[1], row.torque[2]);
     bodies.position[b] += first * bodies.velocity[b];
     if (second != 0) bodies.position[b] += second * bodies.velocity[b];
@@ -113,7 +116,7 @@ Box kick_and_drift(World& world, Penalty& engine, const ByPair<PenaltyLaw>& laws
     taken += h * row.force[3];
     row = ForceRow{};
   };
-  with_contact_model(laws, h, [&]<class Model>(const Model& model) {
+  with_contact_model(laws, h, [&](const auto& model) {
     TouchPairs& touch = engine.touch;
     sweep_walls(bodies, world.walls(), model, touch.walls, rows);
     if constexpr (Model::uniform)
@@ -144,7 +147,6 @@ class Motion {
   }
   void kick(double h, double first, double second) {
     kick_by_own_forces(world_, h);
-    const auto searches = engine_.touch.searches;
     update_pairs(world_, engine_, laws_);
     velocities_ = kick_and_drift(world_, engine_, laws_, h, first, second);
     if (world_.walls().size() > 0) velocities_.add(Vec3(Vec3::Zero()));

@@ -84,7 +84,8 @@ void update_pairs(World& world, Potential& engine, bool velocities) {
         .length = spacing, .first = 0.3, .least = 0.1, .step = 0.05, .most = 1.5, .search = 120};
     const double skin = best_skin(world.comm, world.bodies, near, skins);
     take_rows(world, engine);
-    search_near_pairs(world.comm, world.bodies, reach_of(engine.law), skin,
+    wrap_bodies(world);
+    search_near_pairs(world.comm, world.bodies, world.period, reach_of(engine.law), skin,
                       bonds_to_make(world, engine.law), near);
     fill_rows(world, engine);
     return;
@@ -215,11 +216,13 @@ Box kick_and_drift(World& world, Potential& engine, const ByPair<double>& dampin
   Vec3* const ahead = engine.ahead.data();
   double* const heat = world.bodies.heat.data();
   const bool is_damped = spall::is_damped(engine.law), is_embedded = has_embedding(engine.law);
+  const RowHalf fall = half_row(h * world.steady_gravity(), 0);
   Box box;
   double taken = 0;
   const auto finish = [&, damped = is_damped](Index b) {
     PairRow& row = rows[b];
-    const RowHalf kick = (h * row.place[3]) * row.force;
+    RowHalf kick = (h * row.place[3]) * row.force;
+    if (row.place[3] > 0) kick += fall;
     const RowHalf v = half_row(velocity[b], 0) + kick;
     velocity[b] = vector_of(v);
     drift(row, v, first);

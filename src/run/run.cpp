@@ -251,12 +251,15 @@ class Run {
   }
 
   void add_conservation(ResultTable& table, const Diagnostics& sums) {
-    const bool free = scene_.planes.empty() && scene_.uniform_gravity.isZero(0) &&
+    const bool free = scene_.walls().size() == 0 && scene_.uniform_gravity.isZero(0) &&
                       std::none_of(scene_.groups.begin(), scene_.groups.end(),
                                    [](const Group& group) { return group.fixed; });
     // An impactor's own momentum is the measure of its impact.
     const double unit = verdict_.has_impact() ? verdict_.impactor_momentum() : 0;
-    if (free) simulation_->account().add_drifts(table, unit, unit * verdict_.pile_radius());
+    const bool turns = !scene_.period.any();
+    if (free)
+      simulation_->account().add_drifts(
+          table, unit, turns ? std::optional(unit * verdict_.pile_radius()) : std::nullopt);
     simulation_->account().add_energies(table, sums, world().kick.potential);
   }
 
