@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "base/kernels.hpp"
 #include "pairs/flight.hpp"
@@ -130,41 +131,6 @@ Box kick_and_drift(World& world, Penalty& engine, const ByPair<PenaltyLaw>& laws
   return box;
 }
 
-/// What `smooth_steps` asks of forces.
-class Motion {
- public:
-  Motion(World& world, Penalty& engine)
-      : world_(world), engine_(engine), laws_(penalty_laws(world, engine.settings)) {}
-
-  void begin(double h) {
-    h_ = h;
-    velocities_ = velocities_with_walls(world_);
-  }
-  void drift(double t) {
-    Bodies& bodies = world_.bodies;
-    book_motion(world_.comm, velocities_, t, engine_.touch);
-    for (Index b = 0; b < bodies.owned; ++b) bodies.position[b] += t * bodies.velocity[b];
-  }
-  void kick(double h, double first, double second) {
-    kick_by_own_forces(world_, h);
-    update_pairs(world_, engine_, laws_);
-    velocities_ = kick_and_drift(world_, engine_, laws_, h, first, second);
-    if (world_.walls().size() > 0) velocities_.add(Vec3(Vec3::Zero()));
-    book_motion(world_.comm, velocities_, first + second, engine_.touch);
-    if (engine_.touch.searches != searches)
-      check_penalty_step(world_, engine_.settings, h_, velocities_.united(world_.comm).diagonal(),
-                         "bodies have become faster");
-  }
-  void end() {}
-
- private:
-  World& world_;
-  Penalty& engine_;
-  ByPair<PenaltyLaw> laws_;
-  double h_ = 0;
-  Box velocities_;
-};
-
 }  // namespace
 
 /// J on this rank, with pairs and ghosts as they are.
@@ -176,6 +142,53 @@ SPALL_KERNEL(double, energy_of_contacts,
            sweep_contact_energy(world.bodies, model, touch.gap, touch.windows, touch.springs);
   });
 }
+
+namespace {
+
+/// What `smooth_steps` asks of forces.
+class Motion {
+ public:
+  Motion(World& world, Penalty& engine)
+      : world_(world),
+        engine_(engine),
+        laws_(penalty_laws(world, engine.settings)),
+        searches_(engine.touch.searches) {}
+
+  void begin(double h) {
+    h_ = h;
+    velocities_ = velocities_with_walls(world_);
+  }
+  void drift(double t) {
+    Bodies& bodies = world_.bodies;
+    book_motion(world_.comm, velocities_, t, engine_.touch);
+    for (Index b = 0; b < bodies.owned; ++b) bodies.position[b] += t * bodies.velocity[b];
+  }
+  double energy() {
+    update_pairs(world_, engine_, laws_);
+    return energy_of_contacts(world_, laws_, engine_.touch);
+  }
+  void kick(double h, double first, double second) {
+    kick_by_own_forces(world_, h);
+    update_pairs(world_, engine_, laws_);
+    velocities_ = kick_and_drift(world_, engine_, laws_, h, first, second);
+    if (world_.walls().size() > 0) velocities_.add(Vec3(Vec3::Zero()));
+    book_motion(world_.comm, velocities_, first + second, engine_.touch);
+    if (std::exchange(searches_, engine_.touch.searches) != engine_.touch.searches)
+      check_penalty_step(world_, engine_.settings, h_, velocities_.united(world_.comm).diagonal(),
+                         "bodies have become faster");
+  }
+  void end() {}
+
+ private:
+  World& world_;
+  Penalty& engine_;
+  ByPair<PenaltyLaw> laws_;
+  std::int64_t searches_;  // after which the step was found short enough
+  double h_ = 0;
+  Box velocities_;
+};
+
+}  // namespace
 
 namespace {
 
@@ -201,27 +214,19 @@ struct Found {
 
 }  // namespace
 
-SPALL_KERNEL(StepReport, penalty_steps, (World & world, Penalty& engine, double h, int most_steps),
-             (world, engine, h, most_steps)) {
+SPALL_KERNEL(StepReport, penalty_steps,
+             (World & world, Penalty& engine, const StepRequest& request),
+             (world, engine, request)) {
   require(world.bodies.has(Field::angular_velocity) && world.bodies.has(Field::heat),
           "steps of penalty contact need fields that the bodies were made without");
-  return smooth_steps(world, Motion(world, engine), engine.integrator, h, most_steps);
+  return smooth_steps(world, Motion(world, engine), engine.integrator, request);
 }
 
-namespace {
-
-/// J on this rank, elastic and of cohesion, after pairs have been made current.
-double own_contact_energy(World& world, Penalty& engine) {
+double contact_energy(World& world, Penalty& engine) {
   const ByPair<PenaltyLaw> laws = penalty_laws(world, engine.settings);
   if (engine.touch.skin > 0 && widest_gap(laws, 0) > engine.touch.gap) engine.touch.skin = 0;
   update_pairs(world, engine, laws);
-  return energy_of_contacts(world, laws, engine.touch);
-}
-
-}  // namespace
-
-double contact_energy(World& world, Penalty& engine) {
-  return world.comm.sum(own_contact_energy(world, engine));
+  return world.comm.sum(energy_of_contacts(world, laws, engine.touch));
 }
 
 double largest_relative_speed(const World& world) {
@@ -233,9 +238,7 @@ void Penalty::check_step(const World& world, double h, const std::string& place)
 }
 
 StepReport Penalty::advance(World& world, const StepRequest& request) {
-  const double held = request.energy ? own_contact_energy(world, *this) : 0;
-  StepReport report = penalty_steps(world, *this, request.h, request.most_steps);
-  report.energy = held;
+  StepReport report = penalty_steps(world, *this, request);
   report.contacts = count_touching(world.bodies, touch);
   return report;
 }

@@ -271,6 +271,10 @@ class Motion {
     for (Index b = 0; b < world_.bodies.owned; ++b)
       spall::drift(engine_.rows[b], half_row(world_.bodies.velocity[b], 0), t);
   }
+  double energy() {
+    update_pairs(world_, engine_, is_damped_);
+    return energy_of_pairs(world_, engine_);
+  }
   void kick(double h, double first, double second) {
     if (!world_.own_forces.empty()) kick_by_program(h);
     update_pairs(world_, engine_, is_damped_);
@@ -314,9 +318,9 @@ SPALL_KERNEL(double, energy_of_pairs, (const World& world, Potential& engine), (
 }
 
 SPALL_KERNEL(StepReport, potential_steps,
-             (World & world, Potential& engine, double h, int most_steps),
-             (world, engine, h, most_steps)) {
-  return smooth_steps(world, Motion(world, engine), engine.integrator, h, most_steps);
+             (World & world, Potential& engine, const StepRequest& request),
+             (world, engine, request)) {
+  return smooth_steps(world, Motion(world, engine), engine.integrator, request);
 }
 
 double potential_energy(World& world, Potential& engine) {
@@ -351,15 +355,7 @@ void Potential::check_step(const World& world, double h, const std::string& plac
 }
 
 StepReport Potential::advance(World& world, const StepRequest& request) {
-  double held = 0;
-  if (request.energy) {
-    fill_rows(world, *this);
-    update_pairs(world, *this, false);
-    held = energy_of_pairs(world, *this);
-  }
-  StepReport report = potential_steps(world, *this, request.h, request.most_steps);
-  report.energy = held;
-  return report;
+  return potential_steps(world, *this, request);
 }
 
 namespace {
