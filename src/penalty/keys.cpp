@@ -40,6 +40,10 @@ void read_penalty(Section& in, PenaltyKeys& keys) {
     in.take("tangential_ratio", "tangential stiffness over stiffness: hooke", s.tangential_ratio,
             ratio);
   }
+  in.take(
+      "tangential_damping",
+      "dashpot along the contact over that across it; left out: sqrt of their stiffnesses' ratio",
+      s.tangential_damping, Quantity{{}, 0, 1});
   in.take("rolling_friction", "largest rolling torque over R_eff and the normal force",
           s.rolling_friction, not_negative({}));
   keys.laws = s;
