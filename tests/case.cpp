@@ -299,9 +299,9 @@ breaking_strain = "5 %"
             "bodies");
   EXPECT_EQ(complaint(bodies + law + "cutoff = 3\n").substr(0, 49),
             "x.toml:18:1: pair_potential.cutoff is not a key h");
-  EXPECT_EQ(complaint(bodies + law + "[[planes]]\n"),
-            "x.toml: phases.hit.method = \"potential\": [[planes]], [[boxes]], [[cylinders]] and "
-            "[periodic] do not act in it");
+  EXPECT_EQ(
+      complaint(bodies + law + "[periodic]\nsize = [9, 9, 9]\n[gravity]\nmethod = \"direct\"\n"),
+      "x.toml: phases.hit: [periodic] needs gravity.method = \"none\": images do not attract");
 }
 
 TEST(Case, the_reference_lists_every_key) {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pairs/flight.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -22,6 +23,25 @@ Box velocities_of(const Bodies& bodies) {
   Box box;
   for (Index b = 0; b < bodies.owned; ++b) box.add(bodies.velocity[b]);
   return box;
+}
+
+Box velocities_with_walls(const World& world) {
+  Box box = velocities_of(world.bodies);
+  if (world.walls().size() > 0) box.add(Vec3(Vec3::Zero()));
+  return box;
+}
+
+double approach_from(const World& world, std::span<const Vec3> from) {
+  const auto moved = [&](std::size_t b) -> Vec3 { return world.bodies.position[b] - from[b]; };
+  Box box;
+  for (std::size_t b = 0; b < from.size(); ++b) box.add(moved(b));
+  const Vec3 centre = box.united(world.comm).centre();
+  double furthest = 0;
+  for (std::size_t b = 0; b < from.size(); ++b) {
+    furthest = std::max(furthest, 4 * (moved(b) - centre).squaredNorm());
+    if (world.walls().size() > 0) furthest = std::max(furthest, moved(b).squaredNorm());
+  }
+  return std::sqrt(world.comm.max(furthest));
 }
 
 void book_motion(const Comm& comm, const Box& velocities, double h, NearPairs& near) {

@@ -3,9 +3,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <span>
+
 #include "pairs/near_pairs.hpp"
 #include "spall/comm.hpp"
 #include "spall/lanes.hpp"
+#include "state/world.hpp"
 
 namespace spall {
 
@@ -31,6 +34,14 @@ struct Box {
 };
 
 Box velocities_of(const Bodies& bodies);
+/// Of all bodies, and of what stands still where there are walls.
+Box velocities_with_walls(const World& world);
+
+/// m, that two bodies have come nearer at most since they were at `from` (one an owned body): twice
+/// the radius of the displacements about the centre of their box. A common motion counts for
+/// nothing, but to walls. Not place by place as `MotionCells`: where space repeats itself, and with
+/// giants, bodies meet from afar. Collective.
+double approach_from(const World& world, std::span<const Vec3> from);
 
 /// Bodies have flown at these velocities for `h` (s): no two came nearer by more than the diagonal.
 /// Collective.

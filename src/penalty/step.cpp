@@ -15,29 +15,6 @@
 namespace spall {
 namespace {
 
-/// Of all bodies, and of what stands still where there are walls.
-Box velocities_with_walls(const World& world) {
-  Box box = velocities_of(world.bodies);
-  if (world.walls().size() > 0) box.add(Vec3(Vec3::Zero()));
-  return box;
-}
-
-/// m, that two bodies have come nearer at most since the pairs were found: twice the radius of the
-/// displacements about the centre of their box. A common motion counts for nothing, but to walls.
-/// (Not place by place, as pair potentials have it: images and giants meet from afar.)
-double displacement(const World& world, const std::vector<Vec3>& found_at) {
-  const auto moved = [&](std::size_t b) -> Vec3 { return world.bodies.position[b] - found_at[b]; };
-  Box box;
-  for (std::size_t b = 0; b < found_at.size(); ++b) box.add(moved(b));
-  const Vec3 centre = box.united(world.comm).centre();
-  double furthest = 0;
-  for (std::size_t b = 0; b < found_at.size(); ++b) {
-    furthest = std::max(furthest, 4 * (moved(b) - centre).squaredNorm());
-    if (world.walls().size() > 0) furthest = std::max(furthest, moved(b).squaredNorm());
-  }
-  return std::sqrt(world.comm.max(furthest));
-}
-
 /// m: of all bodies, and of those that are searched by their size: not more than a few times as
 /// large as the mean. Collective.
 struct Radii {
@@ -63,7 +40,8 @@ void update_pairs(World& world, Penalty& engine, const ByPair<PenaltyLaw>& laws)
   StageTimer timer(world.times, "neighbours");
   Bodies& bodies = world.bodies;
   TouchPairs& touch = engine.touch;
-  if (touch.skin > 0 && touch.moved > touch.skin) touch.moved = displacement(world, touch.found_at);
+  if (touch.skin > 0 && touch.moved > touch.skin)
+    touch.moved = approach_from(world, touch.found_at);
   if (touch.skin > 0 && touch.moved <= touch.skin) {
     ++touch.steps;
     for (auto* field : {&bodies.position, &bodies.velocity, &bodies.angular_velocity})

@@ -162,16 +162,10 @@ std::int64_t count_touching(const Bodies& bodies, const TouchPairs& touch) {
 
 void find_touch_pairs(const Comm& comm, Bodies& bodies, const Walls& walls, const Period& period,
                       const TouchRange& range, const ContactMemory& memory, TouchPairs& touch) {
-  const double slack = range.gap + range.skin;
   double largest = 0;
   for (Index b = 0; b < bodies.owned; ++b) largest = std::max(largest, bodies.radius[b]);
-  const double reach = 2 * comm.max(largest) + slack;
-  for (int k = 0; k < 3; ++k)
-    require(
-        period.size[k] == 0 || period.size[k] >= 2 * reach,
-        "periodic.size: {:g} m in direction {} is less than twice {:.4g} m, the reach of a body: "
-        "it would meet two images of another",
-        period.size[k], "xyz"[k], reach);
+  const double skin = skin_within(period, 2 * comm.max(largest) + range.gap, range.skin);
+  const double slack = range.gap + skin;
   {
     std::vector<double> reaches(bodies.owned, slack / 2);
     find_ghosts(comm, bodies, period, reaches, touch);

@@ -10,6 +10,7 @@
 #include "base/kernels.hpp"
 #include "pairs/flight.hpp"
 #include "potential/laws.hpp"
+#include "potential/walls.hpp"
 #include "spall/error.hpp"
 
 namespace spall {
@@ -38,9 +39,14 @@ void fill_rows(const World& world, Potential& engine) {
     engine.ahead[b] = bodies.velocity[b] + bodies.kick[b] / 2;
 }
 
-void take_rows(World& world, const Potential& engine) {
+void take_positions(World& world, const Potential& engine) {
   Bodies& bodies = world.bodies;
   for (Index b = 0; b < bodies.owned; ++b) bodies.position[b] = vector_of(engine.rows[b].place);
+}
+
+void take_rows(World& world, const Potential& engine) {
+  Bodies& bodies = world.bodies;
+  take_positions(world, engine);
   if (!is_damped(engine.law)) return;
   for (Index b = 0; b < bodies.owned; ++b)
     bodies.kick[b] = 2 * (engine.ahead[b] - bodies.velocity[b]);
@@ -71,7 +77,11 @@ BondReach bonds_to_make(const World& world, const ByPair<PairPotential>& laws) {
 void update_pairs(World& world, Potential& engine, bool velocities) {
   StageTimer timer(world.times, "neighbours");
   NearPairs& near = engine.near;
-  if (near.skin > 0 && near.moved > near.skin) {
+  const bool place_by_place = !world.period.any() && world.walls().size() == 0;
+  if (near.skin > 0 && near.moved > near.skin && !place_by_place) {
+    take_positions(world, engine);
+    near.moved = approach_from(world, near.found_at);
+  } else if (near.skin > 0 && near.moved > near.skin) {
     std::vector<Vec3> displacement(near.found_at.size());
     for (std::size_t b = 0; b < displacement.size(); ++b)
       displacement[b] = vector_of(engine.rows[b].place) - near.found_at[b];
@@ -87,6 +97,7 @@ void update_pairs(World& world, Potential& engine, bool velocities) {
     wrap_bodies(world);
     search_near_pairs(world.comm, world.bodies, world.period, reach_of(engine.law), skin,
                       bonds_to_make(world, engine.law), near);
+    engine.at_walls = bodies_at_walls(world, engine.law, near.skin);
     fill_rows(world, engine);
     return;
   }
@@ -96,6 +107,9 @@ void update_pairs(World& world, Potential& engine, bool velocities) {
   near.ghosts.gather_begin(rows, doubles_a_row);
   if (velocities) near.ghosts.gather(flat(engine.ahead), 3);
   near.ghosts.gather_end(rows, doubles_a_row);
+  if (world.period.any())
+    for (Index g = 0; g < near.ghosts.ghosts(); ++g)
+      engine.rows[world.bodies.owned + g].place += half_row(near.shifts[g], 0);
 }
 
 /// kg, of the lightest body of each material over all ranks; 0 without any. Collective.
@@ -235,6 +249,7 @@ Box kick_and_drift(World& world, Potential& engine, const ByPair<double>& dampin
     }
     row.force = RowHalf{};
   };
+  push_from_walls(world, engine.law, engine.at_walls, rows);
   with_terms(world, engine, damping, [&](const auto& terms) {
     const double* v = is_damped ? ahead->data() : velocity->data();
     const auto sweep = [&]<bool damped, bool embedded>() {
@@ -263,7 +278,7 @@ class Motion {
         embeddings_(engine.law) {}
 
   void begin(double) {
-    velocities_ = velocities_of(world_.bodies);
+    velocities_ = velocities_with_walls(world_);
     fill_rows(world_, engine_);
   }
   void drift(double t) {
@@ -280,6 +295,7 @@ class Motion {
     update_pairs(world_, engine_, is_damped_);
     if (embeddings_.any()) update_pushes(world_, engine_, embeddings_);
     velocities_ = kick_and_drift(world_, engine_, damping_, h, first, second);
+    if (world_.walls().size() > 0) velocities_.add(Vec3(Vec3::Zero()));
     book_motion(world_.comm, velocities_, first + second, engine_.near);
   }
   void end() { take_rows(world_, engine_); }
@@ -331,6 +347,9 @@ double potential_energy(World& world, Potential& engine) {
 
 double closing_speed(const World& world, const ByPair<PairPotential>& laws) {
   const Bodies& bodies = world.bodies;
+  // Images and walls are met from anywhere.
+  if (world.period.any() || world.walls().size() > 0)
+    return velocities_with_walls(world).united(world.comm).diagonal();
   const auto owned = [&](const std::vector<Vec3>& field) {
     return std::span(field.data(), bodies.owned);
   };
@@ -352,6 +371,12 @@ void Potential::check_step(const World& world, double h, const std::string& plac
       spall::check_step(law(a, b), h, std::min(lightest[a], lightest[b]), speed,
                         fmt::format("{}, {}", place, pair));
     }
+  const Walls walls = world.walls();
+  for (std::size_t w = 0; w < walls.size(); ++w)
+    for (int a = 0; a < law.materials(); ++a)
+      if (const int b = walls.material(w); b != same_material && lightest[a] > 0)
+        spall::check_step(law(a, b), h, lightest[a], speed,
+                          fmt::format("{}, {} at a wall", place, names_of_pair(world, b, a)));
 }
 
 StepReport Potential::advance(World& world, const StepRequest& request) {
@@ -368,8 +393,9 @@ struct Found {
 
   Found(const World& from, const Potential& of) : world(from), engine(of.law) {
     resize(world.bodies, world.bodies.owned);
-    find_near_pairs(world.comm, world.bodies, reach_of(engine.law), 0,
+    find_near_pairs(world.comm, world.bodies, world.period, reach_of(engine.law), 0,
                     bonds_to_make(world, engine.law), bonds_of(from.bodies, of.near), engine.near);
+    engine.at_walls = bodies_at_walls(world, engine.law, 0);
     fill_rows(world, engine);
   }
 };

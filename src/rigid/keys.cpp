@@ -37,9 +37,11 @@ void read_phase(Section& in, EngineSettings& settings) {
 
 void check(const Surroundings& around, std::span<const MaterialUse>, const EngineSettings&,
            const PhaseView& phase) {
-  require(around.cylinders.empty() && !around.period.any(),
-          "{}: [[cylinders]] and [periodic] act in phases of method = \"penalty\" only",
-          phase.place);
+  require(
+      around.cylinders.empty() && !around.period.any(),
+      "{}: [[cylinders]] and [periodic] act in phases of method = \"penalty\" and \"potential\" "
+      "only",
+      phase.place);
 }
 
 FieldSet fields(const Surroundings&, const EngineSettings&) {
