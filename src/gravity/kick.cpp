@@ -16,6 +16,12 @@ namespace {
 /// steadily enough, and bodies that start from rest do not outrun the bound on the field.
 constexpr double longest_fall = 1e-3;
 
+void kick_bodies(World& world) {
+  Bodies& bodies = world.bodies;
+  for (Index b = 0; b < bodies.owned; ++b)
+    bodies.velocity[b] += world.kick.load * bodies.acceleration[b];
+}
+
 }  // namespace
 
 void evaluate_field(World& world) {

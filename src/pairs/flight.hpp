@@ -47,6 +47,18 @@ double approach_from(const World& world, std::span<const Vec3> from);
 /// Collective.
 void book_motion(const Comm& comm, const Box& velocities, double h, NearPairs& near);
 
+/// How many pairs are listed, as a function of the gap up to which they are: so many bodies lie in
+/// a sphere as large as two bodies that meet, grown by that gap.
+struct Crowd {
+  double diameter, square, cube;  ///< m, m^2, m^3: means of r_i + r_j and its powers
+
+  /// m^3, of the mean of (r_i + r_j + gap)^3.
+  double volume(double gap) const { return cube + gap * (3 * square + gap * (3 * diameter + gap)); }
+};
+
+/// Of the bodies of all ranks that are not larger than `largest` (m). Collective.
+Crowd crowd_of(const Comm& comm, const Bodies& bodies, double largest);
+
 /// What a skin may be, in units of `length`.
 struct SkinRange {
   double length;  ///< m
@@ -55,9 +67,10 @@ struct SkinRange {
 };
 
 /// m: the skin for which a step costs least if the bodies move on as since the last search. A sweep
-/// costs as much as there are pairs, range^3; a search is shared by the steps until the skin is
-/// used up. Counted, not timed, so that a run gives the same bits again. Collective.
-double best_skin(const Comm& comm, const Bodies& bodies, const NearPairs& near,
-                 const SkinRange& range);
+/// costs as much as there are pairs, a search is shared by the steps until the skin is used up.
+/// Bodies act on each other up to `gap` (m) between the surfaces of the crowd. Counted, not timed,
+/// so that a run gives the same bits again. Collective.
+double best_skin(const Comm& comm, const Bodies& bodies, const NearPairs& near, const Crowd& crowd,
+                 double gap, const SkinRange& range);
 
 }  // namespace spall

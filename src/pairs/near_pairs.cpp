@@ -17,7 +17,8 @@ constexpr Index window_rows = 16 * lane_rows;  // their forces stay in the first
 /// Rows as they are found, until there are enough for a window.
 class WindowMaker {
  public:
-  explicit WindowMaker(std::vector<NearWindow>& windows) : windows_(windows) {}
+  WindowMaker(Grouping grouping, std::vector<NearWindow>& windows)
+      : grouping_(grouping), windows_(windows) {}
 
   std::vector<Index>& partners() { return partners_; }
   /// All partners since the last call belong to `row`.
@@ -39,7 +40,8 @@ class WindowMaker {
   void flush() {
     if (made_ == windows_.size()) windows_.emplace_back();
     NearWindow& window = windows_[made_++];
-    sort_by_count();
+    sort(&Row::count);
+    if (grouping_ == Grouping::by_near_partners) sort(&Row::near);
     window.count = static_cast<Index>(rows_.size());
     while (rows_.size() % lane_rows != 0) rows_.push_back({rows_.back().row, 0, 0, 0});
     window.rows.clear();
@@ -47,14 +49,17 @@ class WindowMaker {
     window.slots.clear();
     Index slots = 0;
     for (std::size_t r = 0; r < rows_.size(); r += lane_rows) {
-      window.slots.push_back(rows_[r].count);
-      slots += rows_[r].count;
+      Index longest = 0;
+      for (Index lane = 0; lane < lane_rows; ++lane)
+        longest = std::max(longest, rows_[r + lane].count);
+      window.slots.push_back(longest);
+      slots += longest;
     }
     window.partners.clear();  // or it would grow to twice what it needs
     window.partners.resize(static_cast<std::size_t>(slots) * lane_rows);
     Index* at = window.partners.data();
     for (std::size_t r = 0; r < rows_.size(); r += lane_rows) {
-      const Index longest = rows_[r].count;
+      const Index longest = window.slots[r / lane_rows];
       for (Index lane = 0; lane < lane_rows; ++lane) {
         const Row& row = rows_[r + lane];
         for (Index s = 0; s < longest; ++s)
@@ -68,8 +73,8 @@ class WindowMaker {
     first_ = 0;
   }
 
-  /// Most partners first.
-  void sort_by_count() {
+  /// Largest numbers first; stable.
+  void sort(Index Row::*number) {
     start_.clear();
     for (const Row& row : rows_) {
       if (row.*number >= static_cast<Index>(start_.size())) start_.resize(row.*number + 1, 0);
@@ -81,6 +86,7 @@ class WindowMaker {
     rows_.swap(sorted_);
   }
 
+  Grouping grouping_;
   std::vector<NearWindow>& windows_;
   std::size_t made_ = 0;
   std::vector<Row> rows_, sorted_;
@@ -91,8 +97,9 @@ class WindowMaker {
 
 }  // namespace
 
-void find_near_pairs(const Bodies& bodies, const Reach& reach, std::vector<NearWindow>& windows) {
-  WindowMaker maker(windows);
+void find_near_pairs(const Bodies& bodies, const Reach& reach, Grouping grouping,
+                     std::vector<NearWindow>& windows) {
+  WindowMaker maker(grouping, windows);
   find_partners(bodies, reach, ListedWith::first_cell, maker.partners(),
                 [&](Index row, Index near) { maker.end_row(row, near); });
   maker.finish();
@@ -135,7 +142,7 @@ void find_near_pairs(const Comm& comm, Bodies& bodies, const Period& period, dou
   near.cells =
       period.any() ? MotionCells() : MotionCells(comm, near.found_at, motion_cell * (reach + skin));
   find_near_pairs(bodies, {.common = (reach + skin) / 2, .points = true, .skin = skin},
-                  near.windows);
+                  Grouping::by_partners, near.windows);
   if (bonded && bonds)
     recall_bonds(bodies, *bonds, near);
   else if (bonded)

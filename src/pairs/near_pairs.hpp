@@ -21,9 +21,8 @@ inline constexpr Index doubles_a_row = 8;
 
 /// Bodies of one stretch of the space-filling curve with their partners: every pair is with its
 /// body that comes first on the curve. A group is eight bodies, one a lane; their partners stand
-/// slot by slot, lane by lane. Bodies with about as many partners share a group; one with fewer is
-/// its own partner in the slots that are left, and so is the last body where it fills up the last
-/// group.
+/// slot by slot, lane by lane. Bodies share a group as `Grouping` says; one with fewer partners is
+/// its own in the slots that are left, and so is the last body where it fills up the last group.
 struct NearWindow {
   Index count = 0;                  ///< bodies
   std::vector<Index> rows;          ///< 8 places a group
@@ -52,9 +51,14 @@ struct NearPairs : Search {
   double pairs = 0;  ///< over all ranks, of the last search
 };
 
+/// Which bodies share a group: those with about as many partners where all of them cost the same,
+/// or as many beside those in the skin alone, where these cost little.
+enum class Grouping { by_partners, by_near_partners };
+
 /// Finds all pairs with an owned body whose spheres meet when grown by `reach`; ghosts current.
 /// Slots of those in the skin alone come last: a sweep passes them over as long as they stay there.
-void find_near_pairs(const Bodies& bodies, const Reach& reach, std::vector<NearWindow>& windows);
+void find_near_pairs(const Bodies& bodies, const Reach& reach, Grouping grouping,
+                     std::vector<NearWindow>& windows);
 
 /// Finds ghosts and pairs up to `reach` + `skin` (m) anew. Without `bonds` from before, bodies
 /// nearer than `bonded` says are bound. The skin is less, and Error is thrown, as `skin_within`

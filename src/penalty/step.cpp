@@ -54,18 +54,15 @@ void update_pairs(World& world, Penalty& engine, const ByPair<PenaltyLaw>& laws)
     return;
   }
   const Radii radii = radii_of(world);
-  const SkinRange skins{.length = 2 * radii.ordinary,
-                        .first = 0.1,
-                        .least = 0.02,
-                        .step = 0.02,
-                        .most = 1,
-                        .search = 60};
+  const Crowd crowd = crowd_of(world.comm, bodies, radii.ordinary);
+  const double gap = widest_gap(laws, radii.largest);
+  const SkinRange skins{
+      .length = crowd.diameter, .first = 0.1, .least = 0.02, .step = 0.02, .most = 1, .search = 60};
   engine.loads = std::vector<ForceRow>();  // a search needs the memory
   wrap_bodies(world);
   search_touch_pairs(world.comm, bodies, world.walls(), world.period,
-                     {.gap = widest_gap(laws, radii.largest),
-                      .skin = best_skin(world.comm, bodies, touch, skins),
-                      .ordinary = radii.ordinary,
+                     {.gap = gap,
+                      .skin = best_skin(world.comm, bodies, touch, crowd, gap, skins),
                       .rolling = resists_rolling(laws)},
                      touch);
   engine.loads.assign(bodies.size(), ForceRow{});
@@ -98,11 +95,8 @@ Box kick_and_drift(World& world, Penalty& engine, const ByPair<PenaltyLaw>& laws
   with_contact_model(laws, h, [&](const auto& model) {
     TouchPairs& touch = engine.touch;
     sweep_walls(bodies, world.walls(), model, touch.walls, rows);
-    if constexpr (Model::uniform)
-      if (touch.equal)
-        return sweep_contacts<true>(bodies, model, touch.gap, touch.windows, touch.springs, rows,
-                                    finish);
-    sweep_contacts<false>(bodies, model, touch.gap, touch.windows, touch.springs, rows, finish);
+    sweep_contacts(bodies, model, touch.gap, touch.windows, touch.equal, touch.springs, rows,
+                   finish);
   });
   // Nobody reads a ghost's force, but its row belongs to another body after the next search.
   world.ledger.dissipated += taken;
@@ -181,12 +175,10 @@ struct Found {
   Found(const World& from, const Penalty& engine)
       : world(from), laws(penalty_laws(from, engine.settings)), radii(radii_of(from)) {
     resize(world.bodies, world.bodies.owned);
-    find_touch_pairs(world.comm, world.bodies, world.walls(), world.period,
-                     {.gap = widest_gap(laws, radii.largest),
-                      .skin = 0,
-                      .ordinary = radii.ordinary,
-                      .rolling = resists_rolling(laws)},
-                     spall::remember(from.bodies, engine.touch, false), touch);
+    find_touch_pairs(
+        world.comm, world.bodies, world.walls(), world.period,
+        {.gap = widest_gap(laws, radii.largest), .skin = 0, .rolling = resists_rolling(laws)},
+        spall::remember(from.bodies, engine.touch, false), touch);
   }
 };
 

@@ -92,7 +92,7 @@ void update_pairs(World& world, Potential& engine, bool velocities) {
     engine.law.for_each([&](const PairPotential& p) { spacing = std::max(spacing, p.distance); });
     const SkinRange skins{
         .length = spacing, .first = 0.3, .least = 0.1, .step = 0.05, .most = 1.5, .search = 120};
-    const double skin = best_skin(world.comm, world.bodies, near, skins);
+    const double skin = best_skin(world.comm, world.bodies, near, {}, near.reach, skins);
     take_rows(world, engine);
     wrap_bodies(world);
     search_near_pairs(world.comm, world.bodies, world.period, reach_of(engine.law), skin,
@@ -267,6 +267,25 @@ Box kick_and_drift(World& world, Potential& engine, const ByPair<double>& dampin
   return box;
 }
 
+}  // namespace
+
+/// J on this rank, with pairs and rows as they are.
+SPALL_KERNEL(double, energy_of_pairs, (const World& world, Potential& engine), (world, engine)) {
+  double energy = with_terms(world, engine, 0.0, [&](const auto& terms) {
+    return sweep_energy(engine.near.windows, terms, engine.rows.data(), world.bodies.owned);
+  });
+  energy += energy_at_walls(world, engine.law, engine.at_walls, engine.rows.data());
+  const Embeddings laws(engine.law);
+  if (!laws.any()) return energy;
+  measure_crowding(world, engine);
+  for (Index b = 0; b < world.bodies.owned; ++b)
+    if (const EmbeddingLaw* law = laws.of(world.bodies.material[b]))
+      energy += law->volume(world.bodies.mass[b]) * law->energy(engine.crowding[b]);
+  return energy;
+}
+
+namespace {
+
 /// What `smooth_steps` asks of forces.
 class Motion {
  public:
@@ -318,20 +337,6 @@ class Motion {
 };
 
 }  // namespace
-
-/// J on this rank, with pairs and rows as they are.
-SPALL_KERNEL(double, energy_of_pairs, (const World& world, Potential& engine), (world, engine)) {
-  double energy = with_terms(world, engine, 0.0, [&](const auto& terms) {
-    return sweep_energy(engine.near.windows, terms, engine.rows.data(), world.bodies.owned);
-  });
-  const Embeddings laws(engine.law);
-  if (!laws.any()) return energy;
-  measure_crowding(world, engine);
-  for (Index b = 0; b < world.bodies.owned; ++b)
-    if (const EmbeddingLaw* law = laws.of(world.bodies.material[b]))
-      energy += law->volume(world.bodies.mass[b]) * law->energy(engine.crowding[b]);
-  return energy;
-}
 
 SPALL_KERNEL(StepReport, potential_steps,
              (World & world, Potential& engine, const StepRequest& request),
