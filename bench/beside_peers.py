@@ -2,7 +2,7 @@
 """Writes the medians of results/NAME.csv, as run_NAME.sh leaves it, into section NAME of README.md and prints them.
 
 SPDX-License-Identifier: BSD-3-Clause
-usage: beside_peers.py granular|lennard_jones
+usage: beside_peers.py granular|lennard_jones|untuned
 """
 import collections
 import csv

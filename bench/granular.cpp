@@ -108,24 +108,23 @@ void compare_forces(const Comm& comm, const std::string& dump, double h, Lab& wo
   }
   require(in.good(), "{}: ends too soon", dump);
   const PenaltyLaw law = law_of_lammps(world);
-  search_touch_pairs(comm, bodies, {}, world.period,
-                     {.gap = widest_gap(law, 0.5), .skin = 0.1, .ordinary = 0.5},
+  search_touch_pairs(comm, bodies, {}, world.period, {.gap = widest_gap(law, 0.5), .skin = 0.1},
                      world.penalty.touch);
   std::vector<ForceRow> rows(bodies.size());
   double worst = 0, worst_torque = 0, largest = 0, largest_torque = 0;
   with_contact_model(ByPair(law), h, [&](const auto& model) {
-    sweep_contacts<false>(bodies, model, world.penalty.touch.gap, world.penalty.touch.windows,
-                          world.penalty.touch.springs, rows.data(), [&](Index b) {
-                            const auto difference = [](const RowHalf& a, const Vec3& v) {
-                              return (Vec3(a[0], a[1], a[2]) - v).norm();
-                            };
-                            const BodyId id = bodies.id[b];
-                            worst = std::max(worst, difference(rows[b].force, force[id]));
-                            worst_torque =
-                                std::max(worst_torque, difference(rows[b].torque, torque[id]));
-                            largest = std::max(largest, force[id].norm());
-                            largest_torque = std::max(largest_torque, torque[id].norm());
-                          });
+    sweep_contacts(bodies, model, world.penalty.touch.gap, world.penalty.touch.windows,
+                   world.penalty.touch.equal, world.penalty.touch.springs, rows.data(),
+                   [&](Index b) {
+                     const auto difference = [](const RowHalf& a, const Vec3& v) {
+                       return (Vec3(a[0], a[1], a[2]) - v).norm();
+                     };
+                     const BodyId id = bodies.id[b];
+                     worst = std::max(worst, difference(rows[b].force, force[id]));
+                     worst_torque = std::max(worst_torque, difference(rows[b].torque, torque[id]));
+                     largest = std::max(largest, force[id].norm());
+                     largest_torque = std::max(largest_torque, torque[id].norm());
+                   });
   });
   fmt::print("forces {:.3g} of {:.4g} N, torques {:.3g} of {:.4g} N m\n", worst / largest, largest,
              worst_torque / largest_torque, largest_torque);
@@ -137,9 +136,9 @@ int main(int argc, char** argv) {
   Session session(argc, argv);
   const Comm comm = session.world();
   try {
-    require(argc == 5,
-            "usage: bench_granular data hertz|dmt|jkr steps repetitions, or forces dump");
-    constexpr double h = 1e-3;
+    require(argc == 5 || argc == 6,
+            "usage: bench_granular data hertz|dmt|jkr steps repetitions [step], or forces dump");
+    const double h = argc == 6 ? std::atof(argv[5]) : 1e-3;  // s
     Lab world;
     world.comm = comm;
     world.contact = ContactLaw{.friction = 0.5, .restitution = 0.5};

@@ -303,9 +303,8 @@ breaking_strain = "5 %"
   EXPECT_EQ(complaint(bodies + law + "cutoff = 3\n").substr(0, 49),
             "x.toml:18:1: pair_potential.cutoff is not a key h");
   EXPECT_EQ(
-      complaint(bodies + law + "[[planes]]\n"),
-      "x.toml:7:1: phases.hit.method = \"potential\": [[planes]], [[boxes]], [[cylinders]] and "
-      "[periodic] do not act in it");
+      complaint(bodies + law + "[periodic]\nsize = [9, 9, 9]\n[gravity]\nmethod = \"direct\"\n"),
+      "x.toml: phases.hit: [periodic] needs gravity.method = \"none\": images do not attract");
 }
 
 TEST(Case, a_key_behind_a_condition_that_hides_it_from_the_reference_cannot_be_read) {

@@ -1,5 +1,7 @@
 // Bodies over ranks: migration loses nothing, halos and pairs miss nothing.
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <array>
 #include <functional>
 #include <map>
 #include <random>
@@ -11,6 +13,7 @@
 #include "domain/migration.hpp"
 #include "domain/partition.hpp"
 #include "pairs/broad_phase.hpp"
+#include "pairs/flight.hpp"
 #include "pairs/motion_cells.hpp"
 #include "pairs/near_pairs.hpp"
 #include "pairs/neighbours.hpp"
@@ -156,6 +159,45 @@ TEST(Halo, pairs_of_all_ranks_are_those_of_brute_force) {
   }
 }
 
+TEST(Windows, bodies_with_as_many_near_partners_share_a_group) {
+  Bodies all = random_bodies(600, 1);
+  all.owned = all.size();
+  std::vector<NearWindow> windows;
+  find_near_pairs(all, {.common = 0.6, .skin = 0.6}, Grouping::by_near_partners, windows);
+  const auto near = [&](Index own, Index partner) {
+    const Index a = own / doubles_a_row, b = partner / doubles_a_row;
+    return own != partner &&
+           (all.position[a] - all.position[b]).norm() < all.radius[a] + all.radius[b] + 1.2 - 0.6;
+  };
+  int filled = 0;
+  for (const NearWindow& window : windows) {
+    std::size_t slot = 0;
+    int fewest = 1 << 30;  // near partners of a body of the groups before
+    for (std::size_t g = 0; g < window.slots.size(); ++g) {
+      std::array<int, lane_count> count{};
+      for (const std::size_t end = slot + window.slots[g]; slot < end; ++slot)
+        for (std::size_t l = 0; l < lane_count; ++l)
+          count[l] += near(window.rows[g * lane_count + l], window.partners[slot * lane_count + l]);
+      EXPECT_LE(*std::ranges::max_element(count), fewest);
+      fewest = *std::ranges::min_element(count);
+      filled += count[0];
+    }
+  }
+  EXPECT_GT(filled, 5);
+}
+
+TEST(Crowd, tells_the_mean_of_all_pairs) {
+  const Comm comm = testing_world();
+  const Bodies all = random_bodies(200, 10);
+  const Crowd crowd = crowd_of(comm, share(all, comm), 1e9);
+  for (double gap : {0.0, 0.03, 2.0}) {
+    double sum = 0;
+    for (double a : all.radius)
+      for (double b : all.radius) sum += std::pow(a + b + gap, 3);
+    EXPECT_NEAR(crowd.volume(gap), sum / 200 / 200, 1e-12 * crowd.volume(gap));
+  }
+}
+
 TEST(Windows, list_each_pair_once_for_any_sizes_and_images) {
   const Comm comm = testing_world();
   using Image = std::tuple<BodyId, BodyId, int>;  // and how often j is displaced along x
@@ -174,7 +216,7 @@ TEST(Windows, list_each_pair_once_for_any_sizes_and_images) {
     std::vector<Vec3> shifts;
     const Ghosts ghosts = make_halo(comm, mine, reaches, period, shifts);
     std::vector<NearWindow> windows;
-    find_near_pairs(mine, {.common = slack / 2, .skin = skin}, windows);
+    find_near_pairs(mine, {.common = slack / 2, .skin = skin}, Grouping::by_partners, windows);
 
     std::vector<std::size_t> window_of(mine.owned, windows.size());
     std::size_t bodies = 0;

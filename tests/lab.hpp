@@ -22,13 +22,13 @@ inline StepReport nonsmooth_step(Lab& lab, double h, const SolverSettings& solve
   return nonsmooth_step(lab, lab.rigid, {.h = h, .most_steps = most_steps});
 }
 inline StepReport potential_steps(Lab& lab, double h, int most_steps) {
-  return potential_steps(lab, lab.potential, h, most_steps);
+  return potential_steps(lab, lab.potential, {.h = h, .most_steps = most_steps});
 }
 inline double potential_energy(Lab& lab) {
   return potential_energy(lab, lab.potential);
 }
 inline StepReport penalty_steps(Lab& lab, double h, int most_steps) {
-  return penalty_steps(lab, lab.penalty, h, most_steps);
+  return penalty_steps(lab, lab.penalty, {.h = h, .most_steps = most_steps});
 }
 inline double contact_energy(Lab& lab) {
   return contact_energy(lab, lab.penalty);

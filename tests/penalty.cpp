@@ -306,7 +306,9 @@ TEST(Penalty, needs_neither_the_field_of_gravity_nor_that_of_potentials) {
     EXPECT_EQ(a[k].position, b[k].position) << k;
     EXPECT_EQ(a[k].spin, b[k].spin) << k;
   }
-  lean.uniform_gravity = {0, 0, -1};
+  lean.uniform_gravity = {0, 0, -1};  // needs none by itself
+  EXPECT_NO_THROW(penalty_steps(lean, 2e-4, 1));
+  lean.gravity.method = GravityMethod::direct;
   EXPECT_THROW(penalty_steps(lean, 2e-4, 1), Error);
 }
 

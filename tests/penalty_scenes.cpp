@@ -315,7 +315,7 @@ std::vector<double> cooling_of_a_gas(unsigned seed) {
 TEST(PenaltyScene, gas_of_inelastic_spheres_cools_as_haff_says) {
   if (testing_world().size > 1) return;  // small and long: one rank does it
   // A thousand spheres scatter by 0.02 about a mean 0.025 above the law, which is of dilute gases
-  // (ten seeds; the mean of three is told here).
+  // (ten seeds). The mean of three is told here, with three times what it scatters by.
   std::vector<std::vector<double>> gases;
   for (unsigned seed : {1u, 2u, 3u}) gases.push_back(cooling_of_a_gas(seed));
   for (std::size_t k = 0; k + 1 < gases[0].size(); ++k) {
@@ -324,7 +324,7 @@ TEST(PenaltyScene, gas_of_inelastic_spheres_cools_as_haff_says) {
       EXPECT_NEAR(gas[k], 1, 0.1) << k;
       mean += gas[k] / static_cast<double>(gases.size());
     }
-    EXPECT_NEAR(mean, 1, 0.05) << k;
+    EXPECT_NEAR(mean, 1, 0.025 + 3 * 0.02 / std::sqrt(3)) << k;
   }
   for (const auto& gas : gases) EXPECT_LT(gas.back(), 0.011);
 }

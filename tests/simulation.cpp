@@ -183,6 +183,40 @@ TEST(Simulation, a_pair_law_of_a_program_acts_like_the_same_law_of_spall) {
             std::string::npos);
 }
 
+TEST(Simulation, a_body_that_falls_through_periods_gains_what_gravity_gives) {
+  Scene scene = Scene::from_text(R"(
+[materials.rock]
+density = "1000 kg/m^3"
+[contact]
+restitution = 0.5
+[penalty]
+model = "hooke"
+stiffness = 1e5
+[periodic]
+low = [-1, -1, -1]
+size = [2, 2, 2]
+[gravity]
+uniform = [3, -1, 0]
+[[phases]]
+name = "fall"
+method = "penalty"
+step = "0.5 ms"
+duration = "4 s"
+)");
+  scene.add({.material = "rock", .radius = 0.1});
+  scene.add({.material = "rock", .radius = 0.1, .position = {0, 0.5, 0.5}, .velocity = {0, 0, 1}});
+  Simulation simulation(testing_world(), scene);
+  const Energies start = simulation.energies();
+  while (!simulation.over()) simulation.step(100);
+  const double t = 4, g2 = 10, mass = 2 * 1000 * 4 / 3.0 * pi * 1e-3;
+  const Energies now = simulation.energies();
+  EXPECT_NEAR(now.kinetic - start.kinetic, mass / 2 * g2 * t * t, 1e-9 * now.kinetic);
+  EXPECT_NEAR(now.gravitational - start.gravitational, start.kinetic - now.kinetic,
+              1e-9 * now.kinetic);
+  for (Index b = 0; b < simulation.bodies().owned; ++b)
+    EXPECT_LT(simulation.bodies().position[b].cwiseAbs().maxCoeff(), 1.2);
+}
+
 // Integrators: two bodies swing and turn about each other in Morse's potential, inside its range.
 
 const Splitting velocity_verlet{0, {{0.5, 1}, {0.5, 0}}};

@@ -25,6 +25,7 @@ class Flight {
     Bodies& bodies = world_.bodies;
     for (Index b = 0; b < bodies.owned; ++b) bodies.position[b] += t * bodies.velocity[b];
   }
+  double energy() const { return 0; }
   void kick(double h, double first, double second) {
     kick_by_own_forces(world_, h);
     Bodies& bodies = world_.bodies;
@@ -33,7 +34,7 @@ class Flight {
       if (!std::isfinite(bodies.mass[b])) continue;
       world_.ledger.dissipated +=
           bodies.mass[b] / 2 * (1 - kept * kept) * bodies.velocity[b].squaredNorm();
-      bodies.velocity[b] *= kept;
+      bodies.velocity[b] = kept * bodies.velocity[b] + h * world_.steady_gravity();
     }
     drift(first);
     if (second != 0) drift(second);
@@ -55,7 +56,7 @@ struct Free final : Engine {
             1 / settings.drag);
   }
   StepReport advance(World& world, const StepRequest& request) override {
-    return smooth_steps(world, Flight(world, settings), leapfrog, request.h, request.most_steps);
+    return smooth_steps(world, Flight(world, settings), leapfrog, request);
   }
   double energy(const World&) const override { return 0; }
   PairMemory remember(const World&) const override { return {}; }

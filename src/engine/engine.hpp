@@ -20,7 +20,8 @@ struct StepReport {
   int steps = 1;                ///< made
   SolverReport solver;          ///< of engines that solve for impulses
   std::int64_t contacts = 0;    ///< counted on one rank each
-  double energy = 0;            ///< J, that pairs held at the start, if asked for
+  double energy = 0;            ///< J, that pairs held at the start, if asked for; of smooth
+                                ///< forces read as `smooth_steps` says
   double gravity_work = 0;      ///< J, of the kick at the start
   double overlap = 0;           ///< largest overlap over the smaller radius, on this rank
   int correction_products = 0;  ///< of the problem that took overlaps apart

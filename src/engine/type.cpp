@@ -6,6 +6,11 @@
 
 namespace spall {
 
+void check_images(const Surroundings& around, const std::string& place) {
+  require(!around.period.any() || around.gravity.method == GravityMethod::none,
+          "{}: [periodic] needs gravity.method = \"none\": images do not attract", place);
+}
+
 Lattice shared_lattice(const Surroundings& around, std::span<const MaterialUse> uses, int material,
                        const std::string& place) {
   const MaterialUse* first = nullptr;

@@ -28,6 +28,9 @@ struct MaterialUse {
 Lattice shared_lattice(const Surroundings& around, std::span<const MaterialUse> uses, int material,
                        const std::string& place);
 
+/// Throws Error, which begins with `place`, where bodies would have to attract images of others.
+void check_images(const Surroundings& around, const std::string& place);
+
 /// A phase as its engine sees it.
 struct PhaseView {
   std::string place;       ///< "cases/x.toml:12:1: phases.impact"

@@ -16,6 +16,12 @@ namespace {
 /// steadily enough, and bodies that start from rest do not outrun the bound on the field.
 constexpr double longest_fall = 1e-3;
 
+void kick_bodies(World& world) {
+  Bodies& bodies = world.bodies;
+  for (Index b = 0; b < bodies.owned; ++b)
+    bodies.velocity[b] += world.kick.load * bodies.acceleration[b];
+}
+
 }  // namespace
 
 void evaluate_field(World& world) {
@@ -53,7 +59,6 @@ void evaluate_field(World& world) {
 
 void give_kick(World& world, double h, int most_steps) {
   GravityKick& kick = world.kick;
-  Bodies& bodies = world.bodies;
   kick.evaluated = false;
   kick.steps_left = 1;
   kick.load = h;
@@ -64,7 +69,17 @@ void give_kick(World& world, double h, int most_steps) {
   kick.closed = kick.interval;
   kick.interval = kick.steps_left * h;
   kick.load = (kick.closed + kick.interval) / 2;
-  for (Index b = 0; b < bodies.owned; ++b) bodies.velocity[b] += kick.load * bodies.acceleration[b];
+  kick_bodies(world);
+}
+
+void close_kick(World& world) {
+  GravityKick& kick = world.kick;
+  kick.closed = kick.interval;
+  kick.interval = 0;
+  kick.load = kick.closed / 2;
+  if (kick.load == 0) return;
+  evaluate_field(world);
+  kick_bodies(world);
 }
 
 void kick_by_own_forces(World& world, double h) {
@@ -81,7 +96,7 @@ void kick_by_own_forces(World& world, double h) {
 }
 
 double work_of_kick(const World& world) {
-  if (!world.has_gravity()) return 0;
+  if (!world.has_gravity() || world.kick.load == 0) return 0;
   const Bodies& bodies = world.bodies;
   double work = 0;
   for (Index b = 0; b < bodies.owned; ++b) {

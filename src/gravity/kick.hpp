@@ -16,6 +16,10 @@ void evaluate_field(World& world);
 /// uniform field it is one step, since resting bodies must be loaded steadily. Collective.
 void give_kick(World& world, double h, int most_steps);
 
+/// Gives the half of the last kick's interval that is still due: velocities belong to this instant.
+/// Collective.
+void close_kick(World& world);
+
 /// The kick over `h` (s) by the forces of the program that uses Spall, at present positions; its
 /// work is booked.
 void kick_by_own_forces(World& world, double h);

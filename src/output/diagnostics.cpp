@@ -30,7 +30,7 @@ Diagnostics diagnose(const World& world) {
     d.angular_momentum += inertia * bodies.angular_velocity[b];
     rotation += inertia * bodies.angular_velocity[b].squaredNorm() / 2;
   }
-  std::array<double, 19> sums{d.mass,
+  std::array<double, 20> sums{d.mass,
                               moment[0],
                               moment[1],
                               moment[2],
@@ -48,7 +48,8 @@ Diagnostics diagnose(const World& world) {
                               world.ledger.cohesion_work,
                               world.ledger.corrections,
                               squares,
-                              world.ledger.own_work};
+                              world.ledger.own_work,
+                              world.ledger.fallen};
   world.comm.sum(sums);
   d.mass = sums[0];
   d.centre = d.mass > 0 ? Vec3(Vec3(sums[1], sums[2], sums[3]) / d.mass) : Vec3::Zero();
@@ -64,6 +65,7 @@ Diagnostics diagnose(const World& world) {
   d.cohesion_work = sums[15];
   d.corrections = sums[16];
   d.own_work = sums[18];
+  d.fallen = sums[19];
   return d;
 }
 

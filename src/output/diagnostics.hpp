@@ -18,7 +18,7 @@ struct Diagnostics {
   double kinetic = 0;                    ///< J, translation and rotation
   double rms_speed = 0;                  ///< m/s, mass-weighted
   double dissipated = 0, cohesion_work = 0, corrections = 0;  ///< J, of the ledger
-  double own_work = 0;                                        ///< J, of the ledger
+  double own_work = 0, fallen = 0;                            ///< J, of the ledger
 };
 
 /// Collective.

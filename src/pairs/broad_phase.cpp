@@ -15,7 +15,7 @@ Pairs find_pairs(const Bodies& bodies, std::span<const double> reach,
   std::vector<Index> partners;
   std::vector<std::array<std::size_t, 2>> of_row(bodies.owned);
   std::size_t first = 0;
-  find_partners(bodies, {.of_rows = reach}, ListedWith::lower_row, partners, [&](Index row) {
+  find_partners(bodies, {.of_rows = reach}, ListedWith::lower_row, partners, [&](Index row, Index) {
     of_row[row] = {first, partners.size()};
     first = partners.size();
   });

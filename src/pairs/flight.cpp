@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pairs/flight.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -24,19 +25,51 @@ Box velocities_of(const Bodies& bodies) {
   return box;
 }
 
+Box velocities_with_walls(const World& world) {
+  Box box = velocities_of(world.bodies);
+  if (world.walls().size() > 0) box.add(Vec3(Vec3::Zero()));
+  return box;
+}
+
+double approach_from(const World& world, std::span<const Vec3> from) {
+  const auto moved = [&](std::size_t b) -> Vec3 { return world.bodies.position[b] - from[b]; };
+  Box box;
+  for (std::size_t b = 0; b < from.size(); ++b) box.add(moved(b));
+  const Vec3 centre = box.united(world.comm).centre();
+  double furthest = 0;
+  for (std::size_t b = 0; b < from.size(); ++b) {
+    furthest = std::max(furthest, 4 * (moved(b) - centre).squaredNorm());
+    if (world.walls().size() > 0) furthest = std::max(furthest, moved(b).squaredNorm());
+  }
+  return std::sqrt(world.comm.max(furthest));
+}
+
 void book_motion(const Comm& comm, const Box& velocities, double h, NearPairs& near) {
   near.moved += h * velocities.united(comm).diagonal();
   require(std::isfinite(near.moved), "velocities are no longer finite: the step is too long");
 }
 
-double best_skin(const Comm& comm, const Bodies& bodies, const NearPairs& near,
-                 const SkinRange& range) {
+Crowd crowd_of(const Comm& comm, const Bodies& bodies, double largest) {
+  std::array<double, 4> sums{};
+  for (Index b = 0; b < bodies.owned; ++b) {
+    const double r = bodies.radius[b];
+    if (r > largest) continue;
+    const std::array<double, 4> powers{1, r, r * r, r * r * r};
+    for (std::size_t k = 0; k < powers.size(); ++k) sums[k] += powers[k];
+  }
+  comm.sum(sums);
+  const double r = sums[1] / sums[0], r2 = sums[2] / sums[0], r3 = sums[3] / sums[0];
+  return {2 * r, 2 * (r2 + r * r), 2 * (r3 + 3 * r2 * r)};
+}
+
+double best_skin(const Comm& comm, const Bodies& bodies, const NearPairs& near, const Crowd& crowd,
+                 double gap, const SkinRange& range) {
   if (near.skin == 0) return range.first * range.length;
   const double count = comm.sum(static_cast<double>(bodies.owned));
   const double motion = near.moved / (near.steps + 1);  // a step
-  const double density = near.pairs / count / std::pow(near.reach + near.skin, 3);
+  const double density = near.pairs / count / crowd.volume(gap + near.skin);
   const auto cost = [&](double skin) {
-    return density * std::pow(near.reach + skin, 3) + range.search * motion / skin;
+    return density * crowd.volume(gap + skin) + range.search * motion / skin;
   };
   double best = range.least * range.length;
   for (double skin = best; skin <= range.most * range.length; skin += range.step * range.length)

@@ -3,9 +3,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <span>
+
 #include "pairs/near_pairs.hpp"
 #include "spall/comm.hpp"
 #include "spall/lanes.hpp"
+#include "state/world.hpp"
 
 namespace spall {
 
@@ -31,10 +34,30 @@ struct Box {
 };
 
 Box velocities_of(const Bodies& bodies);
+/// Of all bodies, and of what stands still where there are walls.
+Box velocities_with_walls(const World& world);
+
+/// m, that two bodies have come nearer at most since they were at `from` (one an owned body): twice
+/// the radius of the displacements about the centre of their box. A common motion counts for
+/// nothing, but to walls. Not place by place as `MotionCells`: where space repeats itself, and with
+/// giants, bodies meet from afar. Collective.
+double approach_from(const World& world, std::span<const Vec3> from);
 
 /// Bodies have flown at these velocities for `h` (s): no two came nearer by more than the diagonal.
 /// Collective.
 void book_motion(const Comm& comm, const Box& velocities, double h, NearPairs& near);
+
+/// How many pairs are listed, as a function of the gap up to which they are: so many bodies lie in
+/// a sphere as large as two bodies that meet, grown by that gap.
+struct Crowd {
+  double diameter, square, cube;  ///< m, m^2, m^3: means of r_i + r_j and its powers
+
+  /// m^3, of the mean of (r_i + r_j + gap)^3.
+  double volume(double gap) const { return cube + gap * (3 * square + gap * (3 * diameter + gap)); }
+};
+
+/// Of the bodies of all ranks that are not larger than `largest` (m). Collective.
+Crowd crowd_of(const Comm& comm, const Bodies& bodies, double largest);
 
 /// What a skin may be, in units of `length`.
 struct SkinRange {
@@ -44,9 +67,10 @@ struct SkinRange {
 };
 
 /// m: the skin for which a step costs least if the bodies move on as since the last search. A sweep
-/// costs as much as there are pairs, range^3; a search is shared by the steps until the skin is
-/// used up. Counted, not timed, so that a run gives the same bits again. Collective.
-double best_skin(const Comm& comm, const Bodies& bodies, const NearPairs& near,
-                 const SkinRange& range);
+/// costs as much as there are pairs, a search is shared by the steps until the skin is used up.
+/// Bodies act on each other up to `gap` (m) between the surfaces of the crowd. Counted, not timed,
+/// so that a run gives the same bits again. Collective.
+double best_skin(const Comm& comm, const Bodies& bodies, const NearPairs& near, const Crowd& crowd,
+                 double gap, const SkinRange& range);
 
 }  // namespace spall

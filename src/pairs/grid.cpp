@@ -302,7 +302,7 @@ std::vector<Met> smaller_ghosts(const Bodies& bodies, const Reach& reach,
 /// `equal`: all bodies are of one size.
 template <bool equal>
 void find_of(const Bodies& bodies, const Reach& reach, const Sizes& sizes, ListedWith listed,
-             std::vector<Index>& partners, const std::function<void(Index row)>& end_row) {
+             std::vector<Index>& partners, const EndRow& end_row) {
   const bool by_cell = listed == ListedWith::first_cell;
   const int bits = by_cell ? 32 : block_bits;
   Vec3 anchor = Vec3::Zero();
@@ -344,6 +344,7 @@ void find_of(const Bodies& bodies, const Reach& reach, const Sizes& sizes, Liste
         further.clear();
         append_near<equal>(candidates, by_cell ? k - cell.first + 1 : 0, bodies.position[row],
                            reach.grown(bodies, row), reach.skin, partners, further);
+        const Index near = static_cast<Index>(std::ssize(partners) - begin);
         partners.insert(partners.end(), further.begin(), further.end());
         if (!by_cell)
           partners.erase(std::remove_if(partners.begin() + begin, partners.end(),
@@ -356,7 +357,7 @@ void find_of(const Bodies& bodies, const Reach& reach, const Sizes& sizes, Liste
                                          [](const Met&m, Index r) { return m.row < r; });
              met != ghosts.end() && met->row == row; ++met)
           partners.push_back(met->ghost);
-        end_row(row);
+        end_row(row, near);
       }
     }
 }
@@ -365,7 +366,7 @@ void find_of(const Bodies& bodies, const Reach& reach, const Sizes& sizes, Liste
 
 SPALL_KERNEL(void, find_partners,
              (const Bodies& bodies, const Reach& reach, ListedWith listed,
-              std::vector<Index>& partners, const std::function<void(Index row)>& end_row),
+              std::vector<Index>& partners, const EndRow& end_row),
              (bodies, reach, listed, partners, end_row)) {
   if (bodies.size() == 0) return;
   const Sizes sizes(bodies, reach);

@@ -30,10 +30,14 @@ enum class ListedWith {
   first_cell  ///< on a space-filling curve; owned rows come in its order, too
 };
 
+/// Called when all partners of a row have been appended; `near` of them, the first ones, are nearer
+/// by the skin.
+using EndRow = std::function<void(Index row, Index near)>;
+
 /// Finds all partners of owned bodies: each pair once. Appends a body's partners to `partners`,
-/// then calls `end_row(row)`, which may take them away; smaller bodies come before larger ones.
+/// then calls `end_row`, which may take them away; smaller bodies come before larger ones.
 /// Ghosts must be current.
 void find_partners(const Bodies& bodies, const Reach& reach, ListedWith listed,
-                   std::vector<Index>& partners, const std::function<void(Index row)>& end_row);
+                   std::vector<Index>& partners, const EndRow& end_row);
 
 }  // namespace spall

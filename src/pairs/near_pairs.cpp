@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pairs/near_pairs.hpp"
 
+#include <algorithm>
 #include <numeric>
 
 #include "spall/error.hpp"
@@ -16,12 +17,13 @@ constexpr Index window_rows = 16 * lane_rows;  // their forces stay in the first
 /// Rows as they are found, until there are enough for a window.
 class WindowMaker {
  public:
-  explicit WindowMaker(std::vector<NearWindow>& windows) : windows_(windows) {}
+  WindowMaker(Grouping grouping, std::vector<NearWindow>& windows)
+      : grouping_(grouping), windows_(windows) {}
 
   std::vector<Index>& partners() { return partners_; }
   /// All partners since the last call belong to `row`.
-  void end_row(Index row) {
-    rows_.push_back({row, first_, static_cast<Index>(partners_.size()) - first_});
+  void end_row(Index row, Index near) {
+    rows_.push_back({row, first_, static_cast<Index>(partners_.size()) - first_, near});
     first_ = static_cast<Index>(partners_.size());
     if (rows_.size() == window_rows) flush();
   }
@@ -32,28 +34,32 @@ class WindowMaker {
 
  private:
   struct Row {
-    Index row, first, count;
+    Index row, first, count, near;
   };
 
   void flush() {
     if (made_ == windows_.size()) windows_.emplace_back();
     NearWindow& window = windows_[made_++];
-    sort_by_count();
+    sort(&Row::count);
+    if (grouping_ == Grouping::by_near_partners) sort(&Row::near);
     window.count = static_cast<Index>(rows_.size());
-    while (rows_.size() % lane_rows != 0) rows_.push_back({rows_.back().row, 0, 0});
+    while (rows_.size() % lane_rows != 0) rows_.push_back({rows_.back().row, 0, 0, 0});
     window.rows.clear();
     for (const Row& row : rows_) window.rows.push_back(doubles_a_row * row.row);
     window.slots.clear();
     Index slots = 0;
     for (std::size_t r = 0; r < rows_.size(); r += lane_rows) {
-      window.slots.push_back(rows_[r].count);
-      slots += rows_[r].count;
+      Index longest = 0;
+      for (Index lane = 0; lane < lane_rows; ++lane)
+        longest = std::max(longest, rows_[r + lane].count);
+      window.slots.push_back(longest);
+      slots += longest;
     }
     window.partners.clear();  // or it would grow to twice what it needs
     window.partners.resize(static_cast<std::size_t>(slots) * lane_rows);
     Index* at = window.partners.data();
     for (std::size_t r = 0; r < rows_.size(); r += lane_rows) {
-      const Index longest = rows_[r].count;
+      const Index longest = window.slots[r / lane_rows];
       for (Index lane = 0; lane < lane_rows; ++lane) {
         const Row& row = rows_[r + lane];
         for (Index s = 0; s < longest; ++s)
@@ -67,19 +73,20 @@ class WindowMaker {
     first_ = 0;
   }
 
-  /// Most partners first.
-  void sort_by_count() {
+  /// Largest numbers first; stable.
+  void sort(Index Row::*number) {
     start_.clear();
     for (const Row& row : rows_) {
-      if (row.count >= static_cast<Index>(start_.size())) start_.resize(row.count + 1, 0);
-      ++start_[row.count];
+      if (row.*number >= static_cast<Index>(start_.size())) start_.resize(row.*number + 1, 0);
+      ++start_[row.*number];
     }
     std::exclusive_scan(start_.rbegin(), start_.rend(), start_.rbegin(), 0);
     sorted_.resize(rows_.size());
-    for (const Row& row : rows_) sorted_[start_[row.count]++] = row;
+    for (const Row& row : rows_) sorted_[start_[row.*number]++] = row;
     rows_.swap(sorted_);
   }
 
+  Grouping grouping_;
   std::vector<NearWindow>& windows_;
   std::size_t made_ = 0;
   std::vector<Row> rows_, sorted_;
@@ -90,10 +97,11 @@ class WindowMaker {
 
 }  // namespace
 
-void find_near_pairs(const Bodies& bodies, const Reach& reach, std::vector<NearWindow>& windows) {
-  WindowMaker maker(windows);
+void find_near_pairs(const Bodies& bodies, const Reach& reach, Grouping grouping,
+                     std::vector<NearWindow>& windows) {
+  WindowMaker maker(grouping, windows);
   find_partners(bodies, reach, ListedWith::first_cell, maker.partners(),
-                [&](Index row) { maker.end_row(row); });
+                [&](Index row, Index near) { maker.end_row(row, near); });
   maker.finish();
 }
 
@@ -119,20 +127,22 @@ void book_search(const Comm& comm, NearPairs& near) {
   near.pairs = comm.sum(pairs);
 }
 
-void find_near_pairs(const Comm& comm, Bodies& bodies, double reach, double skin,
-                     const BondReach& bonded, const std::optional<Bonds>& bonds, NearPairs& near) {
+void find_near_pairs(const Comm& comm, Bodies& bodies, const Period& period, double reach,
+                     double skin, const BondReach& bonded, const std::optional<Bonds>& bonds,
+                     NearPairs& near) {
   near.bonds = {};
   near.bonds_break = static_cast<bool>(bonded);
   near.reach = reach;
-  near.skin = skin;
+  near.skin = skin = skin_within(period, reach, skin);
   {
     std::vector<double> halo(bodies.owned);
     for (Index b = 0; b < bodies.owned; ++b) halo[b] = (reach + skin) / 2 - bodies.radius[b];
-    find_ghosts(comm, bodies, {}, halo, near);
+    find_ghosts(comm, bodies, period, halo, near);
   }
-  near.cells = MotionCells(comm, near.found_at, motion_cell * (reach + skin));
+  near.cells =
+      period.any() ? MotionCells() : MotionCells(comm, near.found_at, motion_cell * (reach + skin));
   find_near_pairs(bodies, {.common = (reach + skin) / 2, .points = true, .skin = skin},
-                  near.windows);
+                  Grouping::by_partners, near.windows);
   if (bonded && bonds)
     recall_bonds(bodies, *bonds, near);
   else if (bonded)
@@ -140,15 +150,15 @@ void find_near_pairs(const Comm& comm, Bodies& bodies, double reach, double skin
   book_search(comm, near);
 }
 
-void search_near_pairs(const Comm& comm, Bodies& bodies, double reach, double skin,
-                       const BondReach& bonded, NearPairs& near) {
+void search_near_pairs(const Comm& comm, Bodies& bodies, const Period& period, double reach,
+                       double skin, const BondReach& bonded, NearPairs& near) {
   require(!bonded || bodies.has(Field::bonds),
           "bonds that break need fields that the bodies were made without");
   search_anew(
       comm, bodies, near, [&] { return work_of(bodies, near, slot_work); },
       [&](bool) { return bonded ? bonds_of(bodies, near) : std::nullopt; },
       [&](const std::optional<Bonds>& bonds) {
-        find_near_pairs(comm, bodies, reach, skin, bonded, bonds, near);
+        find_near_pairs(comm, bodies, period, reach, skin, bonded, bonds, near);
       });
 }
 

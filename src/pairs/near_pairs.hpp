@@ -21,9 +21,8 @@ inline constexpr Index doubles_a_row = 8;
 
 /// Bodies of one stretch of the space-filling curve with their partners: every pair is with its
 /// body that comes first on the curve. A group is eight bodies, one a lane; their partners stand
-/// slot by slot, lane by lane. Bodies with about as many partners share a group; one with fewer is
-/// its own partner in the slots that are left, and so is the last body where it fills up the last
-/// group.
+/// slot by slot, lane by lane. Bodies share a group as `Grouping` says; one with fewer partners is
+/// its own in the slots that are left, and so is the last body where it fills up the last group.
 struct NearWindow {
   Index count = 0;                  ///< bodies
   std::vector<Index> rows;          ///< 8 places a group
@@ -46,26 +45,33 @@ struct NearPairs : Search {
   std::optional<Bonds> bonds;  ///< for the first search, where there were any before
   double reach = 0;            ///< m, between centres, up to which bodies may act on each other
   double skin = 0;             ///< m, beyond it, up to which pairs are listed; 0: search now
-  MotionCells cells;           ///< of the places where pairs were found
+  MotionCells cells;           ///< of the places where pairs were found, where none repeats
   double moved = 0;  ///< m: no two bodies have come nearer to each other by more since then
   int steps = 0;     ///< that the pairs have served
   double pairs = 0;  ///< over all ranks, of the last search
 };
 
+/// Which bodies share a group: those with about as many partners where all of them cost the same,
+/// or as many beside those in the skin alone, where these cost little.
+enum class Grouping { by_partners, by_near_partners };
+
 /// Finds all pairs with an owned body whose spheres meet when grown by `reach`; ghosts current.
 /// Slots of those in the skin alone come last: a sweep passes them over as long as they stay there.
-void find_near_pairs(const Bodies& bodies, const Reach& reach, std::vector<NearWindow>& windows);
+void find_near_pairs(const Bodies& bodies, const Reach& reach, Grouping grouping,
+                     std::vector<NearWindow>& windows);
 
 /// Finds ghosts and pairs up to `reach` + `skin` (m) anew. Without `bonds` from before, bodies
-/// nearer than `bonded` says are bound. Collective.
-void find_near_pairs(const Comm& comm, Bodies& bodies, double reach, double skin,
-                     const BondReach& bonded, const std::optional<Bonds>& bonds, NearPairs& near);
+/// nearer than `bonded` says are bound. The skin is less, and Error is thrown, as `skin_within`
+/// says. Collective.
+void find_near_pairs(const Comm& comm, Bodies& bodies, const Period& period, double reach,
+                     double skin, const BondReach& bonded, const std::optional<Bonds>& bonds,
+                     NearPairs& near);
 
 /// Finds ghosts and pairs up to `reach` + `skin` (m) anew; cuts the domain before where the ranks'
 /// work differs by more than a tenth. Where bonds break they stay with their pairs; the first
 /// search binds bodies nearer than `bonded` says. Collective.
-void search_near_pairs(const Comm& comm, Bodies& bodies, double reach, double skin,
-                       const BondReach& bonded, NearPairs& near);
+void search_near_pairs(const Comm& comm, Bodies& bodies, const Period& period, double reach,
+                       double skin, const BondReach& bonded, NearPairs& near);
 
 /// Calls `f(slot, own, partners)` for every slot of a window, with the places of eight pairs.
 template <class F>

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "domain/ghosts.hpp"
@@ -10,6 +11,7 @@
 #include "domain/partition.hpp"
 #include "spall/bodies.hpp"
 #include "spall/comm.hpp"
+#include "spall/error.hpp"
 #include "state/period.hpp"
 
 namespace spall {
@@ -32,6 +34,20 @@ inline void find_ghosts(const Comm& comm, Bodies& bodies, const Period& period,
       bodies.position[b] = period.wrapped(bodies.position[b]);
   search.found_at.assign(bodies.position.begin(), bodies.position.begin() + bodies.owned);
   search.ghosts = make_halo(comm, bodies, reach, period, search.shifts);
+}
+
+/// m: the skin, or less where space repeats itself so soon that bodies which act up to `reach` (m,
+/// between centres) would be listed with two images of another. Throws Error where they act on two.
+inline double skin_within(const Period& period, double reach, double skin) {
+  for (int k = 0; k < 3; ++k) {
+    if (period.size[k] == 0) continue;
+    require(period.size[k] > 2 * reach,
+            "periodic.size: {:g} m in direction {} is less than twice {:.4g} m, the reach of a "
+            "body: it would meet two images of another",
+            period.size[k], "xyz"[k], reach);
+    skin = std::min(skin, period.size[k] / 2 - reach);
+  }
+  return skin;
 }
 
 /// Searches pairs anew; cuts the domain before where the ranks' work differs by more than a tenth.

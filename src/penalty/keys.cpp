@@ -40,6 +40,10 @@ void read_penalty(Section& in, PenaltyKeys& keys) {
     in.take("tangential_ratio", "tangential stiffness over stiffness: hooke", s.tangential_ratio,
             ratio);
   }
+  in.take(
+      "tangential_damping",
+      "dashpot along the contact over that across it; left out: sqrt of their stiffnesses' ratio",
+      s.tangential_damping, Quantity{{}, 0, 1});
   in.take("rolling_friction", "largest rolling torque over R_eff and the normal force",
           s.rolling_friction, not_negative({}));
   keys.laws = s;
@@ -118,13 +122,7 @@ void check(const Surroundings& around, std::span<const MaterialUse> uses,
           "{}.method = \"penalty\": contact.cohesion_law = \"impulse\" is for phases of method = "
           "\"nonsmooth\" only",
           phase.place);
-  for (int k = 0; k < 3; ++k)
-    require(around.period.size[k] == 0 || around.uniform_gravity[k] == 0,
-            "{}: gravity.uniform points along {}, in which [periodic] repeats: nothing would end a "
-            "body's fall",
-            phase.place, "xyz"[k]);
-  require(!around.period.any() || around.gravity.method == GravityMethod::none,
-          "{}: [periodic] needs gravity.method = \"none\": images do not attract", phase.place);
+  check_images(around, phase.place);
   require(!phase.read_outs,
           "{}.method = \"penalty\": read_out is for phases of method = \"nonsmooth\" only",
           phase.place);

@@ -193,6 +193,7 @@ PenaltyLaw penalty_law(const PenaltySettings& s, const ContactLaw& contact, cons
       law.tangential_damping = std::sqrt(law.tangential / (2 * law.normal));
       break;
   }
+  if (s.tangential_damping) law.tangential_damping = *s.tangential_damping;
   switch (s.adhesion) {
     case Adhesion::none:
       break;

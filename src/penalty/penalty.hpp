@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "state/world.hpp"
@@ -15,9 +16,10 @@ enum class Adhesion { none, dmt, jkr };
 /// [contact], elastic constants those of the materials. All pairs share model and adhesion.
 struct PenaltySettings {
   PenaltyModel model = PenaltyModel::hertz;
-  double stiffness = 0;               ///< N/m: hooke
-  double tangential_ratio = 2 / 7.0;  ///< of the stiffness: hooke
-  double rolling_friction = 0;        ///< bound of the rolling torque over R_eff F_n
+  double stiffness = 0;                        ///< N/m: hooke
+  double tangential_ratio = 2 / 7.0;           ///< of the stiffness: hooke
+  std::optional<double> tangential_damping{};  ///< c_t/c; none: sqrt(k_t/S)
+  double rolling_friction = 0;                 ///< bound of the rolling torque over R_eff F_n
   Adhesion adhesion = Adhesion::none;
   double work_of_adhesion = 0;  ///< J/m^2, w: twice the surface energy
 };
@@ -34,8 +36,9 @@ struct PenaltySettings {
 /// with 1/E* the sum of (1 - nu^2)/E over both bodies and 1/G* that of 2 (2 - nu)(1 + nu)/E
 /// (Johnson, Contact Mechanics, 1985, eqs. 4.20, 7.43). Added to it: -c u_n, c = damping sqrt(S
 /// m), and the constant attraction of [contact] up to its range. Tangential: -k_t xi - c_t u_t with
-/// |F_t| <= friction |F_n + attraction|, c_t = sqrt(k_t/S) c; the spring xi grows with u_t, turns
-/// with the pair and is cut back with the force (Cundall & Strack 1979; Luding 2008).
+/// |F_t| <= friction |F_n + attraction|, c_t = sqrt(k_t/S) c unless it is given; the spring xi
+/// grows with u_t, turns with the pair and is cut back with the force (Cundall & Strack 1979;
+/// Luding 2008).
 template <class Number>
 struct LawConstants {
   Number normal{};              ///< hooke: k, N/m; hertz: E*, Pa

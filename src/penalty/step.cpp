@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "base/kernels.hpp"
 #include "pairs/flight.hpp"
@@ -13,29 +14,6 @@
 
 namespace spall {
 namespace {
-
-/// Of all bodies, and of what stands still where there are walls.
-Box velocities_with_walls(const World& world) {
-  Box box = velocities_of(world.bodies);
-  if (world.walls().size() > 0) box.add(Vec3(Vec3::Zero()));
-  return box;
-}
-
-/// m, that two bodies have come nearer at most since the pairs were found: twice the radius of the
-/// displacements about the centre of their box. A common motion counts for nothing, but to walls.
-/// (Not place by place, as pair potentials have it: images and giants meet from afar.)
-double displacement(const World& world, const std::vector<Vec3>& found_at) {
-  const auto moved = [&](std::size_t b) -> Vec3 { return world.bodies.position[b] - found_at[b]; };
-  Box box;
-  for (std::size_t b = 0; b < found_at.size(); ++b) box.add(moved(b));
-  const Vec3 centre = box.united(world.comm).centre();
-  double furthest = 0;
-  for (std::size_t b = 0; b < found_at.size(); ++b) {
-    furthest = std::max(furthest, 4 * (moved(b) - centre).squaredNorm());
-    if (world.walls().size() > 0) furthest = std::max(furthest, moved(b).squaredNorm());
-  }
-  return std::sqrt(world.comm.max(furthest));
-}
 
 /// m: of all bodies, and of those that are searched by their size: not more than a few times as
 /// large as the mean. Collective.
@@ -62,7 +40,8 @@ void update_pairs(World& world, Penalty& engine, const ByPair<PenaltyLaw>& laws)
   StageTimer timer(world.times, "neighbours");
   Bodies& bodies = world.bodies;
   TouchPairs& touch = engine.touch;
-  if (touch.skin > 0 && touch.moved > touch.skin) touch.moved = displacement(world, touch.found_at);
+  if (touch.skin > 0 && touch.moved > touch.skin)
+    touch.moved = approach_from(world, touch.found_at);
   if (touch.skin > 0 && touch.moved <= touch.skin) {
     ++touch.steps;
     for (auto* field : {&bodies.position, &bodies.velocity, &bodies.angular_velocity})
@@ -75,17 +54,15 @@ void update_pairs(World& world, Penalty& engine, const ByPair<PenaltyLaw>& laws)
     return;
   }
   const Radii radii = radii_of(world);
-  const SkinRange skins{.length = 2 * radii.ordinary,
-                        .first = 0.1,
-                        .least = 0.02,
-                        .step = 0.02,
-                        .most = 1,
-                        .search = 60};
+  const Crowd crowd = crowd_of(world.comm, bodies, radii.ordinary);
+  const double gap = widest_gap(laws, radii.largest);
+  const SkinRange skins{
+      .length = crowd.diameter, .first = 0.1, .least = 0.02, .step = 0.02, .most = 1, .search = 60};
   engine.loads = std::vector<ForceRow>();  // a search needs the memory
+  wrap_bodies(world);
   search_touch_pairs(world.comm, bodies, world.walls(), world.period,
-                     {.gap = widest_gap(laws, radii.largest),
-                      .skin = best_skin(world.comm, bodies, touch, skins),
-                      .ordinary = radii.ordinary,
+                     {.gap = gap,
+                      .skin = best_skin(world.comm, bodies, touch, crowd, gap, skins),
                       .rolling = resists_rolling(laws)},
                      touch);
   engine.loads.assign(bodies.size(), ForceRow{});
@@ -98,6 +75,7 @@ Box kick_and_drift(World& world, Penalty& engine, const ByPair<PenaltyLaw>& laws
   StageTimer timer(world.times, "forces");
   Bodies& bodies = world.bodies;
   ForceRow* const rows = engine.loads.data();
+  const Vec3 fall = h * world.steady_gravity();
   Box box;
   double taken = 0;
   const auto finish = [&](Index b) {
@@ -105,6 +83,7 @@ Box kick_and_drift(World& world, Penalty& engine, const ByPair<PenaltyLaw>& laws
     const double scale = h / bodies.mass[b], r = bodies.radius[b];
     const double turn = scale / (sphere_inertia * r * r);
     bodies.velocity[b] += scale * Vec3(row.force[0], row.force[1], row.force[2]);
+    if (scale > 0) bodies.velocity[b] += fall;
     bodies.angular_velocity[b] += turn * Vec3(row.torque[0], row.torque[1], row.torque[2]);
     bodies.position[b] += first * bodies.velocity[b];
     if (second != 0) bodies.position[b] += second * bodies.velocity[b];
@@ -113,55 +92,16 @@ Box kick_and_drift(World& world, Penalty& engine, const ByPair<PenaltyLaw>& laws
     taken += h * row.force[3];
     row = ForceRow{};
   };
-  with_contact_model(laws, h, [&]<class Model>(const Model& model) {
+  with_contact_model(laws, h, [&](const auto& model) {
     TouchPairs& touch = engine.touch;
     sweep_walls(bodies, world.walls(), model, touch.walls, rows);
-    if constexpr (Model::uniform)
-      if (touch.equal)
-        return sweep_contacts<true>(bodies, model, touch.gap, touch.windows, touch.springs, rows,
-                                    finish);
-    sweep_contacts<false>(bodies, model, touch.gap, touch.windows, touch.springs, rows, finish);
+    sweep_contacts(bodies, model, touch.gap, touch.windows, touch.equal, touch.springs, rows,
+                   finish);
   });
   // Nobody reads a ghost's force, but its row belongs to another body after the next search.
   world.ledger.dissipated += taken;
   return box;
 }
-
-/// What `smooth_steps` asks of forces.
-class Motion {
- public:
-  Motion(World& world, Penalty& engine)
-      : world_(world), engine_(engine), laws_(penalty_laws(world, engine.settings)) {}
-
-  void begin(double h) {
-    h_ = h;
-    velocities_ = velocities_with_walls(world_);
-  }
-  void drift(double t) {
-    Bodies& bodies = world_.bodies;
-    book_motion(world_.comm, velocities_, t, engine_.touch);
-    for (Index b = 0; b < bodies.owned; ++b) bodies.position[b] += t * bodies.velocity[b];
-  }
-  void kick(double h, double first, double second) {
-    kick_by_own_forces(world_, h);
-    const auto searches = engine_.touch.searches;
-    update_pairs(world_, engine_, laws_);
-    velocities_ = kick_and_drift(world_, engine_, laws_, h, first, second);
-    if (world_.walls().size() > 0) velocities_.add(Vec3(Vec3::Zero()));
-    book_motion(world_.comm, velocities_, first + second, engine_.touch);
-    if (engine_.touch.searches != searches)
-      check_penalty_step(world_, engine_.settings, h_, velocities_.united(world_.comm).diagonal(),
-                         "bodies have become faster");
-  }
-  void end() {}
-
- private:
-  World& world_;
-  Penalty& engine_;
-  ByPair<PenaltyLaw> laws_;
-  double h_ = 0;
-  Box velocities_;
-};
 
 }  // namespace
 
@@ -177,6 +117,53 @@ SPALL_KERNEL(double, energy_of_contacts,
 
 namespace {
 
+/// What `smooth_steps` asks of forces.
+class Motion {
+ public:
+  Motion(World& world, Penalty& engine)
+      : world_(world),
+        engine_(engine),
+        laws_(penalty_laws(world, engine.settings)),
+        searches_(engine.touch.searches) {}
+
+  void begin(double h) {
+    h_ = h;
+    velocities_ = velocities_with_walls(world_);
+  }
+  void drift(double t) {
+    Bodies& bodies = world_.bodies;
+    book_motion(world_.comm, velocities_, t, engine_.touch);
+    for (Index b = 0; b < bodies.owned; ++b) bodies.position[b] += t * bodies.velocity[b];
+  }
+  double energy() {
+    update_pairs(world_, engine_, laws_);
+    return energy_of_contacts(world_, laws_, engine_.touch);
+  }
+  void kick(double h, double first, double second) {
+    kick_by_own_forces(world_, h);
+    update_pairs(world_, engine_, laws_);
+    velocities_ = kick_and_drift(world_, engine_, laws_, h, first, second);
+    if (world_.walls().size() > 0) velocities_.add(Vec3(Vec3::Zero()));
+    book_motion(world_.comm, velocities_, first + second, engine_.touch);
+    if (std::exchange(searches_, engine_.touch.searches) != engine_.touch.searches)
+      check_penalty_step(world_, engine_.settings, h_, velocities_.united(world_.comm).diagonal(),
+                         "bodies have become faster");
+  }
+  void end() {}
+
+ private:
+  World& world_;
+  Penalty& engine_;
+  ByPair<PenaltyLaw> laws_;
+  std::int64_t searches_;  // after which the step was found short enough
+  double h_ = 0;
+  Box velocities_;
+};
+
+}  // namespace
+
+namespace {
+
 /// Pairs as bodies are now. They are found anew, in a copy with ghosts of its own, so that no body
 /// changes its rank.
 struct Found {
@@ -188,38 +175,28 @@ struct Found {
   Found(const World& from, const Penalty& engine)
       : world(from), laws(penalty_laws(from, engine.settings)), radii(radii_of(from)) {
     resize(world.bodies, world.bodies.owned);
-    find_touch_pairs(world.comm, world.bodies, world.walls(), world.period,
-                     {.gap = widest_gap(laws, radii.largest),
-                      .skin = 0,
-                      .ordinary = radii.ordinary,
-                      .rolling = resists_rolling(laws)},
-                     spall::remember(from.bodies, engine.touch, false), touch);
+    find_touch_pairs(
+        world.comm, world.bodies, world.walls(), world.period,
+        {.gap = widest_gap(laws, radii.largest), .skin = 0, .rolling = resists_rolling(laws)},
+        spall::remember(from.bodies, engine.touch, false), touch);
   }
 };
 
 }  // namespace
 
-SPALL_KERNEL(StepReport, penalty_steps, (World & world, Penalty& engine, double h, int most_steps),
-             (world, engine, h, most_steps)) {
+SPALL_KERNEL(StepReport, penalty_steps,
+             (World & world, Penalty& engine, const StepRequest& request),
+             (world, engine, request)) {
   require(world.bodies.has(Field::angular_velocity) && world.bodies.has(Field::heat),
           "steps of penalty contact need fields that the bodies were made without");
-  return smooth_steps(world, Motion(world, engine), engine.integrator, h, most_steps);
+  return smooth_steps(world, Motion(world, engine), engine.integrator, request);
 }
 
-namespace {
-
-/// J on this rank, elastic and of cohesion, after pairs have been made current.
-double own_contact_energy(World& world, Penalty& engine) {
+double contact_energy(World& world, Penalty& engine) {
   const ByPair<PenaltyLaw> laws = penalty_laws(world, engine.settings);
   if (engine.touch.skin > 0 && widest_gap(laws, 0) > engine.touch.gap) engine.touch.skin = 0;
   update_pairs(world, engine, laws);
-  return energy_of_contacts(world, laws, engine.touch);
-}
-
-}  // namespace
-
-double contact_energy(World& world, Penalty& engine) {
-  return world.comm.sum(own_contact_energy(world, engine));
+  return world.comm.sum(energy_of_contacts(world, laws, engine.touch));
 }
 
 double largest_relative_speed(const World& world) {
@@ -231,9 +208,7 @@ void Penalty::check_step(const World& world, double h, const std::string& place)
 }
 
 StepReport Penalty::advance(World& world, const StepRequest& request) {
-  const double held = request.energy ? own_contact_energy(world, *this) : 0;
-  StepReport report = penalty_steps(world, *this, request.h, request.most_steps);
-  report.energy = held;
+  StepReport report = penalty_steps(world, *this, request);
   report.contacts = count_touching(world.bodies, touch);
   return report;
 }

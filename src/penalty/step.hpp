@@ -6,10 +6,9 @@
 
 namespace spall {
 
-/// Advances the world by up to `most_steps` steps of `h` (s), the last of which ends at the next
-/// kick of gravity at the latest; positions and velocities belong to its end. Throws Error, on
-/// every rank, where bodies have become too fast for the step. Collective.
-StepReport penalty_steps(World& world, Penalty& engine, double h, int most_steps);
+/// Advances the world as `smooth_steps` does. Throws Error, on every rank, where bodies have become
+/// too fast for the step. Collective.
+StepReport penalty_steps(World& world, Penalty& engine, const StepRequest& request);
 
 /// J over all ranks: elastic, of overlaps as they are, and of cohesion, which is negative. Springs
 /// are not in it: what they hold counts as dissipated until they give it back. Pairs are found

@@ -132,11 +132,19 @@ struct ContactModels {
   template <class Pair>
   Model of(Pair&& pair) const {
     constexpr std::size_t count = sizeof(LawConstants<double>) / sizeof(double);
-    std::array<Lanes, count> lanes;
+    using Row = std::array<double, count>;
+    std::array<const LawConstants<double>*, lane_count> law;
+    bool one_law = true;
     for (std::size_t l = 0; l < lane_count; ++l) {
       const auto [a, b] = pair(l);
-      const LawConstants<double>& law = laws(a, b);
-      const auto row = std::bit_cast<std::array<double, count>>(law);
+      law[l] = &laws(a, b);
+      one_law &= law[l] == law[0];
+    }
+    std::array<Lanes, count> lanes;
+    const auto first = std::bit_cast<Row>(*law[0]);
+    for (std::size_t k = 0; k < count; ++k) lanes[k] = spread(first[k]);
+    for (std::size_t l = 1; l < lane_count && !one_law; ++l) {
+      const auto row = std::bit_cast<Row>(*law[l]);
       for (std::size_t k = 0; k < count; ++k) lanes[k][l] = row[k];
     }
     return Model(std::bit_cast<LawConstants<Lanes>>(lanes), cohesive, h);
@@ -215,92 +223,109 @@ class BodiesAhead {
   const ForceRow* rows_;
 };
 
-/// Adds the forces of all pairs to the rows and steps their springs; `gap` (m) is the widest at
-/// which bodies act on each other. Calls `finish(body)` for each body of a window once nothing will
-/// be added to its row and none of its fields will be asked for again. The forces of ghosts mean
-/// nothing. `equal`: all bodies have the size and mass of the first, which is then read once.
-template <bool equal, class Model, class Finish>
+/// Adds the forces of a window's pairs to the rows and steps their springs; `gap` (m) is the widest
+/// at which bodies act on each other. `equal`: its bodies and their partners have the size and mass
+/// of the first, which is then read once.
+template <bool equal, class Model>
+void sweep_window(const Bodies& bodies, const Model& model, double gap, const NearWindow& window,
+                  const NearWindow& next, WindowSprings& kept, ForceRow* rows) {
+  double* const forces = reinterpret_cast<double*>(rows);
+  BodiesAhead ahead(next, bodies, rows);
+  const Index first = window.rows[0] / doubles_a_row;
+  const Lanes equal_radius = spread(bodies.radius[first]);
+  const Lanes equal_inverse_mass = spread(1 / bodies.mass[first]);
+  const auto radius = [&](const Index* at) -> Lanes {
+    return equal ? equal_radius : gather_body_numbers(bodies.radius, at);
+  };
+  const auto inverse_mass = [&](const Index* at) -> Lanes {
+    return equal ? equal_inverse_mass : 1.0 / gather_body_numbers(bodies.mass, at);
+  };
+  const Index* partners = window.partners.data();
+  std::size_t slot = 0, at = 0;  // of the springs
+  for (std::size_t g = 0; g < window.slots.size(); ++g) {
+    const Index* own = window.rows.data() + g * lane_count;
+    const LaneVectors xi = gather_body_vectors(bodies.position, own);
+    const LaneVectors vi = gather_body_vectors(bodies.velocity, own);
+    const Lanes ri = radius(own), wi = inverse_mass(own);
+    LaneVectors spin_i{}, surface_i{};
+    if constexpr (Model::frictional) {
+      spin_i = gather_body_vectors(bodies.angular_velocity, own);
+      surface_i = ri * spin_i;
+    }
+    LaneVectors force{}, lever{}, roll{};
+    Lanes power{};
+    for (Index s = 0; s < window.slots[g]; ++s, ++slot, partners += lane_count) {
+      ahead.ask_for_slot();
+      const LaneVectors apart = gather_body_vectors(bodies.position, partners) - xi;
+      const Lanes rj = radius(partners);
+      const Lanes r2 = dot(apart, apart), radii = ri + rj, reach = radii + gap;
+      const unsigned before = kept.touching[slot];
+      // A row that is its own partner, in a slot that it does not need, is at distance 0.
+      const LaneMask near = (r2 < reach * reach) & (r2 > 0.0);
+      if (!any_lane(near) && before == 0) continue;
+      ContactLanes c;
+      const Lanes inverse = inverse_sqrt(r2), distance = r2 * inverse;
+      const Lanes inverse_radii = 1.0 / radii;
+      c.normal = inverse * apart;
+      c.overlap = select(near, radii - distance, spread(-infinity));
+      c.radius = ri * rj * inverse_radii;
+      c.inverse_mass = wi + inverse_mass(partners);
+      c.kappa = distance * inverse_radii;
+      c.velocity = gather_body_vectors(bodies.velocity, partners) - vi;
+      SpringLanes spring;
+      if constexpr (Model::frictional) {
+        const LaneVectors spin_j = gather_body_vectors(bodies.angular_velocity, partners);
+        c.surface = surface_i + rj * spin_j;
+        c.twist = 0.5 * dot(spin_i + spin_j, c.normal);
+        spring.sliding = load_springs(kept.sliding.data() + at, before);
+        if constexpr (Model::rolling) {
+          c.rolling = spin_j - spin_i;
+          spring.rolling = load_springs(kept.rolling.data() + at, before);
+        }
+      }
+      // Two bodies that never move do nothing to each other.
+      const auto& law = model.of(materials_of(bodies, own, partners));
+      const LaneMask touching = law.touches(c.overlap, c.radius, before) & (c.inverse_mass > 0.0);
+      const ContactForce f = law(c, touching, before, spring);
+      const unsigned now = bits_of_mask(touching);
+      if (now != before) set_touching(kept, slot, at, now, Model::rolling);
+      force = force + f.force;
+      power += f.power;
+      add_lanes(f.force, 0.5 * f.power, partners, forces);
+      if constexpr (Model::frictional) {
+        store_springs(spring.sliding, now, kept.sliding.data() + at);
+        LaneVectors torque = rj * f.lever;
+        lever = lever + f.lever;
+        if constexpr (Model::rolling) {
+          store_springs(spring.rolling, now, kept.rolling.data() + at);
+          torque = torque + f.rolling;
+          roll = roll + f.rolling;
+        }
+        add_lanes(torque, Lanes{}, partners, forces + 4);
+      }
+      at += 3 * std::popcount(now);
+    }
+    add_lanes(spread(-1) * force, 0.5 * power, own, forces);
+    if constexpr (Model::frictional) add_lanes(ri * lever - roll, Lanes{}, own, forces + 4);
+  }
+}
+
+/// The same for all windows; calls `finish(body)` for each body of a window once nothing will be
+/// added to its row and none of its fields will be asked for again. The forces of ghosts mean
+/// nothing. `equal`: of each window, whether its bodies and their partners have one size and mass.
+template <class Model, class Finish>
 [[gnu::flatten]] void sweep_contacts(const Bodies& bodies, const Model& model, double gap,
                                      const std::vector<NearWindow>& windows,
+                                     const std::vector<std::uint8_t>& equal,
                                      std::vector<WindowSprings>& springs, ForceRow* rows,
                                      Finish&& finish) {
-  double* const forces = reinterpret_cast<double*>(rows);
-  const auto number = [](const std::vector<double>& of, const Index* at) {
-    return equal ? spread(of[0]) : gather_body_numbers(of, at);
-  };
-  const auto inverse_mass = [&](const Index* at) -> Lanes { return 1.0 / number(bodies.mass, at); };
   for (std::size_t w = 0; w < windows.size(); ++w) {
     const NearWindow& window = windows[w];
-    BodiesAhead ahead(windows[std::min(w + 1, windows.size() - 1)], bodies, rows);
-    WindowSprings& kept = springs[w];
-    const Index* partners = window.partners.data();
-    std::size_t slot = 0, at = 0;  // of the springs
-    for (std::size_t g = 0; g < window.slots.size(); ++g) {
-      const Index* own = window.rows.data() + g * lane_count;
-      const LaneVectors xi = gather_body_vectors(bodies.position, own);
-      const LaneVectors vi = gather_body_vectors(bodies.velocity, own);
-      const Lanes ri = number(bodies.radius, own), wi = inverse_mass(own);
-      LaneVectors spin_i{}, surface_i{};
-      if constexpr (Model::frictional) {
-        spin_i = gather_body_vectors(bodies.angular_velocity, own);
-        surface_i = ri * spin_i;
-      }
-      LaneVectors force{}, lever{}, roll{};
-      Lanes power{};
-      for (Index s = 0; s < window.slots[g]; ++s, ++slot, partners += lane_count) {
-        ahead.ask_for_slot();
-        const LaneVectors apart = gather_body_vectors(bodies.position, partners) - xi;
-        const Lanes rj = number(bodies.radius, partners);
-        const Lanes r2 = dot(apart, apart), radii = ri + rj, reach = radii + gap;
-        const unsigned before = kept.touching[slot];
-        // A row that is its own partner, in a slot that it does not need, is at distance 0.
-        const LaneMask near = (r2 < reach * reach) & (r2 > 0.0);
-        if (!any_lane(near) && before == 0) continue;
-        ContactLanes c;
-        const Lanes inverse = inverse_sqrt(r2), distance = r2 * inverse;
-        const Lanes inverse_radii = 1.0 / radii;
-        c.normal = inverse * apart;
-        c.overlap = select(near, radii - distance, spread(-infinity));
-        c.radius = ri * rj * inverse_radii;
-        c.inverse_mass = wi + inverse_mass(partners);
-        c.kappa = distance * inverse_radii;
-        c.velocity = gather_body_vectors(bodies.velocity, partners) - vi;
-        SpringLanes spring;
-        if constexpr (Model::frictional) {
-          const LaneVectors spin_j = gather_body_vectors(bodies.angular_velocity, partners);
-          c.surface = surface_i + rj * spin_j;
-          c.twist = 0.5 * dot(spin_i + spin_j, c.normal);
-          spring.sliding = load_springs(kept.sliding.data() + at, before);
-          if constexpr (Model::rolling) {
-            c.rolling = spin_j - spin_i;
-            spring.rolling = load_springs(kept.rolling.data() + at, before);
-          }
-        }
-        // Two bodies that never move do nothing to each other.
-        const auto& law = model.of(materials_of(bodies, own, partners));
-        const LaneMask touching = law.touches(c.overlap, c.radius, before) & (c.inverse_mass > 0.0);
-        const ContactForce f = law(c, touching, before, spring);
-        const unsigned now = bits_of_mask(touching);
-        if (now != before) set_touching(kept, slot, at, now, Model::rolling);
-        force = force + f.force;
-        power += f.power;
-        add_lanes(f.force, 0.5 * f.power, partners, forces);
-        if constexpr (Model::frictional) {
-          store_springs(spring.sliding, now, kept.sliding.data() + at);
-          LaneVectors torque = rj * f.lever;
-          lever = lever + f.lever;
-          if constexpr (Model::rolling) {
-            store_springs(spring.rolling, now, kept.rolling.data() + at);
-            torque = torque + f.rolling;
-            roll = roll + f.rolling;
-          }
-          add_lanes(torque, Lanes{}, partners, forces + 4);
-        }
-        at += 3 * std::popcount(now);
-      }
-      add_lanes(spread(-1) * force, 0.5 * power, own, forces);
-      if constexpr (Model::frictional) add_lanes(ri * lever - roll, Lanes{}, own, forces + 4);
-    }
+    const NearWindow& next = windows[std::min(w + 1, windows.size() - 1)];
+    if (equal[w])
+      sweep_window<true>(bodies, model, gap, window, next, springs[w], rows);
+    else
+      sweep_window<false>(bodies, model, gap, window, next, springs[w], rows);
     for (Index r = 0; r < window.count; ++r) finish(window.rows[r] / doubles_a_row);
   }
 }

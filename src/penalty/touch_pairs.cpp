@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <functional>
 
 #include "pairs/recall.hpp"
 #include "spall/error.hpp"
@@ -102,6 +101,24 @@ void recall_springs(const Kept& kept, bool rolling, TouchPairs& touch) {
   }
 }
 
+/// Of each window, whether all its bodies and partners are of one size and mass: a few that never
+/// move, or are larger, cost no more than their own windows.
+std::vector<std::uint8_t> equal_windows(const Bodies& bodies,
+                                        const std::vector<NearWindow>& windows) {
+  std::vector<std::uint8_t> equal;
+  equal.reserve(windows.size());
+  for (const NearWindow& window : windows) {
+    const Index first = row_of(window.rows[0]);
+    const auto alike = [&](Index place) {
+      const Index b = row_of(place);
+      return bodies.radius[b] == bodies.radius[first] && bodies.mass[b] == bodies.mass[first];
+    };
+    equal.push_back(std::ranges::all_of(window.rows, alike) &&
+                    std::ranges::all_of(window.partners, alike));
+  }
+  return equal;
+}
+
 void find_walls(const Bodies& bodies, const Walls& walls, double reach, const Kept& kept,
                 std::vector<WallTouch>& touches) {
   touches.clear();
@@ -162,31 +179,22 @@ std::int64_t count_touching(const Bodies& bodies, const TouchPairs& touch) {
 
 void find_touch_pairs(const Comm& comm, Bodies& bodies, const Walls& walls, const Period& period,
                       const TouchRange& range, const ContactMemory& memory, TouchPairs& touch) {
-  const double slack = range.gap + range.skin;
   double largest = 0;
   for (Index b = 0; b < bodies.owned; ++b) largest = std::max(largest, bodies.radius[b]);
-  const double reach = 2 * comm.max(largest) + slack;
-  for (int k = 0; k < 3; ++k)
-    require(
-        period.size[k] == 0 || period.size[k] >= 2 * reach,
-        "periodic.size: {:g} m in direction {} is less than twice {:.4g} m, the reach of a body: "
-        "it would meet two images of another",
-        period.size[k], "xyz"[k], reach);
+  const double skin = skin_within(period, 2 * comm.max(largest) + range.gap, range.skin);
+  const double slack = range.gap + skin;
   {
     std::vector<double> reaches(bodies.owned, slack / 2);
     find_ghosts(comm, bodies, period, reaches, touch);
   }
-  find_near_pairs(bodies, {.common = slack / 2, .skin = range.skin}, touch.windows);
+  find_near_pairs(bodies, {.common = slack / 2, .skin = skin}, Grouping::by_near_partners,
+                  touch.windows);
   const Kept kept(bodies, memory);
   recall_springs(kept, range.rolling, touch);
   find_walls(bodies, walls, slack, kept, touch.walls);
-  const auto all_equal = [](const std::vector<double>& values) {
-    return std::adjacent_find(values.begin(), values.end(), std::not_equal_to<>()) == values.end();
-  };
-  touch.equal = all_equal(bodies.radius) && all_equal(bodies.mass);
+  touch.equal = equal_windows(bodies, touch.windows);
   touch.gap = range.gap;
-  touch.reach = 2 * range.ordinary + range.gap;
-  touch.skin = range.skin;
+  touch.skin = skin;
   book_search(comm, touch);
 }
 

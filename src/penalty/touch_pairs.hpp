@@ -46,14 +46,14 @@ struct TouchPairs : NearPairs {
   std::vector<WallTouch> walls;
   ContactMemory carried;  ///< springs to start from, of a restart; taken by the next search
   double gap = 0;         ///< m, at which bodies may act on each other
-  bool equal = false;     ///< all bodies here have one size and mass
+  std::vector<std::uint8_t> equal;  ///< of each window: its bodies, partners too, are of one size
+                                    ///< and mass
 };
 
 /// How near bodies must come to be listed.
 struct TouchRange {
   double gap = 0;        ///< m, at which bodies may act on each other
   double skin = 0;       ///< m
-  double ordinary = 0;   ///< m, radius that most bodies do not exceed
   bool rolling = false;  ///< rolling springs are kept
 };
 

@@ -7,6 +7,7 @@
 #include "pairs/near_pairs.hpp"
 #include "potential/pair_potential.hpp"
 #include "potential/sweep.hpp"
+#include "potential/walls.hpp"
 
 namespace spall {
 
@@ -14,6 +15,7 @@ struct Potential final : Engine {
   ByPair<PairPotential> law;
   Splitting integrator = leapfrog;
   NearPairs near;
+  std::vector<AtWall> at_walls;  ///< bodies near walls, of the last search
   std::vector<PairRow> rows;     ///< of the bodies, while steps go on
   std::vector<double> crowding;  ///< of the bodies, where the law has an embedding part
   Pushes pushes;                 ///< of the bodies, at the same time

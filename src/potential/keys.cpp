@@ -204,6 +204,9 @@ void derive(const Surroundings& around, std::span<const MaterialUse> uses,
   // Where all bodies have the same law, materials need not be looked at.
   std::set<int> used;
   for (const MaterialUse& use : uses) used.insert(use.material);
+  const Walls walls = around.walls();
+  for (std::size_t w = 0; w < walls.size(); ++w)
+    if (walls.material(w) != same_material) used.insert(walls.material(w));
   if (!potential->derived) used.insert(static_cast<int>(around.materials.size()));
   if (used.empty()) return;
   const PairPotential one = potential->law(*used.begin(), *used.begin());
@@ -227,10 +230,22 @@ void check(const Surroundings& around, std::span<const MaterialUse> uses,
   const auto* potential = settings.find<PotentialSettings>();
   require(potential, "{}.method = \"potential\" needs [pair_potential]: the law between two bodies",
           phase.place);
-  require(around.planes.empty() && around.cylinders.empty() && !around.period.any(),
-          "{}.method = \"potential\": [[planes]], [[boxes]], [[cylinders]] and [periodic] do not "
-          "act in it",
-          phase.place);
+  check_images(around, phase.place);
+  const Walls walls = around.walls();
+  for (const MaterialUse& use : uses) {
+    if (walls.size() == 0) break;
+    const bool embedded = potential->law(use.material, use.material).embedding.bulk_modulus > 0;
+    require(!embedded,
+            "{}.method = \"potential\": walls act by pairs alone, and the law of {} has a pressure "
+            "beside them: pair_potential.match = \"bulk\" has none",
+            phase.place, around.materials[use.material].name);
+    for (std::size_t w = 0; w < walls.size(); ++w)
+      require(walls.material(w) == same_material ||
+                  potential->law(use.material, walls.material(w)).given(),
+              "{}.method = \"potential\" has no law between bodies and walls of {}; name them in "
+              "pair_potential.materials or in a [[pair_potential.between]]",
+              phase.place, names_of_pair(around, use.material, walls.material(w)));
+  }
   require(!phase.read_outs,
           "{}.method = \"potential\": read_out is for phases of method = \"nonsmooth\" only",
           phase.place);

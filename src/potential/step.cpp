@@ -10,6 +10,7 @@
 #include "base/kernels.hpp"
 #include "pairs/flight.hpp"
 #include "potential/laws.hpp"
+#include "potential/walls.hpp"
 #include "spall/error.hpp"
 
 namespace spall {
@@ -38,9 +39,14 @@ void fill_rows(const World& world, Potential& engine) {
     engine.ahead[b] = bodies.velocity[b] + bodies.kick[b] / 2;
 }
 
-void take_rows(World& world, const Potential& engine) {
+void take_positions(World& world, const Potential& engine) {
   Bodies& bodies = world.bodies;
   for (Index b = 0; b < bodies.owned; ++b) bodies.position[b] = vector_of(engine.rows[b].place);
+}
+
+void take_rows(World& world, const Potential& engine) {
+  Bodies& bodies = world.bodies;
+  take_positions(world, engine);
   if (!is_damped(engine.law)) return;
   for (Index b = 0; b < bodies.owned; ++b)
     bodies.kick[b] = 2 * (engine.ahead[b] - bodies.velocity[b]);
@@ -71,7 +77,11 @@ BondReach bonds_to_make(const World& world, const ByPair<PairPotential>& laws) {
 void update_pairs(World& world, Potential& engine, bool velocities) {
   StageTimer timer(world.times, "neighbours");
   NearPairs& near = engine.near;
-  if (near.skin > 0 && near.moved > near.skin) {
+  const bool place_by_place = !world.period.any() && world.walls().size() == 0;
+  if (near.skin > 0 && near.moved > near.skin && !place_by_place) {
+    take_positions(world, engine);
+    near.moved = approach_from(world, near.found_at);
+  } else if (near.skin > 0 && near.moved > near.skin) {
     std::vector<Vec3> displacement(near.found_at.size());
     for (std::size_t b = 0; b < displacement.size(); ++b)
       displacement[b] = vector_of(engine.rows[b].place) - near.found_at[b];
@@ -82,10 +92,12 @@ void update_pairs(World& world, Potential& engine, bool velocities) {
     engine.law.for_each([&](const PairPotential& p) { spacing = std::max(spacing, p.distance); });
     const SkinRange skins{
         .length = spacing, .first = 0.3, .least = 0.1, .step = 0.05, .most = 1.5, .search = 120};
-    const double skin = best_skin(world.comm, world.bodies, near, skins);
+    const double skin = best_skin(world.comm, world.bodies, near, {}, near.reach, skins);
     take_rows(world, engine);
-    search_near_pairs(world.comm, world.bodies, reach_of(engine.law), skin,
+    wrap_bodies(world);
+    search_near_pairs(world.comm, world.bodies, world.period, reach_of(engine.law), skin,
                       bonds_to_make(world, engine.law), near);
+    engine.at_walls = bodies_at_walls(world, engine.law, near.skin);
     fill_rows(world, engine);
     return;
   }
@@ -95,6 +107,9 @@ void update_pairs(World& world, Potential& engine, bool velocities) {
   near.ghosts.gather_begin(rows, doubles_a_row);
   if (velocities) near.ghosts.gather(flat(engine.ahead), 3);
   near.ghosts.gather_end(rows, doubles_a_row);
+  if (world.period.any())
+    for (Index g = 0; g < near.ghosts.ghosts(); ++g)
+      engine.rows[world.bodies.owned + g].place += half_row(near.shifts[g], 0);
 }
 
 /// kg, of the lightest body of each material over all ranks; 0 without any. Collective.
@@ -215,11 +230,13 @@ Box kick_and_drift(World& world, Potential& engine, const ByPair<double>& dampin
   Vec3* const ahead = engine.ahead.data();
   double* const heat = world.bodies.heat.data();
   const bool is_damped = spall::is_damped(engine.law), is_embedded = has_embedding(engine.law);
+  const RowHalf fall = half_row(h * world.steady_gravity(), 0);
   Box box;
   double taken = 0;
   const auto finish = [&, damped = is_damped](Index b) {
     PairRow& row = rows[b];
-    const RowHalf kick = (h * row.place[3]) * row.force;
+    RowHalf kick = (h * row.place[3]) * row.force;
+    if (row.place[3] > 0) kick += fall;
     const RowHalf v = half_row(velocity[b], 0) + kick;
     velocity[b] = vector_of(v);
     drift(row, v, first);
@@ -232,6 +249,7 @@ Box kick_and_drift(World& world, Potential& engine, const ByPair<double>& dampin
     }
     row.force = RowHalf{};
   };
+  push_from_walls(world, engine.law, engine.at_walls, rows);
   with_terms(world, engine, damping, [&](const auto& terms) {
     const double* v = is_damped ? ahead->data() : velocity->data();
     const auto sweep = [&]<bool damped, bool embedded>() {
@@ -249,6 +267,25 @@ Box kick_and_drift(World& world, Potential& engine, const ByPair<double>& dampin
   return box;
 }
 
+}  // namespace
+
+/// J on this rank, with pairs and rows as they are.
+SPALL_KERNEL(double, energy_of_pairs, (const World& world, Potential& engine), (world, engine)) {
+  double energy = with_terms(world, engine, 0.0, [&](const auto& terms) {
+    return sweep_energy(engine.near.windows, terms, engine.rows.data(), world.bodies.owned);
+  });
+  energy += energy_at_walls(world, engine.law, engine.at_walls, engine.rows.data());
+  const Embeddings laws(engine.law);
+  if (!laws.any()) return energy;
+  measure_crowding(world, engine);
+  for (Index b = 0; b < world.bodies.owned; ++b)
+    if (const EmbeddingLaw* law = laws.of(world.bodies.material[b]))
+      energy += law->volume(world.bodies.mass[b]) * law->energy(engine.crowding[b]);
+  return energy;
+}
+
+namespace {
+
 /// What `smooth_steps` asks of forces.
 class Motion {
  public:
@@ -260,7 +297,7 @@ class Motion {
         embeddings_(engine.law) {}
 
   void begin(double) {
-    velocities_ = velocities_of(world_.bodies);
+    velocities_ = velocities_with_walls(world_);
     fill_rows(world_, engine_);
   }
   void drift(double t) {
@@ -268,11 +305,16 @@ class Motion {
     for (Index b = 0; b < world_.bodies.owned; ++b)
       spall::drift(engine_.rows[b], half_row(world_.bodies.velocity[b], 0), t);
   }
+  double energy() {
+    update_pairs(world_, engine_, is_damped_);
+    return energy_of_pairs(world_, engine_);
+  }
   void kick(double h, double first, double second) {
     if (!world_.own_forces.empty()) kick_by_program(h);
     update_pairs(world_, engine_, is_damped_);
     if (embeddings_.any()) update_pushes(world_, engine_, embeddings_);
     velocities_ = kick_and_drift(world_, engine_, damping_, h, first, second);
+    if (world_.walls().size() > 0) velocities_.add(Vec3(Vec3::Zero()));
     book_motion(world_.comm, velocities_, first + second, engine_.near);
   }
   void end() { take_rows(world_, engine_); }
@@ -296,24 +338,10 @@ class Motion {
 
 }  // namespace
 
-/// J on this rank, with pairs and rows as they are.
-SPALL_KERNEL(double, energy_of_pairs, (const World& world, Potential& engine), (world, engine)) {
-  double energy = with_terms(world, engine, 0.0, [&](const auto& terms) {
-    return sweep_energy(engine.near.windows, terms, engine.rows.data(), world.bodies.owned);
-  });
-  const Embeddings laws(engine.law);
-  if (!laws.any()) return energy;
-  measure_crowding(world, engine);
-  for (Index b = 0; b < world.bodies.owned; ++b)
-    if (const EmbeddingLaw* law = laws.of(world.bodies.material[b]))
-      energy += law->volume(world.bodies.mass[b]) * law->energy(engine.crowding[b]);
-  return energy;
-}
-
 SPALL_KERNEL(StepReport, potential_steps,
-             (World & world, Potential& engine, double h, int most_steps),
-             (world, engine, h, most_steps)) {
-  return smooth_steps(world, Motion(world, engine), engine.integrator, h, most_steps);
+             (World & world, Potential& engine, const StepRequest& request),
+             (world, engine, request)) {
+  return smooth_steps(world, Motion(world, engine), engine.integrator, request);
 }
 
 double potential_energy(World& world, Potential& engine) {
@@ -324,6 +352,9 @@ double potential_energy(World& world, Potential& engine) {
 
 double closing_speed(const World& world, const ByPair<PairPotential>& laws) {
   const Bodies& bodies = world.bodies;
+  // Images and walls are met from anywhere.
+  if (world.period.any() || world.walls().size() > 0)
+    return velocities_with_walls(world).united(world.comm).diagonal();
   const auto owned = [&](const std::vector<Vec3>& field) {
     return std::span(field.data(), bodies.owned);
   };
@@ -345,18 +376,16 @@ void Potential::check_step(const World& world, double h, const std::string& plac
       spall::check_step(law(a, b), h, std::min(lightest[a], lightest[b]), speed,
                         fmt::format("{}, {}", place, pair));
     }
+  const Walls walls = world.walls();
+  for (std::size_t w = 0; w < walls.size(); ++w)
+    for (int a = 0; a < law.materials(); ++a)
+      if (const int b = walls.material(w); b != same_material && lightest[a] > 0)
+        spall::check_step(law(a, b), h, lightest[a], speed,
+                          fmt::format("{}, {} at a wall", place, names_of_pair(world, b, a)));
 }
 
 StepReport Potential::advance(World& world, const StepRequest& request) {
-  double held = 0;
-  if (request.energy) {
-    fill_rows(world, *this);
-    update_pairs(world, *this, false);
-    held = energy_of_pairs(world, *this);
-  }
-  StepReport report = potential_steps(world, *this, request.h, request.most_steps);
-  report.energy = held;
-  return report;
+  return potential_steps(world, *this, request);
 }
 
 namespace {
@@ -369,8 +398,9 @@ struct Found {
 
   Found(const World& from, const Potential& of) : world(from), engine(of.law) {
     resize(world.bodies, world.bodies.owned);
-    find_near_pairs(world.comm, world.bodies, reach_of(engine.law), 0,
+    find_near_pairs(world.comm, world.bodies, world.period, reach_of(engine.law), 0,
                     bonds_to_make(world, engine.law), bonds_of(from.bodies, of.near), engine.near);
+    engine.at_walls = bodies_at_walls(world, engine.law, 0);
     fill_rows(world, engine);
   }
 };

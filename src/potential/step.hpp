@@ -8,9 +8,8 @@
 
 namespace spall {
 
-/// Advances the world by up to `most_steps` steps of `h` (s), the last of which ends at the next
-/// kick of gravity at the latest; positions and velocities belong to its end. Collective.
-StepReport potential_steps(World& world, Potential& engine, double h, int most_steps);
+/// Advances the world as `smooth_steps` does. Collective.
+StepReport potential_steps(World& world, Potential& engine, const StepRequest& request);
 
 /// J over all ranks, of the pairs as they are, which are found where they are not known.
 /// Collective.

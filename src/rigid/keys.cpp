@@ -47,9 +47,11 @@ bool has_friction(const Surroundings& around) {
 
 void check(const Surroundings& around, std::span<const MaterialUse>, const EngineSettings& settings,
            const PhaseView& phase) {
-  require(around.cylinders.empty() && !around.period.any(),
-          "{}: [[cylinders]] and [periodic] act in phases of method = \"penalty\" only",
-          phase.place);
+  require(
+      around.cylinders.empty() && !around.period.any(),
+      "{}: [[cylinders]] and [periodic] act in phases of method = \"penalty\" and \"potential\" "
+      "only",
+      phase.place);
   const auto solver = settings.get<SolverSettings>();
   require(
       !needs_convex(solver.method) || solver.friction == FrictionModel::convex ||

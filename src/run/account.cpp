@@ -13,7 +13,8 @@ void Account::book_event(const Diagnostics& before, double potential_before,
   angular_momentum_ += after.angular_momentum - before.angular_momentum;
 }
 
-Balance Account::balance(const Diagnostics& sums, double gravitational, double bonds) {
+Balance Account::balance(const Diagnostics& sums, double potential, double bonds) {
+  const double gravitational = potential - sums.fallen;
   Balance result{.sums = sums, .gravitational = gravitational, .bonds = bonds};
   const double energy = sums.kinetic + gravitational + bonds + sums.dissipated - sums.corrections -
                         sums.own_work - given_;
@@ -34,22 +35,23 @@ Balance Account::balance(const Diagnostics& sums, double gravitational, double b
   return result;
 }
 
-void Account::add_drifts(ResultTable& table, double momentum, double angular_momentum) const {
+void Account::add_drifts(ResultTable& table, double momentum,
+                         std::optional<double> angular_momentum) const {
   table.add("conservation", "linear", momentum_drift_ / (momentum > 0 ? momentum : momentum_scale_),
             "", "largest drift of momentum, of the impactor's");
+  if (!angular_momentum) return;
   table.add("conservation", "angular",
-            angular_momentum_drift_ / (angular_momentum > 0 ? angular_momentum : angular_scale_),
+            angular_momentum_drift_ / (*angular_momentum > 0 ? *angular_momentum : angular_scale_),
             "", "largest drift of angular momentum, of the impactor's on the pile's rim");
 }
 
-void Account::add_energies(ResultTable& table, const Diagnostics& sums,
-                           double gravitational) const {
+void Account::add_energies(ResultTable& table, const Diagnostics& sums, double potential) const {
   table.add("conservation", "energy_unexplained",
             sums.dissipated > 0 ? unexplained_ / sums.dissipated : 0, "",
             "energy that no entry explains, of what was dissipated");
   table.add("conservation", "dissipated", sums.dissipated, "J");
   table.add("conservation", "kinetic", sums.kinetic, "J");
-  table.add("conservation", "gravitational", gravitational, "J");
+  table.add("conservation", "gravitational", potential - sums.fallen, "J");
 }
 
 }  // namespace spall

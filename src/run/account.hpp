@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "output/diagnostics.hpp"
@@ -28,11 +29,14 @@ class Account {
   /// An event gave this much (J).
   void book_energy(double given) { given_ += given; }
 
-  Balance balance(const Diagnostics& sums, double gravitational, double bonds);
+  /// `potential`: J, of gravity with bodies where they are.
+  Balance balance(const Diagnostics& sums, double potential, double bonds);
 
   /// Drifts over these units (kg m/s, kg m^2/s), or where they are 0 over what the bodies carry.
-  void add_drifts(ResultTable& table, double momentum, double angular_momentum) const;
-  void add_energies(ResultTable& table, const Diagnostics& sums, double gravitational) const;
+  /// Angular momentum is left out where space repeats itself: there it has no centre.
+  void add_drifts(ResultTable& table, double momentum,
+                  std::optional<double> angular_momentum) const;
+  void add_energies(ResultTable& table, const Diagnostics& sums, double potential) const;
 
   /// What a restart file keeps.
   template <class Self, class F>

@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 
 #include "base/resident.hpp"
 #include "gravity/kick.hpp"
@@ -109,7 +110,7 @@ class Run {
   /// False where a signal ended it.
   bool run_phase(const SignalGuard& signals) {
     while (simulation_->steps_left() > 0) {
-      const bool row = simulation_->synchronous() && (scene_.output.series_every == 0 || row_due());
+      const bool row = simulation_->synchronous() && row_due();
       Diagnostics sums;
       if (row) {
         evaluate_field(world());
@@ -145,13 +146,25 @@ class Run {
     const std::int64_t steps =
         std::min(simulation_->steps_left(), steps_to_event(scene_, clock(), phase().step));
     if (phase().engine->solves) return static_cast<int>(std::min<std::int64_t>(steps, 1 << 30));
-    return scene_.output.series_every == 0 ? 1 : static_cast<int>(std::min(steps, most_at_once));
+    return static_cast<int>(std::min({steps, most_at_once, steps_to_row()}));
   }
 
   bool passed_multiple(double every) const {
     return spall::passed_multiple(clock(), phase().step, every);
   }
-  bool row_due() const { return clock().step == 0 || passed_multiple(scene_.output.series_every); }
+  /// A row costs as much as half a step of smooth forces: without being told, one in so many.
+  static constexpr std::int64_t steps_a_row = 100;
+  /// Of smooth forces; what a time tells is an event of the timetable.
+  std::int64_t steps_to_row() const {
+    const auto& every = scene_.output.series_every;
+    if (every) return *every > 0 ? std::numeric_limits<std::int64_t>::max() : 1;
+    return steps_a_row - clock().step_in_phase % steps_a_row;
+  }
+  bool row_due() const {
+    const auto& every = scene_.output.series_every;
+    if (every && *every > 0) return clock().step == 0 || passed_multiple(*every);
+    return every || phase().engine->solves || clock().step_in_phase % steps_a_row == 0;
+  }
 
   /// Snapshots and read-outs at the instant that the clock has just reached.
   void at_instant() {
@@ -266,12 +279,15 @@ class Run {
   }
 
   void add_conservation(ResultTable& table, const Diagnostics& sums) {
-    const bool free = scene_.planes.empty() && scene_.uniform_gravity.isZero(0) &&
+    const bool free = scene_.walls().size() == 0 && scene_.uniform_gravity.isZero(0) &&
                       std::none_of(scene_.groups.begin(), scene_.groups.end(),
                                    [](const Group& group) { return group.fixed; });
     // An impactor's own momentum is the measure of its impact.
     const double unit = verdict_.has_impact() ? verdict_.impactor_momentum() : 0;
-    if (free) simulation_->account().add_drifts(table, unit, unit * verdict_.pile_radius());
+    const bool turns = !scene_.period.any();
+    if (free)
+      simulation_->account().add_drifts(
+          table, unit, turns ? std::optional(unit * verdict_.pile_radius()) : std::nullopt);
     simulation_->account().add_energies(table, sums, world().kick.potential);
   }
 

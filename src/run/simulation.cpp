@@ -190,7 +190,7 @@ Energies Simulation::energies() const {
   evaluate_field(copy);
   return {.kinetic = sums.kinetic,
           .pairs = engine().energy(world()),
-          .gravitational = copy.kick.potential,
+          .gravitational = copy.kick.potential - sums.fallen,
           .dissipated = sums.dissipated,
           .own_work = sums.own_work};
 }
@@ -270,10 +270,10 @@ RestartState Simulation::save() {
   // What the ranks know in parts goes to rank 0, whose scalars a restart file keeps.
   World& world = state_->world;
   Ledger& ledger = world.ledger;
-  std::array<double, 4> sums{ledger.dissipated, ledger.cohesion_work, ledger.corrections,
-                             ledger.own_work};
+  std::array<double, 5> sums{ledger.dissipated, ledger.cohesion_work, ledger.corrections,
+                             ledger.own_work, ledger.fallen};
   world.comm.sum(sums);
-  ledger = world.comm.rank == 0 ? Ledger{sums[0], sums[1], sums[2], sums[3]} : Ledger{};
+  ledger = world.comm.rank == 0 ? Ledger{sums[0], sums[1], sums[2], sums[3], sums[4]} : Ledger{};
   for (auto& [stage, seconds] : world.times) seconds = world.comm.max(seconds);
   PairMemory memory = engine().remember(world);
   RestartState state{.case_file = scene().file,

@@ -20,7 +20,8 @@ std::int64_t steps_to_multiple(double time, double h, double every) {
 std::int64_t steps_to_event(const Case& scene, const Clock& clock, double h) {
   std::int64_t steps = std::numeric_limits<std::int64_t>::max();
   const double debris_every = scene.debris ? scene.debris->every : 0;
-  for (double every : {scene.output.series_every, scene.output.snapshot_every, debris_every})
+  for (double every :
+       {scene.output.series_every.value_or(0), scene.output.snapshot_every, debris_every})
     if (every > 0) steps = std::min(steps, steps_to_multiple(clock.time, h, every));
   if (clock.since_impact >= 0)
     for (double at : scene.read_out)

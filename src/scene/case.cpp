@@ -167,8 +167,10 @@ void read_case_keys(Section& in, Case& scene) {
   in.table("output", "snapshots, time series and restarts", [&](Section& s) {
     s.take("snapshot_every", "simulated; 0: at the ends of phases only",
            scene.output.snapshot_every, not_negative(time));
-    s.take("series_every", "simulated; 0: every step", scene.output.series_every,
-           not_negative(time));
+    s.take("series_every",
+           "simulated; 0: every step; left out: every step where impulses are solved for, else "
+           "each hundredth",
+           scene.output.series_every, not_negative(time));
     s.take("restart_every", "of wall time", scene.output.restart_every, positive(time));
   });
   Binary binary;

@@ -14,10 +14,13 @@ struct Period {
   Vec3 size = Vec3::Zero();  ///< m; 0: this direction does not repeat
 
   bool any() const { return !size.isZero(0); }
-  /// The image of `x` that lies inside.
+  /// The image of `x` that lies inside, which is its own image.
   Vec3 wrapped(Vec3 x) const {
-    for (int k = 0; k < 3; ++k)
-      if (size[k] > 0) x[k] -= size[k] * std::floor((x[k] - low[k]) / size[k]);
+    for (int k = 0; k < 3; ++k) {
+      if (size[k] == 0) continue;
+      x[k] -= size[k] * std::floor((x[k] - low[k]) / size[k]);
+      if (x[k] >= low[k] + size[k]) x[k] = low[k];  // rounded up to the end
+    }
     return x;
   }
 };

@@ -29,6 +29,11 @@ struct Surroundings {
   Vec3 uniform_gravity = Vec3::Zero();  ///< m/s^2
 
   Walls walls() const { return {planes, cylinders}; }
+  /// m/s^2, where bodies do not attract each other: the uniform field, which smooth forces carry in
+  /// each of their own kicks.
+  Vec3 steady_gravity() const {
+    return gravity.method == GravityMethod::none ? uniform_gravity : Vec3::Zero();
+  }
   bool has_gravity() const {
     return gravity.method != GravityMethod::none || !uniform_gravity.isZero(0);
   }
@@ -40,6 +45,8 @@ struct Ledger {
   double cohesion_work = 0;  ///< by cohesion on the bodies
   double corrections = 0;  ///< gained by the bodies, height included, as overlaps were taken apart
   double own_work = 0;     ///< by forces of the program that uses Spall
+  double fallen = 0;  ///< height in the uniform field, m g z, that bodies regained as they were set
+                      ///< back into a period: they are deeper than their places say
 };
 
 /// Forces of a program: adds to the force (N) on each owned body, row by row.
@@ -73,6 +80,7 @@ struct World : Surroundings {
     f("ledger.cohesion_work", ledger.cohesion_work);
     f("ledger.corrections", ledger.corrections);
     f("ledger.own_work", ledger.own_work);
+    f("ledger.fallen", ledger.fallen);
     for (auto& [stage, seconds] : self.times) f("seconds." + stage, seconds);
   }
 };
