@@ -30,7 +30,13 @@ Diagnostics diagnose(const World& world) {
     d.angular_momentum += inertia * bodies.angular_velocity[b];
     rotation += inertia * bodies.angular_velocity[b].squaredNorm() / 2;
   }
-  std::array<double, 19> sums{d.mass,
+  Reaction received;
+  for (const auto* all : {&world.reactions.of_walls, &world.reactions.of_groups})
+    for (const Reaction& one : *all) {
+      received.impulse += one.impulse;
+      received.moment += one.moment;
+    }
+  std::array<double, 26> sums{d.mass,
                               moment[0],
                               moment[1],
                               moment[2],
@@ -48,7 +54,14 @@ Diagnostics diagnose(const World& world) {
                               world.ledger.cohesion_work,
                               world.ledger.corrections,
                               squares,
-                              world.ledger.own_work};
+                              world.ledger.own_work,
+                              world.ledger.prescribed_work,
+                              received.impulse[0],
+                              received.impulse[1],
+                              received.impulse[2],
+                              received.moment[0],
+                              received.moment[1],
+                              received.moment[2]};
   world.comm.sum(sums);
   d.mass = sums[0];
   d.centre = d.mass > 0 ? Vec3(Vec3(sums[1], sums[2], sums[3]) / d.mass) : Vec3::Zero();
@@ -64,6 +77,9 @@ Diagnostics diagnose(const World& world) {
   d.cohesion_work = sums[15];
   d.corrections = sums[16];
   d.own_work = sums[18];
+  d.prescribed_work = sums[19];
+  d.given_momentum = -Vec3(sums[20], sums[21], sums[22]);
+  d.given_angular_momentum = -Vec3(sums[23], sums[24], sums[25]);
   return d;
 }
 

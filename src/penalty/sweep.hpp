@@ -71,7 +71,8 @@ struct ContactModel {
   /// the lanes that touched a step ago.
   ContactForce operator()(ContactLanes& c, const LaneMask& touching, unsigned before,
                           SpringLanes& spring) const {
-    const LaneMask attracts = c.overlap > -law.cohesion_range;
+    // Two bodies that never move do nothing to each other.
+    const LaneMask attracts = (c.overlap > -law.cohesion_range) & (c.inverse_mass > 0.0);
     c.overlap = select(touching, c.overlap, Lanes{});
     ContactForce f = contact_force<frictional, rolling>(normal, law, c, h, spring);
     f.force = only(touching, f.force);

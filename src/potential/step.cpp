@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "base/kernels.hpp"
+#include "engine/prescribed.hpp"
 #include "pairs/flight.hpp"
 #include "potential/laws.hpp"
 #include "spall/error.hpp"
@@ -219,6 +220,8 @@ Box kick_and_drift(World& world, Potential& engine, const ByPair<double>& dampin
   double taken = 0;
   const auto finish = [&, damped = is_damped](Index b) {
     PairRow& row = rows[b];
+    if (row.place[3] == 0)
+      book_held(world, b, vector_of(row.place), h * vector_of(row.force), Vec3::Zero());
     const RowHalf kick = (h * row.place[3]) * row.force;
     const RowHalf v = half_row(velocity[b], 0) + kick;
     velocity[b] = vector_of(v);
@@ -259,21 +262,23 @@ class Motion {
         is_damped_(is_damped(engine.law)),
         embeddings_(engine.law) {}
 
-  void begin(double) {
+  void begin(double h) {
+    h_ = h;
     velocities_ = velocities_of(world_.bodies);
     fill_rows(world_, engine_);
   }
   void drift(double t) {
-    book_motion(world_.comm, velocities_, t, engine_.near);
     for (Index b = 0; b < world_.bodies.owned; ++b)
       spall::drift(engine_.rows[b], half_row(world_.bodies.velocity[b], 0), t);
+    move(t);
   }
   void kick(double h, double first, double second) {
     if (!world_.own_forces.empty()) kick_by_program(h);
+    prescribe_velocities();
     update_pairs(world_, engine_, is_damped_);
     if (embeddings_.any()) update_pushes(world_, engine_, embeddings_);
     velocities_ = kick_and_drift(world_, engine_, damping_, h, first, second);
-    book_motion(world_.comm, velocities_, first + second, engine_.near);
+    move(first + second);
   }
   void end() { take_rows(world_, engine_); }
 
@@ -285,12 +290,24 @@ class Motion {
       for (Index b = 0; b < world_.bodies.owned; ++b)
         engine_.ahead[b] = world_.bodies.velocity[b] + world_.bodies.kick[b] / 2;
   }
+  void prescribe_velocities() {
+    const auto rows = set_prescribed_velocities(world_, world_.time - h_ / 2, h_);
+    if (is_damped_)
+      for (Index b : rows) engine_.ahead[b] = world_.bodies.velocity[b];
+  }
+  /// Others have moved by `t`: bodies of moving groups go where they must.
+  void move(double t) {
+    for (const auto& [row, position] : advance_prescribed(world_, t, velocities_))
+      engine_.rows[row].place = half_row(position, engine_.rows[row].place[3]);
+    book_motion(world_.comm, velocities_, t, engine_.near);
+  }
 
   World& world_;
   Potential& engine_;
   ByPair<double> damping_;
   bool is_damped_;
   Embeddings embeddings_;
+  double h_ = 0;
   Box velocities_;
 };
 

@@ -6,6 +6,7 @@
 
 #include "scene/materials.hpp"
 #include "scene/packing.hpp"
+#include "scene/read_motion.hpp"
 #include "spall/error.hpp"
 
 namespace spall {
@@ -78,8 +79,8 @@ void read_group(Section& in, Group& group, const std::vector<Material>& material
            [&](Section& s) { read_packing(s, group.packing); });
   in.take("velocity", "of the volume's center", group.velocity, any(speed));
   in.take("spin", "rigid rotation about the volume's center", group.spin, any(spin));
-  in.take("fixed", "never moves", group.fixed);
   in.take("total_mass", "the density is scaled to give it", group.total_mass, positive(mass));
+  read_motion_of_group(in, group);
   group.material = find_material(in, material, materials);
   const bool single = group.packing.type == &single_packing;
   in.check("volume", !single || group.volume.shape == Shape::sphere,

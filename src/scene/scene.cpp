@@ -88,7 +88,7 @@ void check_clear(const Case& scene, const Group& group, const std::vector<Placed
 
 /// What the mass of each body of a group is multiplied with.
 double mass_factor(const Group& group, const GroupContent& content) {
-  if (group.fixed) return infinity;
+  if (group.held()) return infinity;
   return group.total_mass ? *group.total_mass / content.mass : 1;
 }
 
@@ -126,6 +126,7 @@ FieldSet fields_of(const Case& scene) {
   FieldSet fields;
   if (std::ranges::any_of(scene.groups, turns) || std::ranges::any_of(scene.spheres, turns))
     fields |= {Field::angular_velocity};
+  if (!scene.motions.empty()) fields |= {Field::anchor};
   if (scene.has_gravity()) fields |= {Field::acceleration};
   for (const Phase& phase : scene.phases) fields |= phase.engine->fields(scene, phase.settings);
   return fields;
@@ -135,6 +136,8 @@ World make_world(const Comm& comm, const Case& scene) {
   World world;
   static_cast<Surroundings&>(world) = scene;
   world.comm = comm;
+  world.reactions.of_walls.resize(scene.walls().size());
+  world.reactions.of_groups.resize(group_of_spheres(scene) + 1);
   return world;
 }
 
@@ -183,6 +186,7 @@ Bodies make_bodies(const Case& scene, const Comm& comm) {
         bodies.radius[row] = radius;
         bodies.mass[row] = factor * mass;
         bodies.position[row] = center;
+        if (bodies.has(Field::anchor)) bodies.anchor[row] = center;
         bodies.velocity[row] = group.velocity + group.spin.cross(center - group.volume.center);
         if (bodies.has(Field::angular_velocity)) bodies.angular_velocity[row] = group.spin;
       }
