@@ -77,7 +77,8 @@ class Simulation {
   /// are made: their ids stay.
   const Bodies& bodies() const;
   /// Lets `change` change owned rows in place, but not their number or ids. Neighbours are found
-  /// anew, what contacts remember stays with them; the energy that it gives is booked.
+  /// anew, what contacts remember stays with them; the energy that it gives is booked. Bodies that
+  /// are fixed or move as prescribed must stay so.
   void change_bodies(const std::function<void(Bodies&)>& change);
 
   Energies energies() const;

@@ -100,7 +100,8 @@ double wall_energy(const Bodies& bodies, const Walls& walls, const Model& model,
     const WallLanes eight(bodies, walls, part);
     const Lanes u = model.of(materials_at_walls(bodies, walls, part))
                         .energy(eight.contact.overlap, eight.contact.radius, eight.before);
-    for (std::size_t l = 0; l < part.size(); ++l) energy += u[l];
+    for (std::size_t l = 0; l < part.size(); ++l)
+      if (eight.contact.inverse_mass[l] > 0) energy += u[l];
   }
   return energy;
 }
