@@ -3,39 +3,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
-#include <map>
-#include <sstream>
 
-#include "run/run.hpp"
-#include "testing.hpp"
+#include "run_series.hpp"
 
 namespace spall {
 namespace {
-
-/// Rows of a run's series: values by the names of their columns.
-std::vector<std::map<std::string, double>> series_of(const std::string& text) {
-  const std::string name = ::testing::UnitTest::GetInstance()->current_test_info()->name();
-  const std::string folder =
-      std::filesystem::absolute(fmt::format("books_{}_{}", name, testing_world().size)).string();
-  run_case(testing_world(), parse_case(text, name + ".toml"), folder);
-  testing_world().any(false);  // rank 0 has written it
-  std::ifstream file(folder + "/series.csv");
-  std::vector<std::string> names;
-  std::vector<std::map<std::string, double>> rows;
-  for (std::string line, cell; std::getline(file, line);) {
-    std::istringstream cells(line);
-    if (names.empty()) {
-      while (std::getline(cells, cell, ',')) names.push_back(cell);
-      continue;
-    }
-    auto& row = rows.emplace_back();
-    for (const std::string& column : names)
-      if (std::getline(cells, cell, ',')) row[column] = std::stod(cell);
-  }
-  return rows;
-}
 
 /// The largest energy of a run that nothing explains, of what was dissipated at its end.
 double unexplained(const std::string& text) {

@@ -37,19 +37,19 @@ ROOT = Path(__file__).resolve().parent.parent
 NEAREST = {
     "base": ["domain", "gravity", "ghosts"],
     "keys": ["units", "case"],
-    "state": ["ledger", "step", "penalty", "bonds", "potential"],
+    "state": ["prescribed", "ledger", "step", "penalty", "bonds", "potential"],
     "domain": ["domain", "ghosts"],
     "pairs": ["clouds", "bonds", "step", "penalty", "potential"],
     "gravity": ["ledger", "gravity", "gravity_tree", "orbits"],
     "solver": ["thresholds", "solver", "solver_methods", "fclib"],
-    "engine": ["books", "potential", "penalty"],
+    "engine": ["prescribed", "books", "potential", "penalty"],
     "rigid": ["ledger", "thresholds", "step", "clouds", "hard_cases", "books"],
     "potential": ["thresholds", "constitutive", "potential", "embedding", "pair_laws", "bonds"],
     "penalty": ["penalty", "penalty_scenes", "books"],
     "scene": ["scene", "packing", "surface_mesh", "case"],
     "analysis": ["thresholds", "analysis", "debris"],
     "output": ["output", "fclib", "debris"],
-    "run": ["ledger", "books", "pipeline", "scenes", "debris"],
+    "run": ["ledger", "reactions", "books", "pipeline", "scenes", "debris"],
     "spall": ["domain", "gravity", "step"],
 }
 SLOW = 60  # s: a test that takes longer on the unchanged code is left out

@@ -33,13 +33,14 @@ inline constexpr unsigned kept = migrated | restarted;
   X(std::int32_t, group, 0, "", always | kept | ghosted | fixed, "number of the group")            \
   X(std::int32_t, material, 0, "", always | kept | ghosted | fixed, "number of the material")      \
   X(double, radius, 0, "m", always | kept | ghosted | fixed, "")                                   \
-  X(double, mass, 0, "kg", always | kept | ghosted | fixed, "infinite: never moves")               \
+  X(double, mass, 0, "kg", always | kept | ghosted | fixed, "infinite: fixed or prescribed")       \
   X(Vec3, position, Vec3::Zero(), "m", always | kept | ghosted | refreshed | written, "")          \
   X(Vec3, velocity, Vec3::Zero(), "m s-1", always | kept | ghosted | refreshed | written, "")      \
   X(Vec3, angular_velocity, Vec3::Zero(), "rad s-1", kept | ghosted | refreshed | written,         \
     "in the world's frame")                                                                        \
   X(Vec3, acceleration, Vec3::Zero(), "m s-2", kept | ghosted | refreshed | written,               \
     "by gravity when its field was last evaluated")                                                \
+  X(Vec3, anchor, Vec3::Zero(), "m", kept, "at the start, of bodies that move as prescribed")      \
   X(double, heat, 0, "J", kept | written, "left by damping, less the work of its pressure")        \
   X(Vec3, kick, Vec3::Zero(), "m s-1", kept | ghosted | written, "by potentials in the last step") \
   X(std::int32_t, bonds, 0, "", kept | written, "that the body was made with")                     \

@@ -38,11 +38,12 @@ struct StepSummary {
 
 /// J, over all ranks. Kinetic energy is that of the velocities as they are.
 struct Energies {
-  double kinetic = 0;        ///< translation and rotation
-  double pairs = 0;          ///< elastic, of potentials, or of cohesion (negative)
-  double gravitational = 0;  ///< of bodies on each other, and in the uniform field
-  double dissipated = 0;     ///< so far
-  double own_work = 0;       ///< of the program's own forces, so far
+  double kinetic = 0;          ///< translation and rotation
+  double pairs = 0;            ///< elastic, of potentials, or of cohesion (negative)
+  double gravitational = 0;    ///< of bodies on each other, and in the uniform field
+  double dissipated = 0;       ///< so far
+  double own_work = 0;         ///< of the program's own forces, so far
+  double prescribed_work = 0;  ///< of groups that move as prescribed, on the others, so far
 };
 
 /// Two bodies that touch, are within the range of cohesion, or are bound; each pair once.
@@ -76,7 +77,8 @@ class Simulation {
   /// are made: their ids stay.
   const Bodies& bodies() const;
   /// Lets `change` change owned rows in place, but not their number or ids. Neighbours are found
-  /// anew, what contacts remember stays with them; the energy that it gives is booked.
+  /// anew, what contacts remember stays with them; the energy that it gives is booked. Bodies that
+  /// are fixed or move as prescribed must stay so.
   void change_bodies(const std::function<void(Bodies&)>& change);
 
   Energies energies() const;

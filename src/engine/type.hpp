@@ -20,7 +20,7 @@ struct MaterialUse {
   int material = 0;      ///< index into the materials
   Lattice lattice = {};  ///< no neighbours: none
   double mass = 0;       ///< kg, of its lightest body; 0: not known yet
-  bool fixed = false;
+  bool fixed = false;    ///< or moves as prescribed: infinite mass
 };
 
 /// The lattice that all lattices of a material share. Throws Error, which begins with `place` where
@@ -40,10 +40,11 @@ struct PhaseView {
 };
 
 struct EngineType {
-  std::string_view name;  ///< of `method` in a phase
-  std::string_view help;  ///< in a line
-  bool deflects = false;  ///< its contacts tell what hangs together: read-outs of dv
-  bool solves = false;    ///< for impulses: results tell its residuals
+  std::string_view name;      ///< of `method` in a phase
+  std::string_view help;      ///< in a line
+  bool deflects = false;      ///< its contacts tell what hangs together: read-outs of dv
+  bool solves = false;        ///< for impulses: results tell its residuals
+  bool moves_groups = false;  ///< its steps move groups as prescribed: engine/prescribed.hpp
 
   /// Reads its own tables of a case.
   void (*read)(Section& in, EngineSettings& settings);

@@ -235,6 +235,16 @@ double Section::number(std::string_view key, const toml::node& node,
   return value;
 }
 
+Vec3 Section::vector(std::string_view key, const toml::node& node, const Quantity& quantity) const {
+  const toml::array* array = node.as_array();
+  if (!array || array->size() != 3)
+    fail(key, fmt::format("is {}; three components are wanted, each {}",
+                          array ? fmt::format("an array of {}", array->size()) : type_name(node),
+                          describe(quantity.dimension)));
+  return {number(key, *array->get(0), quantity), number(key, *array->get(1), quantity),
+          number(key, *array->get(2), quantity)};
+}
+
 void Section::read(const Key& key, double& value, const Quantity& quantity) {
   if (const toml::node* node = find(key, kind_of(quantity), fmt::format("{}", value)))
     value = number(key.name, *node, quantity);
@@ -248,14 +258,7 @@ void Section::read(const Key& key, std::optional<double>& value, const Quantity&
 void Section::read(const Key& key, Vec3& value, const Quantity& quantity) {
   const toml::node* node = find(key, fmt::format("[3 {}]", kind_of(quantity)),
                                 fmt::format("[{}, {}, {}]", value[0], value[1], value[2]));
-  if (!node) return;
-  const toml::array* array = node->as_array();
-  if (!array || array->size() != 3)
-    fail(key.name,
-         fmt::format("is {}; three components are wanted, each {}",
-                     array ? fmt::format("an array of {}", array->size()) : type_name(*node),
-                     describe(quantity.dimension)));
-  for (int k = 0; k < 3; ++k) value[k] = number(key.name, *array->get(k), quantity);
+  if (node) value = vector(key.name, *node, quantity);
 }
 
 void Section::read(const Key& key, std::vector<double>& values, const Quantity& quantity) {
@@ -265,6 +268,15 @@ void Section::read(const Key& key, std::vector<double>& values, const Quantity& 
   values.clear();
   for (const toml::node& element : *node->as_array())
     values.push_back(number(key.name, element, quantity));
+}
+
+void Section::read(const Key& key, std::vector<Vec3>& values, const Quantity& quantity) {
+  const toml::node* node = find(key, fmt::format("[[3 {}] ...]", kind_of(quantity)), "[]");
+  if (!node) return;
+  if (!node->is_array()) fail(key.name, fmt::format("is {}; an array is wanted", type_name(*node)));
+  values.clear();
+  for (const toml::node& element : *node->as_array())
+    values.push_back(vector(key.name, element, quantity));
 }
 
 void Section::read(const Key& key, std::int64_t& value, std::int64_t low) {

@@ -110,6 +110,7 @@ class Section {
   void read(const Key& key, std::optional<double>& value, const Quantity& quantity);
   void read(const Key& key, Vec3& value, const Quantity& quantity);
   void read(const Key& key, std::vector<double>& values, const Quantity& quantity);
+  void read(const Key& key, std::vector<Vec3>& values, const Quantity& quantity);
   void read(const Key& key, std::int64_t& value, std::int64_t low);
   void read(const Key& key, std::vector<std::string>& values);
   void read(const Key& key, std::string& value);
@@ -133,6 +134,7 @@ class Section {
   /// The node of `key`, written down as known; null where it is left out.
   const toml::node* find(const Key& key, const std::string& kind, const std::string& by_default);
   double number(std::string_view key, const toml::node& node, const Quantity& quantity) const;
+  Vec3 vector(std::string_view key, const toml::node& node, const Quantity& quantity) const;
   std::size_t choose(const Key& key, const std::vector<std::string_view>& names,
                      std::size_t by_default);
   [[noreturn]] void fail(std::string_view key, std::string_view what) const;

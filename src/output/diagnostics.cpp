@@ -30,7 +30,13 @@ Diagnostics diagnose(const World& world) {
     d.angular_momentum += inertia * bodies.angular_velocity[b];
     rotation += inertia * bodies.angular_velocity[b].squaredNorm() / 2;
   }
-  std::array<double, 20> sums{d.mass,
+  Reaction received;
+  for (const auto* all : {&world.reactions.of_walls, &world.reactions.of_groups})
+    for (const Reaction& one : *all) {
+      received.impulse += one.impulse;
+      received.moment += one.moment;
+    }
+  std::array<double, 27> sums{d.mass,
                               moment[0],
                               moment[1],
                               moment[2],
@@ -49,7 +55,14 @@ Diagnostics diagnose(const World& world) {
                               world.ledger.corrections,
                               squares,
                               world.ledger.own_work,
-                              world.ledger.fallen};
+                              world.ledger.fallen,
+                              world.ledger.prescribed_work,
+                              received.impulse[0],
+                              received.impulse[1],
+                              received.impulse[2],
+                              received.moment[0],
+                              received.moment[1],
+                              received.moment[2]};
   world.comm.sum(sums);
   d.mass = sums[0];
   d.centre = d.mass > 0 ? Vec3(Vec3(sums[1], sums[2], sums[3]) / d.mass) : Vec3::Zero();
@@ -66,6 +79,9 @@ Diagnostics diagnose(const World& world) {
   d.corrections = sums[16];
   d.own_work = sums[18];
   d.fallen = sums[19];
+  d.prescribed_work = sums[20];
+  d.given_momentum = -Vec3(sums[21], sums[22], sums[23]);
+  d.given_angular_momentum = -Vec3(sums[24], sums[25], sums[26]);
   return d;
 }
 

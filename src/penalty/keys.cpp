@@ -164,6 +164,7 @@ std::unique_ptr<Engine> make(const EngineSettings& settings) {
 const EngineType penalty_engine{
     .name = "penalty",
     .help = "grains that touch by springs and dashpots: Hertz and Mindlin, Hooke, DMT, JKR",
+    .moves_groups = true,
     .read = read,
     .derive = derive,
     .check = check,

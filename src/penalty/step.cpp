@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/kernels.hpp"
+#include "engine/prescribed.hpp"
 #include "pairs/flight.hpp"
 #include "penalty/walls.hpp"
 #include "spall/error.hpp"
@@ -82,6 +83,9 @@ Box kick_and_drift(World& world, Penalty& engine, const ByPair<PenaltyLaw>& laws
     ForceRow& row = rows[b];
     const double scale = h / bodies.mass[b], r = bodies.radius[b];
     const double turn = scale / (sphere_inertia * r * r);
+    if (is_held(bodies, b))
+      book_held(world, b, bodies.position[b], h * Vec3(row.force[0], row.force[1], row.force[2]),
+                h * Vec3(row.torque[0], row.torque[1], row.torque[2]));
     bodies.velocity[b] += scale * Vec3(row.force[0], row.force[1], row.force[2]);
     if (scale > 0) bodies.velocity[b] += fall;
     bodies.angular_velocity[b] += turn * Vec3(row.torque[0], row.torque[1], row.torque[2]);
@@ -94,7 +98,7 @@ Box kick_and_drift(World& world, Penalty& engine, const ByPair<PenaltyLaw>& laws
   };
   with_contact_model(laws, h, [&](const auto& model) {
     TouchPairs& touch = engine.touch;
-    sweep_walls(bodies, world.walls(), model, touch.walls, rows);
+    sweep_walls(bodies, world.walls(), model, h, touch.walls, rows, world.reactions.of_walls);
     sweep_contacts(bodies, model, touch.gap, touch.windows, touch.equal, touch.springs, rows,
                    finish);
   });
@@ -132,8 +136,8 @@ class Motion {
   }
   void drift(double t) {
     Bodies& bodies = world_.bodies;
-    book_motion(world_.comm, velocities_, t, engine_.touch);
     for (Index b = 0; b < bodies.owned; ++b) bodies.position[b] += t * bodies.velocity[b];
+    move(t);
   }
   double energy() {
     update_pairs(world_, engine_, laws_);
@@ -141,10 +145,11 @@ class Motion {
   }
   void kick(double h, double first, double second) {
     kick_by_own_forces(world_, h);
+    set_prescribed_velocities(world_, world_.time - h_ / 2, h_);
     update_pairs(world_, engine_, laws_);
     velocities_ = kick_and_drift(world_, engine_, laws_, h, first, second);
     if (world_.walls().size() > 0) velocities_.add(Vec3(Vec3::Zero()));
-    book_motion(world_.comm, velocities_, first + second, engine_.touch);
+    move(first + second);
     if (std::exchange(searches_, engine_.touch.searches) != engine_.touch.searches)
       check_penalty_step(world_, engine_.settings, h_, velocities_.united(world_.comm).diagonal(),
                          "bodies have become faster");
@@ -152,6 +157,13 @@ class Motion {
   void end() {}
 
  private:
+  /// Others have moved by `t`: bodies of moving groups go where they must.
+  void move(double t) {
+    for (const auto& [row, position] : advance_prescribed(world_, t, velocities_))
+      world_.bodies.position[row] = position;
+    book_motion(world_.comm, velocities_, t, engine_.touch);
+  }
+
   World& world_;
   Penalty& engine_;
   ByPair<PenaltyLaw> laws_;

@@ -71,7 +71,8 @@ struct ContactModel {
   /// the lanes that touched a step ago.
   ContactForce operator()(ContactLanes& c, const LaneMask& touching, unsigned before,
                           SpringLanes& spring) const {
-    const LaneMask attracts = c.overlap > -law.cohesion_range;
+    // Two bodies that never move do nothing to each other.
+    const LaneMask attracts = (c.overlap > -law.cohesion_range) & (c.inverse_mass > 0.0);
     c.overlap = select(touching, c.overlap, Lanes{});
     ContactForce f = contact_force<frictional, rolling>(normal, law, c, h, spring);
     f.force = only(touching, f.force);
@@ -330,7 +331,8 @@ template <class Model, class Finish>
   }
 }
 
-/// J, elastic, of all pairs; those with a ghost count half, as both ranks have them.
+/// J, elastic, of all pairs; those with a ghost count half, as both ranks have them. Two bodies
+/// that never move hold nothing.
 template <class Model>
 double sweep_contact_energy(const Bodies& bodies, const Model& model, double gap,
                             const std::vector<NearWindow>& windows,
@@ -351,8 +353,11 @@ double sweep_contact_energy(const Bodies& bodies, const Model& model, double gap
         const LaneMask near = (r2 < reach * reach) & (r2 > 0.0);
         if (!any_lane(near)) continue;
         Lanes share;
-        for (std::size_t l = 0; l < lane_count; ++l)
-          share[l] = partners[l] / doubles_a_row < bodies.owned ? 1 : 0.5;
+        for (std::size_t l = 0; l < lane_count; ++l) {
+          const Index i = own[l] / doubles_a_row, j = partners[l] / doubles_a_row;
+          const bool held = bodies.mass[i] == infinity && bodies.mass[j] == infinity;
+          share[l] = held ? 0 : j < bodies.owned ? 1 : 0.5;
+        }
         const Lanes u = model.of(materials_of(bodies, own, partners))
                             .energy(select(near, radii - root_of(r2), spread(-gap)),
                                     ri * rj / radii, springs[w].touching[slot]);

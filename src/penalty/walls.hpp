@@ -6,6 +6,7 @@
 #include <array>
 
 #include "penalty/sweep.hpp"
+#include "state/reaction.hpp"
 
 namespace spall {
 
@@ -55,10 +56,11 @@ inline auto materials_at_walls(const Bodies& bodies, const Walls& walls,
   };
 }
 
-/// Adds the forces of walls to the rows and steps their springs.
+/// Adds the forces of walls to the rows and steps their springs. `received`, by wall, grows by what
+/// they exert over `h` (s).
 template <class Model>
-void sweep_walls(const Bodies& bodies, const Walls& walls, const Model& model,
-                 std::vector<WallTouch>& touches, ForceRow* rows) {
+void sweep_walls(const Bodies& bodies, const Walls& walls, const Model& model, double h,
+                 std::vector<WallTouch>& touches, ForceRow* rows, std::vector<Reaction>& received) {
   const std::span<WallTouch> all(touches);
   for (std::size_t first = 0; first < all.size(); first += lane_count) {
     const auto part = all.subspan(first, std::min(lane_count, all.size() - first));
@@ -75,6 +77,11 @@ void sweep_walls(const Bodies& bodies, const Walls& walls, const Model& model,
       row.force += RowHalf{-f.force.x[l], -f.force.y[l], -f.force.z[l], f.power[l]};
       if constexpr (Model::frictional)
         row.torque += RowHalf{torque.x[l], torque.y[l], torque.z[l], 0};
+      const Vec3 push = WallLanes::get(f.force, l);
+      if (!push.isZero(0))
+        Reactions::at(received, part[l].wall)
+            .add(bodies.position[part[l].row], h * push,
+                 Model::frictional ? Vec3(-h * WallLanes::get(torque, l)) : Vec3(Vec3::Zero()));
       part[l].touching = touching[l] != 0;
       if constexpr (Model::frictional) part[l].sliding = WallLanes::get(eight.spring.sliding, l);
       if constexpr (Model::rolling) part[l].rolling = WallLanes::get(eight.spring.rolling, l);
@@ -93,7 +100,8 @@ double wall_energy(const Bodies& bodies, const Walls& walls, const Model& model,
     const WallLanes eight(bodies, walls, part);
     const Lanes u = model.of(materials_at_walls(bodies, walls, part))
                         .energy(eight.contact.overlap, eight.contact.radius, eight.before);
-    for (std::size_t l = 0; l < part.size(); ++l) energy += u[l];
+    for (std::size_t l = 0; l < part.size(); ++l)
+      if (eight.contact.inverse_mass[l] > 0) energy += u[l];
   }
   return energy;
 }

@@ -363,6 +363,7 @@ std::string names_of_pair(const Surroundings& around, int a, int b) {
 const EngineType potential_engine{
     .name = "potential",
     .help = "bodies that act on many neighbours by pair potentials; solids and fluids",
+    .moves_groups = true,
     .read = read,
     .derive = derive,
     .check = check,

@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "base/kernels.hpp"
+#include "engine/prescribed.hpp"
 #include "pairs/flight.hpp"
 #include "potential/laws.hpp"
 #include "potential/walls.hpp"
@@ -235,6 +236,8 @@ Box kick_and_drift(World& world, Potential& engine, const ByPair<double>& dampin
   double taken = 0;
   const auto finish = [&, damped = is_damped](Index b) {
     PairRow& row = rows[b];
+    if (row.place[3] == 0)
+      book_held(world, b, vector_of(row.place), h * vector_of(row.force), Vec3::Zero());
     RowHalf kick = (h * row.place[3]) * row.force;
     if (row.place[3] > 0) kick += fall;
     const RowHalf v = half_row(velocity[b], 0) + kick;
@@ -249,7 +252,7 @@ Box kick_and_drift(World& world, Potential& engine, const ByPair<double>& dampin
     }
     row.force = RowHalf{};
   };
-  push_from_walls(world, engine.law, engine.at_walls, rows);
+  push_from_walls(world, engine.law, engine.at_walls, h, rows);
   with_terms(world, engine, damping, [&](const auto& terms) {
     const double* v = is_damped ? ahead->data() : velocity->data();
     const auto sweep = [&]<bool damped, bool embedded>() {
@@ -296,14 +299,15 @@ class Motion {
         is_damped_(is_damped(engine.law)),
         embeddings_(engine.law) {}
 
-  void begin(double) {
+  void begin(double h) {
+    h_ = h;
     velocities_ = velocities_with_walls(world_);
     fill_rows(world_, engine_);
   }
   void drift(double t) {
-    book_motion(world_.comm, velocities_, t, engine_.near);
     for (Index b = 0; b < world_.bodies.owned; ++b)
       spall::drift(engine_.rows[b], half_row(world_.bodies.velocity[b], 0), t);
+    move(t);
   }
   double energy() {
     update_pairs(world_, engine_, is_damped_);
@@ -311,11 +315,12 @@ class Motion {
   }
   void kick(double h, double first, double second) {
     if (!world_.own_forces.empty()) kick_by_program(h);
+    prescribe_velocities();
     update_pairs(world_, engine_, is_damped_);
     if (embeddings_.any()) update_pushes(world_, engine_, embeddings_);
     velocities_ = kick_and_drift(world_, engine_, damping_, h, first, second);
     if (world_.walls().size() > 0) velocities_.add(Vec3(Vec3::Zero()));
-    book_motion(world_.comm, velocities_, first + second, engine_.near);
+    move(first + second);
   }
   void end() { take_rows(world_, engine_); }
 
@@ -327,12 +332,24 @@ class Motion {
       for (Index b = 0; b < world_.bodies.owned; ++b)
         engine_.ahead[b] = world_.bodies.velocity[b] + world_.bodies.kick[b] / 2;
   }
+  void prescribe_velocities() {
+    const auto rows = set_prescribed_velocities(world_, world_.time - h_ / 2, h_);
+    if (is_damped_)
+      for (Index b : rows) engine_.ahead[b] = world_.bodies.velocity[b];
+  }
+  /// Others have moved by `t`: bodies of moving groups go where they must.
+  void move(double t) {
+    for (const auto& [row, position] : advance_prescribed(world_, t, velocities_))
+      engine_.rows[row].place = half_row(position, engine_.rows[row].place[3]);
+    book_motion(world_.comm, velocities_, t, engine_.near);
+  }
 
   World& world_;
   Potential& engine_;
   ByPair<double> damping_;
   bool is_damped_;
   Embeddings embeddings_;
+  double h_ = 0;
   Box velocities_;
 };
 

@@ -43,11 +43,15 @@ std::vector<AtWall> bodies_at_walls(const World& world, const ByPair<PairPotenti
   return near;
 }
 
-void push_from_walls(const World& world, const ByPair<PairPotential>& laws,
-                     const std::vector<AtWall>& pairs, PairRow* rows) {
+void push_from_walls(World& world, const ByPair<PairPotential>& laws,
+                     const std::vector<AtWall>& pairs, double h, PairRow* rows) {
   for_each_pressed(world, laws, pairs, rows,
                    [&](const AtWall& pair, const PairPotential& law, const Face& face, double r) {
-                     rows[pair.row].force += half_row(pair_force(law, r) * face.normal, 0);
+                     PairRow& row = rows[pair.row];
+                     const Vec3 force = pair_force(law, r) * face.normal;
+                     row.force += half_row(force, 0);
+                     Reactions::at(world.reactions.of_walls, static_cast<std::size_t>(pair.wall))
+                         .add(vector_of(row.place), -h * force);
                    });
 }
 

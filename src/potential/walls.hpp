@@ -23,9 +23,10 @@ struct AtWall {
 std::vector<AtWall> bodies_at_walls(const World& world, const ByPair<PairPotential>& laws,
                                     double skin);
 
-/// Adds the walls' forces (N) to the rows, at the rows' places.
-void push_from_walls(const World& world, const ByPair<PairPotential>& laws,
-                     const std::vector<AtWall>& pairs, PairRow* rows);
+/// Adds the walls' forces (N) to the rows, at the rows' places. The walls receive the opposite over
+/// `h` (s).
+void push_from_walls(World& world, const ByPair<PairPotential>& laws,
+                     const std::vector<AtWall>& pairs, double h, PairRow* rows);
 
 /// J, of all these bodies at walls; none at rest.
 double energy_at_walls(const World& world, const ByPair<PairPotential>& laws,

@@ -81,6 +81,7 @@ const EngineType rigid_engine{
     .help = "rigid bodies with impacts, Coulomb friction and cohesion; impulses solved for",
     .deflects = true,
     .solves = true,
+    .moves_groups = true,
     .read = read,
     .read_phase = read_phase,
     .check = check,

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "engine/prescribed.hpp"
+
 namespace spall {
 
 Separation separation(const Bodies& bodies, const std::vector<Plane>& planes, Index i, Index j,
@@ -53,6 +55,7 @@ Contacts find_contacts(const Bodies& bodies, const std::vector<Plane>& planes, c
        contacts.impulse, contacts.pair);
   for (Index p = 0; p < pairs.size(); ++p) {
     const Index i = pairs.i[p], j = pairs.j[p];
+    if (is_held(bodies, i) && (j == ground || is_held(bodies, j))) continue;
     const Separation s = separation(bodies, planes, i, j, pairs.plane[p]);
     const double near = std::max(near_contact * smaller_radius(bodies, i, j),
                                  law_of(laws, bodies, planes, i, j, pairs.plane[p]).cohesion_range);

@@ -37,7 +37,8 @@ inline double smaller_radius(const Bodies& bodies, Index i, Index j) {
 Vec3 contact_velocity(const Bodies& bodies, Index i, Index j, double kappa, const Vec3& normal);
 
 /// All pairs whose gap becomes, within a step `h` (s) of flight at their present velocities, no
-/// wider than the range of cohesion or than `near_contact`. Impulses are the pairs'.
+/// wider than the range of cohesion or than `near_contact`. Impulses are the pairs'. What is held
+/// does nothing to what is held.
 Contacts find_contacts(const Bodies& bodies, const std::vector<Plane>& planes, const Pairs& pairs,
                        double h, const ByPair<ContactLaw>& laws);
 

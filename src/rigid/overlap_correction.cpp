@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
+#include "engine/prescribed.hpp"
 #include "rigid/narrow_phase.hpp"
 #include "solver/problem.hpp"
 
@@ -143,6 +145,7 @@ Correction correct_overlaps(const World& world, const Ghosts& all, const Contact
 /// their relative velocity: as they move out they must turn slower. The torque t = -h P n x u is
 /// given back at the new positions, n' apart by d', as an impulse pair q = t x n' / d' and, for the
 /// rest along n', in spins. Bodies without relative motion get nothing, however fast they part.
+/// What held bodies receive completes the momenta of both.
 void keep_angular_momentum(World& world, const Contacts& contacts, const Correction& correction,
                            double h) {
   if (correction.row.empty()) return;
@@ -163,10 +166,16 @@ void keep_angular_momentum(World& world, const Contacts& contacts, const Correct
     const Vec3 apart = bodies.position[j] - bodies.position[i];
     const Vec3 q = torque.cross(apart) / apart.squaredNorm();
     const Vec3 rest = apart.dot(torque) / apart.squaredNorm() * apart;
-    if (moves(i)) impulse[i] -= q;
-    if (moves(j)) impulse[j] += q;
-    for (Index b : {i, j})
-      if (moves(b)) turn[b] += rest / 2;
+    for (const auto& [b, sign] : {std::pair(i, -1.0), std::pair(j, 1.0)}) {
+      if (moves(b)) {
+        impulse[b] += sign * q;
+        turn[b] += rest / 2;
+      } else if (b < bodies.owned) {
+        const Vec3 moved = sign * h * correction.impulse[k].cross(bodies.velocity[b]);
+        Reactions::at(world.reactions.of_groups, bodies.group[b])
+            .add(bodies.position[b], sign * q, rest / 2 + moved);
+      }
+    }
   }
   for (Index b = 0; b < bodies.owned; ++b) {
     if (!moves(b)) continue;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/prescribed.hpp"
 #include "gravity/kick.hpp"
 #include "rigid/narrow_phase.hpp"
 #include "rigid/overlap_correction.hpp"
@@ -67,10 +68,11 @@ double rebound(double closing, double gap, double a, double e) {
 }
 
 /// Signorini with restitution on velocity level: u_n+ >= -g/h before contact, u_n+ >= 0 in it,
-/// u_n+ >= -e u_n- where the pair would close within the step faster than gravity or cohesion alone
-/// can drive a resting contact. The law of impact is about velocities of this instant, at the
-/// surface: leapfrog's are those of the middle between kicks, and the step begins at the gap.
-ProblemData pose(const World& world, const Contacts& contacts, double h) {
+/// u_n+ >= -e u_n- where the pair would close within the step faster than gravity, cohesion or a
+/// prescribed motion (`acceleration`, m/s^2) alone can drive a resting contact. The law of impact
+/// is about velocities of this instant, at the surface: leapfrog's are those of the middle between
+/// kicks, and the step begins at the gap.
+ProblemData pose(const World& world, const Contacts& contacts, double h, double acceleration) {
   const Bodies& bodies = world.bodies;
   ProblemData data;
   data.inverse_mass = inverse_masses(bodies);
@@ -78,7 +80,8 @@ ProblemData pose(const World& world, const Contacts& contacts, double h) {
   data.friction.resize(contacts.size());
   data.cohesive_impulse.assign(contacts.size(), 0);
   const GravityKick& kick = world.kick;
-  const double driven = world.has_gravity() ? 2 * kick.interval * kick.largest : 0;
+  const double by_gravity = world.has_gravity() ? kick.interval * kick.largest : 0;
+  const double driven = 2 * (by_gravity + h * acceleration);
   const double ahead = world.has_gravity() ? kick.steps_left * h - kick.interval / 2 : 0;  // s
   for (Index c = 0; c < contacts.size(); ++c) {
     const Index i = contacts.i[c], j = contacts.j[c];
@@ -108,13 +111,37 @@ ProblemData pose(const World& world, const Contacts& contacts, double h) {
   return data;
 }
 
+/// Enters what walls and held bodies receive by the impulses. Returns the work (J) of held bodies.
+double book_reactions(World& world, const Contacts& contacts) {
+  const Bodies& bodies = world.bodies;
+  const double before = world.ledger.prescribed_work;
+  for (Index c = 0; c < contacts.size(); ++c) {
+    const Vec3& push = contacts.impulse[c];
+    if (push.isZero(0)) continue;
+    const Index i = contacts.i[c], j = contacts.j[c];
+    const Vec3& n = contacts.normal[c];
+    const auto turn = [&](Index b) -> Vec3 {
+      return -contacts.kappa[c] * bodies.radius[b] * n.cross(push);
+    };
+    if (j == ground)
+      Reactions::at(world.reactions.of_walls, contacts.plane[c])
+          .add(bodies.position[i] + bodies.radius[i] * n, push);
+    else if (j < bodies.owned && is_held(bodies, j))
+      book_held(world, j, bodies.position[j], push, turn(j));
+    if (i < bodies.owned && is_held(bodies, i))
+      book_held(world, i, bodies.position[i], -push, turn(i));
+  }
+  return world.ledger.prescribed_work - before;
+}
+
 /// Adds the impulses' velocities to all rows; books the work of contacts, cohesion and gravity.
 /// With v the velocity before the kick k and v' after the impulses' dv, the kinetic energy changes
 /// by
 ///
 ///   m (v' - v).(v' + v)/2 = m k.(v + v')/2 + m dv.(v + v')/2,
 ///
-/// so a pile at rest (v = v' = 0) dissipates nothing, whatever its load.
+/// so a pile at rest (v = v' = 0) dissipates nothing, whatever its load. What held bodies gave by
+/// their work is no loss of the others.
 void kick_by_impulses(World& world, const Contacts& contacts, const ProblemData& data,
                       const std::vector<VelocityChange>& change, StepReport& report) {
   Bodies& bodies = world.bodies;
@@ -154,8 +181,9 @@ void kick_by_impulses(World& world, const Contacts& contacts, const ProblemData&
     for (Index c = 0; c < contacts.size(); ++c)
       if (contacts.i[c] < bodies.owned)
         by_cohesion -= data.cohesive_impulse[c] * (closing_before[c] + closing(c)) / 2;
+  const double by_held = book_reactions(world, contacts);
   world.ledger.cohesion_work += by_cohesion;
-  world.ledger.dissipated -= by_impulses - by_cohesion;
+  world.ledger.dissipated -= by_impulses - by_cohesion - by_held;
   report.gravity_work = by_gravity;
 }
 
@@ -172,6 +200,7 @@ StepReport nonsmooth_step(World& world, Rigid& rigid, const StepRequest& request
   // Before gravity's kick, whose work is then told from velocities that hold these changes; and
   // before the search for pairs, after which bodies may be others' or have other rows.
   kick_by_own_forces(world, h);
+  set_prescribed_velocities(world, world.time, h);
   if (kick.steps_left == 0) {
     evaluate_field(world);
     give_kick(world, h, world.own_forces.empty() ? request.most_steps : 1);
@@ -196,7 +225,7 @@ StepReport nonsmooth_step(World& world, Rigid& rigid, const StepRequest& request
     // nothing about such a step, and all about the next kick.
     const double scale = kick.remembered_load > 0 ? kick.load / kick.remembered_load : 0;
     for (Vec3& impulse : contacts.impulse) impulse *= scale;
-    const ProblemData data = pose(world, contacts, h);
+    const ProblemData data = pose(world, contacts, h, largest_prescribed_acceleration(world));
     const int dimension = has_friction(world) ? 3 : 1;
     const SolverResult result = solve(data.view(contacts, dimension), rigid.neighbours.ghosts,
                                       rigid.solver, contacts.impulse);
@@ -212,6 +241,7 @@ StepReport nonsmooth_step(World& world, Rigid& rigid, const StepRequest& request
   {
     StageTimer timer(world.times, "motion");
     const DriftReport drifted = drift_apart(world, rigid.neighbours.ghosts, contacts, h);
+    move_prescribed(world, h);
     report.overlap = drifted.overlap;
     report.correction_products = drifted.products;
   }

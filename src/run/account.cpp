@@ -17,16 +17,18 @@ Balance Account::balance(const Diagnostics& sums, double potential, double bonds
   const double gravitational = potential - sums.fallen;
   Balance result{.sums = sums, .gravitational = gravitational, .bonds = bonds};
   const double energy = sums.kinetic + gravitational + bonds + sums.dissipated - sums.corrections -
-                        sums.own_work - given_;
+                        sums.own_work - sums.prescribed_work - given_;
+  const Vec3 momentum = sums.momentum - sums.given_momentum;
+  const Vec3 angular_momentum = sums.angular_momentum - sums.given_angular_momentum;
   if (opened_ == 0) {
     opened_ = 1;
     initial_ = energy;
-    momentum_ = sums.momentum;
-    angular_momentum_ = sums.angular_momentum;
+    momentum_ = momentum;
+    angular_momentum_ = angular_momentum;
   }
   result.unexplained_energy = energy - initial_;
-  result.momentum_drift = (sums.momentum - momentum_).norm();
-  result.angular_momentum_drift = (sums.angular_momentum - angular_momentum_).norm();
+  result.momentum_drift = (momentum - momentum_).norm();
+  result.angular_momentum_drift = (angular_momentum - angular_momentum_).norm();
   unexplained_ = result.unexplained_energy;
   momentum_scale_ = std::max(momentum_scale_, sums.momentum_scale);
   angular_scale_ = std::max(angular_scale_, sums.angular_momentum_scale);
@@ -50,6 +52,9 @@ void Account::add_energies(ResultTable& table, const Diagnostics& sums, double p
             sums.dissipated > 0 ? unexplained_ / sums.dissipated : 0, "",
             "energy that no entry explains, of what was dissipated");
   table.add("conservation", "dissipated", sums.dissipated, "J");
+  if (sums.prescribed_work != 0)
+    table.add("conservation", "prescribed_work", sums.prescribed_work, "J",
+              "by groups that move as prescribed, on the others");
   table.add("conservation", "kinetic", sums.kinetic, "J");
   table.add("conservation", "gravitational", potential - sums.fallen, "J");
 }

@@ -16,7 +16,7 @@ struct Balance {
   double gravitational = 0;           ///< J, self-gravity and uniform field
   double bonds = 0;                   ///< J, <= 0
   double unexplained_energy = 0;      ///< J: what no entry explains
-  double momentum_drift = 0;          ///< kg m/s, against what the events gave
+  double momentum_drift = 0;          ///< kg m/s, against what events, walls and held bodies gave
   double angular_momentum_drift = 0;  ///< kg m^2/s
 };
 
@@ -59,8 +59,9 @@ class Account {
   double opened_ = 0;   // 1 when the first balance has set what follows
   double initial_ = 0;  // J, energy at the start
   double given_ = 0;    // J, by events
-  Vec3 momentum_ = Vec3::Zero(), angular_momentum_ = Vec3::Zero();  // that the bodies must have
-  double momentum_drift_ = 0, angular_momentum_drift_ = 0;          // largest so far
+  // What the bodies must have, but for what walls and held bodies gave.
+  Vec3 momentum_ = Vec3::Zero(), angular_momentum_ = Vec3::Zero();
+  double momentum_drift_ = 0, angular_momentum_drift_ = 0;  // largest so far
   double momentum_scale_ = 0, angular_scale_ = 0;  // largest sums of m |v|, m |x| |v| so far
   double unexplained_ = 0;                         // J, at the last balance
 };

@@ -28,6 +28,7 @@ void for_each_column(double phase, double contacts, const Balance& b, const Step
   f("bonds", "J", b.bonds);
   f("dissipated", "J", sums.dissipated);
   f("corrections", "J", sums.corrections);
+  f("prescribed_work", "J", sums.prescribed_work);
   f("unexplained", "J", b.unexplained_energy);
   vector("momentum", "kg m s-1", sums.momentum);
   vector("angular", "kg m+2 s-1", sums.angular_momentum);

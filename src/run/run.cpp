@@ -19,6 +19,7 @@
 #include "output/stored_bodies.hpp"
 #include "run/debris_log.hpp"
 #include "run/progress.hpp"
+#include "run/reactions.hpp"
 #include "run/record.hpp"
 #include "run/signal_guard.hpp"
 #include "run/simulation.hpp"
@@ -37,7 +38,8 @@ class Run {
         folder_(folder),
         debris_(scene_),
         progress_(comm, scene_),
-        series_(comm, folder, Record::columns(), from ? from->clock.step - 1 : -1),
+        reactions_(scene_),
+        series_(comm, folder, columns(), from ? from->clock.step - 1 : -1),
         snapshots_(comm, folder, scene_, from ? from->clock.step : -1),
         seconds_at_start_(MPI_Wtime()),
         last_restart_(seconds_at_start_) {
@@ -77,6 +79,13 @@ class Run {
   const Clock& clock() const { return simulation_->clock(); }
   World& world() { return simulation_->world(); }
 
+  std::vector<Column> columns() const {
+    std::vector<Column> all = Record::columns();
+    const std::vector<Column> more = reactions_.columns();
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  }
+
   void begin_phase() {
     progress_.say(fmt::format(
         "phase {}: steps of {} for {}{}", phase().name, readable_time(phase().step),
@@ -112,6 +121,7 @@ class Run {
     while (simulation_->steps_left() > 0) {
       const bool row = simulation_->synchronous() && row_due();
       Diagnostics sums;
+      std::vector<double> received;  // by walls and held groups
       if (row) {
         evaluate_field(world());
         sums = diagnose(world());
@@ -120,12 +130,13 @@ class Run {
                                     readable_time(clock().time_in_phase), sums.rms_speed));
           break;
         }
+        received = reactions_.received(world());
       }
       const Clock start = clock();
       const StepReport report = simulation_->advance(most_steps(), row);
       record_.book(report);
       shown_.residual = report.solver.residual;
-      if (row) write_row(start, sums, report);
+      if (row) write_row(start, sums, report, received);
       if (progress_.due()) progress_.show(clock(), shown_);
       if (simulation_->synchronous()) at_instant();
       if (comm_.any(signals.caught())) {
@@ -183,21 +194,27 @@ class Run {
   }
 
   /// The row of the instant at which the step began.
-  void write_row(const Clock& start, const Diagnostics& sums, const StepReport& report) {
+  void write_row(const Clock& start, const Diagnostics& sums, const StepReport& report,
+                 std::vector<double>& received) {
     StageTimer timer(world().times, "output");
     // One reduction for what the ranks know in parts, one for what is largest on one of them.
-    std::array<double, 3> parts{report.energy, static_cast<double>(report.contacts),
-                                report.gravity_work};
+    const std::array<double, 3> own{report.energy, static_cast<double>(report.contacts),
+                                    report.gravity_work};
+    std::vector<double> parts(own.begin(), own.end());
+    parts.insert(parts.end(), received.begin(), received.end());
     comm_.sum(parts);
+    std::copy(parts.begin() + own.size(), parts.end(), received.begin());
     // Velocities lag by half an interval; the kick's work up to this instant makes up for it.
     const GravityKick& kick = world().kick;
     const double lag = kick.closed > 0 ? parts[2] * kick.closed / (kick.closed + kick.interval) : 0;
     const Balance balance = simulation_->account().balance(sums, kick.potential + lag, parts[0]);
     shown_.rms_speed = sums.rms_speed;
     shown_.contacts = static_cast<std::int64_t>(parts[1]);
-    series_.append(start.step, start.time,
-                   Record::row(start.phase, shown_.contacts, balance, report,
-                               comm_.max(report.overlap), world().times));
+    std::vector<double> values = Record::row(start.phase, shown_.contacts, balance, report,
+                                             comm_.max(report.overlap), world().times);
+    const std::vector<double> forces = reactions_.row(start.time, received);
+    values.insert(values.end(), forces.begin(), forces.end());
+    series_.append(start.step, start.time, values);
   }
 
   void snapshot() {
@@ -230,6 +247,7 @@ class Run {
     save_scalars(record_, state.scalars);
     verdict_.save(state.scalars);
     debris_.save(state.scalars);
+    reactions_.save(state.scalars);
     write_restart(comm_, file, state);
     simulation_->go_on(state);
     last_restart_ = MPI_Wtime();
@@ -240,6 +258,7 @@ class Run {
     load_scalars(record_, scalars);
     verdict_.load(scalars);
     debris_.load(scalars);
+    reactions_.load(scalars);
   }
 
   void finish() {
@@ -279,9 +298,9 @@ class Run {
   }
 
   void add_conservation(ResultTable& table, const Diagnostics& sums) {
-    const bool free = scene_.walls().size() == 0 && scene_.uniform_gravity.isZero(0) &&
-                      std::none_of(scene_.groups.begin(), scene_.groups.end(),
-                                   [](const Group& group) { return group.fixed; });
+    // What held groups give is in the books. So is what walls give, but for the angular momentum of
+    // overlaps that are taken apart there.
+    const bool free = scene_.walls().size() == 0 && scene_.uniform_gravity.isZero(0);
     // An impactor's own momentum is the measure of its impact.
     const double unit = verdict_.has_impact() ? verdict_.impactor_momentum() : 0;
     const bool turns = !scene_.period.any();
@@ -297,6 +316,7 @@ class Run {
   DebrisLog debris_;
   Progress progress_;
   Progress::State shown_;
+  ReactionRows reactions_;
   Series series_;
   SnapshotWriter snapshots_;
   std::optional<Simulation> simulation_;

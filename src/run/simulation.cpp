@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "engine/prescribed.hpp"
 #include "engine/type.hpp"
 #include "gravity/kick.hpp"
 #include "output/stored_bodies.hpp"
@@ -16,6 +17,16 @@
 #include "spall/error.hpp"
 
 namespace spall {
+namespace {
+
+/// Sums over all ranks go to rank 0; others begin anew. Collective.
+void gather(const Comm& comm, std::vector<Reaction>& all) {
+  static_assert(sizeof(Reaction) == 6 * sizeof(double), "summed as doubles");
+  comm.sum(std::span(reinterpret_cast<double*>(all.data()), 6 * all.size()));
+  if (comm.rank > 0) all.assign(all.size(), {});
+}
+
+}  // namespace
 
 struct Simulation::State {
   std::shared_ptr<const Case> scene;
@@ -78,8 +89,14 @@ Simulation::Simulation(const Comm& comm, const Scene& scene, const RestartState&
   const bool begins = clock.step_in_phase == 0 && clock.phase > 0;
   state_->set_engine(begins ? this->scene().phases[clock.phase - 1] : phase());
   state_->engine->restart_pairs(world, {from.contacts, from.bonds});
+  world.time = clock.time;
+  check_held(world, this->scene().file);
   load_scalars(world, from.scalars);
-  if (comm.rank > 0) world.ledger = {};
+  if (comm.rank > 0) {
+    world.ledger = {};
+    for (auto* all : {&world.reactions.of_walls, &world.reactions.of_groups})
+      all->assign(all->size(), {});
+  }
   load_scalars(state_->account, from.scalars);
   load_scalars(*state_, from.scalars);
   set_cohesion(world.contact, find_scalar(from.scalars, "law.cohesion"));
@@ -178,6 +195,7 @@ void Simulation::change_bodies(const std::function<void(Bodies&)>& change) {
     const std::vector<BodyId> ids = world.bodies.id;
     change(world.bodies);
     require(world.bodies.id == ids, "change_bodies: ids and the number of bodies must stay");
+    check_held(world, "change_bodies");
     state_->engine->restart_pairs(world, std::move(memory));
   });
   state_->account.book_energy(state_->engine->energy(world) - held);
@@ -192,7 +210,8 @@ Energies Simulation::energies() const {
           .pairs = engine().energy(world()),
           .gravitational = copy.kick.potential - sums.fallen,
           .dissipated = sums.dissipated,
-          .own_work = sums.own_work};
+          .own_work = sums.own_work,
+          .prescribed_work = sums.prescribed_work};
 }
 
 std::vector<BodyPair> Simulation::pairs() const {
@@ -245,6 +264,7 @@ PhaseEvents Simulation::begin_phase(const std::function<void(const World&)>& bef
     });
   engine->restart_pairs(world, std::move(memory));
   if (phase().cohesion) set_cohesion(world.contact, *phase().cohesion);
+  set_prescribed_velocities(world, clock().time, phase().step);
   engine->check_step(world, phase().step, phase().place);
   check_later_steps(world, scene(), clock().phase);
   if (other_law) state_->account.book_energy(engine->energy(world) - held);
@@ -260,6 +280,7 @@ void Simulation::end_phase() {
 
 StepReport Simulation::advance(int most, bool energy) {
   const double h = phase().step;
+  world().time = clock().time;
   const StepReport report =
       state_->engine->advance(world(), {.h = h, .most_steps = most, .energy = energy});
   for (int k = 0; k < report.steps; ++k) state_->tick(h);
@@ -270,10 +291,13 @@ RestartState Simulation::save() {
   // What the ranks know in parts goes to rank 0, whose scalars a restart file keeps.
   World& world = state_->world;
   Ledger& ledger = world.ledger;
-  std::array<double, 5> sums{ledger.dissipated, ledger.cohesion_work, ledger.corrections,
-                             ledger.own_work, ledger.fallen};
+  std::array<double, 6> sums{ledger.dissipated, ledger.cohesion_work, ledger.corrections,
+                             ledger.own_work, ledger.fallen, ledger.prescribed_work};
   world.comm.sum(sums);
-  ledger = world.comm.rank == 0 ? Ledger{sums[0], sums[1], sums[2], sums[3], sums[4]} : Ledger{};
+  const bool keeps = world.comm.rank == 0;
+  ledger = keeps ? Ledger{sums[0], sums[1], sums[2], sums[3], sums[4], sums[5]} : Ledger{};
+  for (auto* all : {&world.reactions.of_walls, &world.reactions.of_groups})
+    gather(world.comm, *all);
   for (auto& [stage, seconds] : world.times) seconds = world.comm.max(seconds);
   PairMemory memory = engine().remember(world);
   RestartState state{.case_file = scene().file,

@@ -16,6 +16,7 @@
 #include "scene/engines.hpp"
 #include "scene/materials.hpp"
 #include "scene/read_group.hpp"
+#include "scene/read_motion.hpp"
 #include "scene/read_walls.hpp"
 #include "scene/shape.hpp"
 #include "spall/error.hpp"
@@ -332,6 +333,7 @@ Case parse_case(const std::string& text, const std::string& file,
   for (const EngineType* type : all_engines()) type->derive(scene, uses, scene.engines);
   for (Phase& phase : scene.phases) phase.engine->derive(scene, uses, phase.settings);
   find_debris_groups(scene);
+  gather_motions(scene);
   check_whole(scene, groups);
   return scene;
 }

@@ -79,8 +79,12 @@ struct Group {
   std::optional<double> total_mass;  ///< spheres' density is scaled to give it (thesis eq. 2.13)
   Vec3 velocity = Vec3::Zero();
   Vec3 spin = Vec3::Zero();  ///< rad/s, rigid rotation about the volume's center
-  bool fixed = false;        ///< infinite mass
   std::optional<ThermalVelocity> thermal = std::nullopt;  ///< beside `velocity` and `spin`
+  bool fixed = false;        ///< infinite mass, at rest
+  std::optional<PrescribedMotion> motion = std::nullopt;  ///< infinite mass, by the run's time
+
+  /// Whatever acts on it, its motion stays.
+  bool held() const { return fixed || motion; }
 };
 
 /// How the line of flight is laid: head_on shifts it to pass through the centre of the first sphere

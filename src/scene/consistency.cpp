@@ -13,8 +13,8 @@ bool has_impactor(const Phase& phase) {
   return phase.impactor.has_value();
 }
 
-const Group* find_fixed(const Case& scene) {
-  const auto found = std::ranges::find_if(scene.groups, &Group::fixed);
+const Group* find_held(const Case& scene) {
+  const auto found = std::ranges::find_if(scene.groups, &Group::held);
   return found == scene.groups.end() ? nullptr : &*found;
 }
 
@@ -43,17 +43,18 @@ void check_removal_of_drift(const Case& scene, const Phase& phase) {
   refuse_beside(!scene.planes.empty(), "a wall of [[planes]] or [[boxes]]");
   refuse_beside(!scene.cylinders.empty(), "a wall of [[cylinders]]");
   refuse_beside(scene.period.any(), "the box of [periodic]");
-  const Group* fixed = find_fixed(scene);
-  refuse_beside(fixed, fixed ? fmt::format("groups.{}, which is fixed,", fixed->name) : "");
+  const Group* held = find_held(scene);
+  refuse_beside(held, held ? fmt::format("groups.{}, which is {},", held->name,
+                                         held->fixed ? "fixed" : "moved as prescribed")
+                           : "");
 }
 
 void check_gravity(const Case& scene) {
   if (scene.gravity.method == GravityMethod::none) return;
-  if (const Group* fixed = find_fixed(scene))
-    throw Error(
-        fmt::format("{}.fixed: self-gravity needs finite masses: leave out fixed, or "
-                    "gravity.method",
-                    fixed->place));
+  if (const Group* held = find_held(scene))
+    throw Error(fmt::format(
+        "{}.{}: self-gravity needs finite masses: leave it out, or gravity.method", held->place,
+        held->fixed ? "fixed" : "motion"));
 }
 
 }  // namespace

@@ -34,7 +34,8 @@ std::string describe_group(const Group& group, const GroupContent& content) {
     radius = fmt::format("{:.3g} to {:.3g}", content.smallest, content.largest);
   return fmt::format("  {:<16}{:>10}{:>14}{:>14.6g}{:>14.6g}{:>10.4f}{}\n", group.name,
                      content.count, radius, each, mass, content.volume / volume_of(group.volume),
-                     group.fixed ? "  fixed"
+                     group.fixed    ? "  fixed"
+                     : group.motion ? "  moves as prescribed"
                      : content.movable < content.count
                          ? fmt::format("  {} fixed", content.count - content.movable)
                          : "");

@@ -149,7 +149,7 @@ std::vector<MaterialUse> material_uses(const Case& scene) {
                     .group = group.name,
                     .material = group.material,
                     .lattice = lattice_of(group.packing),
-                    .fixed = group.fixed});
+                    .fixed = group.held()});
   for (const SceneSphere& sphere : scene.spheres)
     uses.push_back({.place = fmt::format("{}: sphere", scene.file),
                     .group = "spheres",

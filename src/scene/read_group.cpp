@@ -6,6 +6,7 @@
 
 #include "scene/materials.hpp"
 #include "scene/packing.hpp"
+#include "scene/read_motion.hpp"
 #include "spall/error.hpp"
 
 namespace spall {
@@ -74,7 +75,7 @@ void read_thermal_velocity(Section& in, Group& group) {
                   s.take("seed", "another draws others", seed, 0);
                 }))
     return;
-  in.check("thermal_velocity", !group.fixed, "is of no use: the group is fixed");
+  in.check("thermal_velocity", !group.held(), "is of no use: the group is fixed or moved");
   thermal.seed = static_cast<std::uint64_t>(seed);
   group.thermal = thermal;
 }
@@ -93,9 +94,8 @@ void read_group(Section& in, Group& group, const std::vector<Material>& material
            [&](Section& s) { read_packing(s, group.packing); });
   in.take("velocity", "of the volume's center", group.velocity, any(speed));
   in.take("spin", "rigid rotation about the volume's center", group.spin, any(spin));
-  in.take("fixed", "never moves", group.fixed);
   in.take("total_mass", "the density is scaled to give it", group.total_mass, positive(mass));
-  in.check("total_mass", !group.total_mass || !group.fixed, "is of no use: the group is fixed");
+  read_motion_of_group(in, group);
   read_thermal_velocity(in, group);
   group.material = find_material(in, material, materials);
   const bool single = group.packing.type == &single_packing;

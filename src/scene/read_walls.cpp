@@ -2,7 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scene/read_walls.hpp"
 
+#include <algorithm>
+
 #include "scene/materials.hpp"
+#include "spall/error.hpp"
 
 namespace spall {
 namespace {
@@ -13,18 +16,48 @@ int read_material_of_wall(Section& in, const Case& scene) {
   return find_material(in, name, scene.materials);
 }
 
+/// A wall's name, which begins the names of its columns in the series.
+std::string read_name_of_wall(Section& in, const std::string& by_default) {
+  std::string name = by_default;
+  in.take("name", "begins its columns in the series; left out: kind and number", name);
+  const auto may_stand = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
+           c == '-';
+  };
+  in.check("name", !name.empty() && std::ranges::all_of(name, may_stand),
+           fmt::format("= \"{}\": letters, digits, _ and - are wanted", name));
+  return name;
+}
+
+/// Throws Error where two walls, or a wall and a group that has columns too, share a name.
+void check_names(const Case& scene) {
+  const Walls walls = scene.walls();
+  std::vector<std::string> names;
+  for (std::size_t w = 0; w < walls.size(); ++w) names.push_back(walls.name(w));
+  for (const Group& group : scene.groups)
+    if (group.held()) names.push_back(group.name);
+  std::ranges::sort(names);
+  const auto twice = std::ranges::adjacent_find(names);
+  require(twice == names.end(), "{}: two walls, or a wall and a group, are named \"{}\"",
+          scene.file, twice == names.end() ? "" : *twice);
+}
+
 }  // namespace
 
 void read_walls(Section& in, Case& scene) {
   in.tables("planes", "[[planes]]: half-spaces that never move", [&](Section& s) {
+    const std::string name = read_name_of_wall(s, fmt::format("plane_{}", scene.planes.size()));
     Plane& plane = scene.planes.emplace_back();
+    plane.name = name;
     s.take("point", "on the surface", plane.point, any(dimension::length));
     s.take("normal", "to the free side", plane.normal, any(dimension::number));
     s.check("normal", !plane.normal.isZero(0), "is zero");
     plane.normal.normalize();
     plane.material = read_material_of_wall(s, scene);
   });
+  std::size_t boxes = 0;
   in.tables("boxes", "[[boxes]]: bodies are inside, between six planes", [&](Section& s) {
+    const std::string name = read_name_of_wall(s, fmt::format("box_{}", boxes++));
     Vec3 center = Vec3::Zero(), size = Vec3::Zero();
     s.take("center", "", center, any(dimension::length));
     s.need("size", "full widths", size, positive(dimension::length));
@@ -32,10 +65,14 @@ void read_walls(Section& in, Case& scene) {
     for (int k = 0; k < 3; ++k)
       for (double side : {-1.0, 1.0})
         scene.planes.push_back(
-            {center + side / 2 * size[k] * Vec3::Unit(k), -side * Vec3::Unit(k), material});
+            {center + side / 2 * size[k] * Vec3::Unit(k), -side * Vec3::Unit(k), material,
+             fmt::format("{}_{}_{}", name, "xyz"[k], side < 0 ? "low" : "high")});
   });
   in.tables("cylinders", "[[cylinders]]: endless, bodies are inside", [&](Section& s) {
+    const std::string name =
+        read_name_of_wall(s, fmt::format("cylinder_{}", scene.cylinders.size()));
     Cylinder& cylinder = scene.cylinders.emplace_back();
+    cylinder.name = name;
     s.take("point", "on the axis", cylinder.point, any(dimension::length));
     s.take("axis", "", cylinder.axis, any(dimension::number));
     s.radius("", cylinder.radius);
@@ -43,6 +80,7 @@ void read_walls(Section& in, Case& scene) {
     cylinder.axis.normalize();
     cylinder.material = read_material_of_wall(s, scene);
   });
+  check_names(scene);
   in.table("periodic", "space repeats itself", [&](Section& s) {
     s.take("low", "corner of the box that repeats", scene.period.low, any(dimension::length));
     s.need("size", "of the box; 0: does not repeat in this direction", scene.period.size,

@@ -155,6 +155,7 @@ FieldSet fields_of(const Case& scene) {
   if (std::ranges::any_of(scene.groups, turns) || std::ranges::any_of(scene.spheres, turns) ||
       std::ranges::any_of(scene.groups, may_turn))
     fields |= {Field::angular_velocity};
+  if (!scene.motions.empty()) fields |= {Field::anchor};
   if (scene.has_gravity()) fields |= {Field::acceleration};
   for (const Phase& phase : scene.phases) fields |= phase.engine->fields(scene, phase.settings);
   return fields;
@@ -164,6 +165,8 @@ World make_world(const Comm& comm, const Case& scene) {
   World world;
   static_cast<Surroundings&>(world) = scene;
   world.comm = comm;
+  world.reactions.of_walls.resize(scene.walls().size());
+  world.reactions.of_groups.resize(group_of_spheres(scene) + 1);
   return world;
 }
 
@@ -205,8 +208,8 @@ Bodies make_bodies(const Case& scene, const Comm& comm) {
     };
     const auto place = [&](const PackedSphere& sphere, double nominal) {
       const Vec3& center = sphere.center;
-      const bool fixed = group.fixed || sphere.fixed;
-      const double mass = fixed ? infinity : factor * nominal;
+      const bool held = group.held() || sphere.fixed;
+      const double mass = held ? infinity : factor * nominal;
       if (!group.packing.type->keeps_clear) check_clear(scene, group, placed, id, sphere);
       if (spheres) spheres->add(center, sphere.radius);
       if (group.thermal) masses.push_back(mass);
@@ -218,10 +221,11 @@ Bodies make_bodies(const Case& scene, const Comm& comm) {
         bodies.radius[row] = sphere.radius;
         bodies.mass[row] = mass;
         bodies.position[row] = center;
+        if (bodies.has(Field::anchor)) bodies.anchor[row] = center;
         bodies.velocity[row] = group.velocity + group.spin.cross(center - group.volume.center);
-        if (!fixed) bodies.velocity[row] += sphere.velocity;
+        if (!held) bodies.velocity[row] += sphere.velocity;
         if (bodies.has(Field::angular_velocity))
-          bodies.angular_velocity[row] = fixed ? group.spin : Vec3(group.spin + sphere.spin);
+          bodies.angular_velocity[row] = held ? group.spin : Vec3(group.spin + sphere.spin);
       }
       ++id;
     };

@@ -23,6 +23,12 @@ struct Period {
     }
     return x;
   }
+  /// The image of `x` that is nearest to `other`.
+  Vec3 nearest(Vec3 x, const Vec3& other) const {
+    for (int k = 0; k < 3; ++k)
+      if (size[k] > 0) x[k] += size[k] * std::round((other[k] - x[k]) / size[k]);
+    return x;
+  }
 };
 
 }  // namespace spall

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <span>
+#include <string>
 
 #include "spall/types.hpp"
 
@@ -17,6 +18,7 @@ struct Plane {
   Vec3 point = Vec3::Zero();
   Vec3 normal = Vec3::UnitZ();
   int material = same_material;  ///< index into the materials
+  std::string name = {};
 };
 
 /// The space outside an endless cylinder, which never moves.
@@ -25,6 +27,7 @@ struct Cylinder {
   Vec3 axis = Vec3::UnitZ();
   double radius = 0;             ///< m
   int material = same_material;  ///< index into the materials
+  std::string name = {};
 };
 
 /// Walls by number: planes, then cylinders.
@@ -35,6 +38,13 @@ struct Walls {
   std::size_t size() const { return planes.size() + cylinders.size(); }
   int material(std::size_t wall) const {
     return wall < planes.size() ? planes[wall].material : cylinders[wall - planes.size()].material;
+  }
+  const std::string& name(std::size_t wall) const {
+    return wall < planes.size() ? planes[wall].name : cylinders[wall - planes.size()].name;
+  }
+  /// m, on the plane, or on the cylinder's axis.
+  const Vec3& point(std::size_t wall) const {
+    return wall < planes.size() ? planes[wall].point : cylinders[wall - planes.size()].point;
   }
 };
 

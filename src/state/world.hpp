@@ -3,7 +3,9 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "base/timer.hpp"
@@ -14,6 +16,8 @@
 #include "state/gravity.hpp"
 #include "state/material.hpp"
 #include "state/period.hpp"
+#include "state/prescribed_motion.hpp"
+#include "state/reaction.hpp"
 #include "state/walls.hpp"
 
 namespace spall {
@@ -27,6 +31,8 @@ struct Surroundings {
   Period period;
   GravitySettings gravity;
   Vec3 uniform_gravity = Vec3::Zero();  ///< m/s^2
+  /// By group; empty where no group moves as prescribed.
+  std::vector<std::optional<PrescribedMotion>> motions;
 
   Walls walls() const { return {planes, cylinders}; }
   /// m/s^2, where bodies do not attract each other: the uniform field, which smooth forces carry in
@@ -47,6 +53,7 @@ struct Ledger {
   double own_work = 0;     ///< by forces of the program that uses Spall
   double fallen = 0;  ///< height in the uniform field, m g z, that bodies regained as they were set
                       ///< back into a period: they are deeper than their places say
+  double prescribed_work = 0;  ///< by bodies that move as prescribed, on the others
 };
 
 /// Forces of a program: adds to the force (N) on each owned body, row by row.
@@ -55,8 +62,10 @@ using OwnForce = std::function<void(const Bodies&, std::span<Vec3> force)>;
 struct World : Surroundings {
   Comm comm;
   Bodies bodies;
+  double time = 0;  ///< s since the start, of the positions: what prescribed motions go by
   GravityKick kick;
   Ledger ledger;
+  Reactions reactions;
   StageTimes times;
   std::vector<OwnForce> own_forces;
 
@@ -81,7 +90,21 @@ struct World : Surroundings {
     f("ledger.corrections", ledger.corrections);
     f("ledger.own_work", ledger.own_work);
     f("ledger.fallen", ledger.fallen);
+    f("ledger.prescribed_work", ledger.prescribed_work);
+    for_each_reaction(self.reactions.of_walls, "reaction.wall.", f);
+    for_each_reaction(self.reactions.of_groups, "reaction.group.", f);
     for (auto& [stage, seconds] : self.times) f("seconds." + stage, seconds);
+  }
+
+ private:
+  template <class All, class F>
+  static void for_each_reaction(All& all, const std::string& name, F&& f) {
+    for (std::size_t n = 0; n < all.size(); ++n)
+      for (int k = 0; k < 3; ++k) {
+        const std::string component = name + std::to_string(n) + "." + "xyz"[k];
+        f(component + ".impulse", all[n].impulse[k]);
+        f(component + ".moment", all[n].moment[k]);
+      }
   }
 };
 

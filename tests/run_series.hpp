@@ -1,0 +1,42 @@
+// The series that a whole run writes, as rows of named numbers.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "run/run.hpp"
+#include "testing.hpp"
+
+namespace spall {
+
+/// Runs the case in a folder of this test. Values by the names of their columns. Collective.
+inline std::vector<std::map<std::string, double>> series_of(const std::string& text) {
+  const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
+  const std::string folder =
+      std::filesystem::absolute(
+          fmt::format("{}_{}_{}", test->test_suite_name(), test->name(), testing_world().size))
+          .string();
+  run_case(testing_world(), parse_case(text, std::string(test->name()) + ".toml"), folder);
+  testing_world().any(false);  // rank 0 has written it
+  std::ifstream file(folder + "/series.csv");
+  std::vector<std::string> names;
+  std::vector<std::map<std::string, double>> rows;
+  for (std::string line, cell; std::getline(file, line);) {
+    std::istringstream cells(line);
+    if (names.empty()) {
+      while (std::getline(cells, cell, ',')) names.push_back(cell);
+      continue;
+    }
+    auto& row = rows.emplace_back();
+    for (const std::string& column : names)
+      if (std::getline(cells, cell, ',')) row[column] = std::stod(cell);
+  }
+  return rows;
+}
+
+}  // namespace spall
