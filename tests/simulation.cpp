@@ -203,18 +203,21 @@ method = "penalty"
 step = "0.5 ms"
 duration = "4 s"
 )");
-  scene.add({.material = "rock", .radius = 0.1});
-  scene.add({.material = "rock", .radius = 0.1, .position = {0, 0.5, 0.5}, .velocity = {0, 0, 1}});
+  for (int k = 0; k < 4; ++k)  // one moves against the others, so that pairs are searched
+    scene.add({.material = "rock",
+               .radius = 0.1,
+               .position = {0.4 * k, 0, 0},
+               .velocity = {0, 0, k == 0 ? 1.0 : 0.0}});
   Simulation simulation(testing_world(), scene);
   const Energies start = simulation.energies();
   while (!simulation.over()) simulation.step(100);
-  const double t = 4, g2 = 10, mass = 2 * 1000 * 4 / 3.0 * pi * 1e-3;
+  const double t = 4, g2 = 10, mass = 4 * 1000 * 4 / 3.0 * pi * 1e-3;
   const Energies now = simulation.energies();
   EXPECT_NEAR(now.kinetic - start.kinetic, mass / 2 * g2 * t * t, 1e-9 * now.kinetic);
   EXPECT_NEAR(now.gravitational - start.gravitational, start.kinetic - now.kinetic,
               1e-9 * now.kinetic);
   for (Index b = 0; b < simulation.bodies().owned; ++b)
-    EXPECT_LT(simulation.bodies().position[b].cwiseAbs().maxCoeff(), 1.2);
+    EXPECT_LT(simulation.bodies().position[b].cwiseAbs().maxCoeff(), 3);  // not 24
 }
 
 // Integrators: two bodies swing and turn about each other in Morse's potential, inside its range.
