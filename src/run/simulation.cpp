@@ -292,7 +292,7 @@ RestartState Simulation::save() {
   World& world = state_->world;
   Ledger& ledger = world.ledger;
   std::array<double, 6> sums{ledger.dissipated, ledger.cohesion_work, ledger.corrections,
-                             ledger.own_work, ledger.fallen, ledger.prescribed_work};
+                             ledger.own_work,   ledger.fallen,        ledger.prescribed_work};
   world.comm.sum(sums);
   const bool keeps = world.comm.rank == 0;
   ledger = keeps ? Ledger{sums[0], sums[1], sums[2], sums[3], sums[4], sums[5]} : Ledger{};

@@ -80,7 +80,7 @@ struct Group {
   Vec3 velocity = Vec3::Zero();
   Vec3 spin = Vec3::Zero();  ///< rad/s, rigid rotation about the volume's center
   std::optional<ThermalVelocity> thermal = std::nullopt;  ///< beside `velocity` and `spin`
-  bool fixed = false;        ///< infinite mass, at rest
+  bool fixed = false;                                     ///< infinite mass, at rest
   std::optional<PrescribedMotion> motion = std::nullopt;  ///< infinite mass, by the run's time
 
   /// Whatever acts on it, its motion stays.

@@ -52,9 +52,9 @@ void check_removal_of_drift(const Case& scene, const Phase& phase) {
 void check_gravity(const Case& scene) {
   if (scene.gravity.method == GravityMethod::none) return;
   if (const Group* held = find_held(scene))
-    throw Error(fmt::format(
-        "{}.{}: self-gravity needs finite masses: leave it out, or gravity.method", held->place,
-        held->fixed ? "fixed" : "motion"));
+    throw Error(
+        fmt::format("{}.{}: self-gravity needs finite masses: leave it out, or gravity.method",
+                    held->place, held->fixed ? "fixed" : "motion"));
 }
 
 }  // namespace
