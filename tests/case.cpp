@@ -304,7 +304,7 @@ breaking_strain = "5 %"
             "x.toml:18:1: pair_potential.cutoff is not a key h");
   EXPECT_EQ(
       complaint(bodies + law + "[periodic]\nsize = [9, 9, 9]\n[gravity]\nmethod = \"direct\"\n"),
-      "x.toml: phases.hit: [periodic] needs gravity.method = \"none\": images do not attract");
+      "x.toml:7:1: phases.hit: [periodic] needs gravity.method = \"none\": images do not attract");
 }
 
 TEST(Case, a_key_behind_a_condition_that_hides_it_from_the_reference_cannot_be_read) {

@@ -24,7 +24,8 @@ done
 
 # The installed program runs a case and draws its report.
 "$work/prefix/bin/spall" run "$source/cases/hello/case.toml" --out "$work/out" \
-  --set phases.aggregation.duration=100 --set phases.evolution.duration=1 > "$work/run.log"
+  --set phases.aggregation.duration=100 --set phases.evolution.duration=1 \
+  --set 'read_out=["1 s"]' > "$work/run.log"
 "$work/prefix/bin/spall" report "$work/out" > "$work/report.log"
 test -s "$work/out/report.html"
 if grep -rF -e "$source/" -e "$work/first" "$work/prefix"; then

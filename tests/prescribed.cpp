@@ -377,7 +377,10 @@ double unexplained(const std::string& text) {
 }
 
 TEST(Prescribed, work_closes_the_books_of_shaken_grains) {
-  EXPECT_LT(unexplained(shaken("nonsmooth", 1e-3)), 1e-4);
+  // Three times what these steps leave when this is written; at least first order.
+  const double rigid = unexplained(shaken("nonsmooth", 1e-3));
+  EXPECT_LT(rigid, 4.5e-4);
+  EXPECT_LT(unexplained(shaken("nonsmooth", 2.5e-4)), rigid / 4);
   const double whole = unexplained(shaken("penalty", 2.5e-4));
   EXPECT_LT(whole, 5e-2);
   EXPECT_LT(unexplained(shaken("penalty", 0.5e-4)), 0.4 * whole);  // first order
@@ -505,13 +508,11 @@ TEST(Prescribed, what_cannot_be_is_refused_with_file_line_and_key) {
       {{"motion = {table = {times = [0, 1]}}", ""},
        "x.toml:6:19: groups.wall.motion.table.displacements is missing; or give velocities"},
       {{"fixed = true", "[gravity]\nmethod = \"direct\"\n"},
-       "x.toml:2:1: groups.wall: gravity.method must be \"none\" where a group is fixed or moves "
-       "as "
-       "prescribed: it has no mass that attracts"},
+       "x.toml:2:1: groups.wall.fixed: self-gravity needs finite masses: leave it out, or "
+       "gravity.method"},
       {{"fixed = true", "remove_drift = true"},
-       "x.toml:2:1: groups.wall: phases.only.remove_drift would move it, but it is fixed or moves "
-       "as "
-       "prescribed"},
+       "x.toml:12:1: phases.only.remove_drift: groups.wall, which is fixed, would stay where it is "
+       "while bodies are moved"},
       {{"motion = {velocity = [1, 0, 0]}", "impactor = {mass = 1, radius = 1, speed = 1}"},
        "x.toml:2:1: groups.wall: phases.only.impactor is aimed at bodies where they are: no group "
        "may move as prescribed meanwhile"},

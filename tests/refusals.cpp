@@ -73,9 +73,9 @@ const std::vector<Refused> table = {
      "x.toml:12:1: phases.only.remove_drift: groups.b, which is fixed, would stay"},
     // Bodies that never move.
     {bodies + "fixed = true\ntotal_mass = 5\n" + phase,
-     "x.toml:12:14: groups.b.total_mass is of no use: the group is fixed"},
+     "x.toml:12:14: groups.b.total_mass is that of a group which moves as prescribed or not"},
     {bodies + "fixed = true\nthermal_velocity = {rms = 1}\n" + phase,
-     "x.toml:12:20: groups.b.thermal_velocity is of no use: the group is fixed"},
+     "x.toml:12:20: groups.b.thermal_velocity is of no use: the group is fixed or moved"},
     {bodies + "thermal_velocity = {rms = 1}\n" + phase,
      "x.toml:7:1: groups.b.thermal_velocity: without a drift one body that moves has none"},
     {bodies + "fixed = true\n[gravity]\nmethod = \"direct\"\n" + phase,
@@ -118,8 +118,10 @@ const std::vector<Refused> table = {
     {bodies + phase + "[[cylinders]]\nradius = 30\n",
      "x.toml:11:1: phases.only: [[cylinders]] and [periodic] act in phases of method = "
      "\"penalty\""},
-    {bodies + law + "cutoff = 3\n[[cylinders]]\nradius = 30\n" + phase + by_law,
-     "x.toml:18:1: phases.only.method = \"potential\": "},
+    {bodies + law +
+         "cutoff = 3\n[periodic]\nsize = [99, 99, 99]\n[gravity]\nmethod = \"direct\"\n" + phase +
+         by_law,
+     "x.toml:20:1: phases.only: [periodic] needs gravity.method"},
     {bodies + phase + impactor + "[[planes]]\npoint = [-1.5, 0, 0]\nnormal = [1, 0, 0]\n",
      "x.toml:15:12: phases.only.impactor: it begins 0.7 m deep in planes.0"},
     // The impactor.

@@ -240,11 +240,11 @@ void check(const Surroundings& around, std::span<const MaterialUse> uses,
             "beside them: pair_potential.match = \"bulk\" has none",
             phase.place, around.materials[use.material].name);
     for (std::size_t w = 0; w < walls.size(); ++w)
-      require(walls.material(w) == same_material ||
-                  potential->law(use.material, walls.material(w)).given(),
-              "{}.method = \"potential\" has no law between bodies and walls of {}; name them in "
-              "pair_potential.materials or in a [[pair_potential.between]]",
-              phase.place, names_of_pair(around, use.material, walls.material(w)));
+      if (const int of_wall = walls.material(w); of_wall != same_material)
+        require(potential->law(use.material, of_wall).given(),
+                "{}.method = \"potential\" has no law between bodies and walls of {}; name them in "
+                "pair_potential.materials or in a [[pair_potential.between]]",
+                phase.place, names_of_pair(around, use.material, of_wall));
   }
   require(!phase.read_outs,
           "{}.method = \"potential\": read_out is for phases of method = \"nonsmooth\" only",
