@@ -254,7 +254,7 @@ Box kick_and_drift(World& world, Potential& engine, const ByPair<double>& dampin
   };
   push_from_walls(world, engine.law, engine.at_walls, h, rows);
   with_terms(world, engine, damping, [&](const auto& terms) {
-    const double* v = is_damped ? ahead->data() : velocity->data();
+    const auto* v = reinterpret_cast<const double*>(is_damped ? ahead : velocity);
     const auto sweep = [&]<bool damped, bool embedded>() {
       sweep_pairs<damped, embedded>(engine.near.windows, terms, engine.pushes.data(), v, rows,
                                     finish);

@@ -96,7 +96,7 @@ Correction correct_overlaps(const World& world, const Ghosts& all, const Contact
     place[b] = {static_cast<double>(world.comm.rank), static_cast<double>(number[b])};
   }
   const auto owned = static_cast<Index>(correction.row.size());
-  all.gather(place.data()->data(), 2);
+  all.gather(reinterpret_cast<double*>(place.data()), 2);
   for (std::size_t b = all.owned(); b < near.size(); ++b)
     if (near[b] > 0) {
       take(static_cast<Index>(b));
