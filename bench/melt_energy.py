@@ -2,7 +2,7 @@
 """Writes how the energy of a melt drifts, by Spall and by LAMMPS, into section melt_energy of README.md.
 
 SPDX-License-Identifier: BSD-3-Clause
-usage: melt_energy.py SERIES LOG_PLAIN LOG_SHIFTED: Spall's series.csv, and LAMMPS's logs of step and energy a body
+usage: melt_energy.py SERIES PLAIN SHIFTED CHECKED: Spall's series.csv, and LAMMPS's logs of step and energy a body
 """
 import csv
 import pathlib
@@ -47,8 +47,9 @@ text = [
     "| program | drift after melting | its standard error | scatter about it |",
     "|---|--:|--:|--:|",
     row("Spall", of_spall(sys.argv[1])),
-    row("LAMMPS, `pair_modify shift yes`", of_lammps(sys.argv[3])),
     row("LAMMPS, `in.lj` as it is", of_lammps(sys.argv[2])),
+    row("LAMMPS, `pair_modify shift yes`", of_lammps(sys.argv[3])),
+    row("LAMMPS, the same with `neigh_modify every 1 check yes`", of_lammps(sys.argv[4])),
 ]
 replace_section(pathlib.Path(__file__).resolve().parent / "README.md", "melt_energy", "\n".join(text))
 print("\n".join(text))
