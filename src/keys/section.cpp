@@ -132,7 +132,7 @@ void Section::tables(std::string_view key, std::string_view meaning, const Reade
     const toml::table& one = *element.as_table();
     const auto name = one["name"].value<std::string>();
     Path path = below(key);
-    path.of_place += "." + name.value_or(std::to_string(index));
+    path.of_place += fmt::format(".{}", name.value_or(std::to_string(index)));
     Section section(&one, file_, std::move(path), listed_, nullptr);
     read(section);
     section.finish();
