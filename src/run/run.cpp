@@ -36,14 +36,12 @@ class Run {
       : comm_(comm),
         scene_(*parts.parts()),
         folder_(folder),
+        resumes_at_(from ? from->clock.step : -1),
         debris_(scene_),
         progress_(comm, scene_),
         reactions_(scene_),
-        series_(comm, folder, columns(), from ? from->clock.step - 1 : -1),
-        snapshots_(comm, folder, scene_, from ? from->clock.step : -1),
         seconds_at_start_(MPI_Wtime()),
         last_restart_(seconds_at_start_) {
-    keep_reference(comm, folder, scene_.reference);
     if (from) {
       simulation_.emplace(comm, parts, *from);
       load(from->scalars);
@@ -57,12 +55,14 @@ class Run {
     const SignalGuard signals;
     progress_.say(describe_phases(scene_));
     say_what_is_over();
+    if (begins_phase()) begin_phase();
+    open_files();  // a run that was refused by now has left nothing
     while (!simulation_->over()) {
-      if (clock().step_in_phase == 0) begin_phase();
       progress_.begin_phase(clock());
       if (clock().step == 0) snapshot();
       if (!run_phase(signals)) return false;
       end_phase();
+      if (begins_phase()) begin_phase();
     }
     finish();
     return true;
@@ -84,6 +84,14 @@ class Run {
     const std::vector<Column> more = reactions_.columns();
     all.insert(all.end(), more.begin(), more.end());
     return all;
+  }
+
+  bool begins_phase() const { return !simulation_->over() && clock().step_in_phase == 0; }
+
+  void open_files() {
+    series_.emplace(comm_, folder_, columns(), resumes_at_ - 1);
+    snapshots_.emplace(comm_, folder_, scene_, resumes_at_);
+    keep_reference(comm_, folder_, scene_.reference);
   }
 
   void begin_phase() {
@@ -163,19 +171,6 @@ class Run {
   bool passed_multiple(double every) const {
     return spall::passed_multiple(clock(), phase().step, every);
   }
-  /// A row costs as much as half a step of smooth forces: without being told, one in so many.
-  static constexpr std::int64_t steps_a_row = 100;
-  /// Of smooth forces; what a time tells is an event of the timetable.
-  std::int64_t steps_to_row() const {
-    const auto& every = scene_.output.series_every;
-    if (every) return *every > 0 ? std::numeric_limits<std::int64_t>::max() : 1;
-    return steps_a_row - clock().step_in_phase % steps_a_row;
-  }
-  bool row_due() const {
-    const auto& every = scene_.output.series_every;
-    if (every && *every > 0) return clock().step == 0 || passed_multiple(*every);
-    return every || phase().engine->solves || clock().step_in_phase % steps_a_row == 0;
-  }
 
   /// Snapshots and read-outs at the instant that the clock has just reached.
   void at_instant() {
@@ -214,14 +209,14 @@ class Run {
                                              comm_.max(report.overlap), world().times);
     const std::vector<double> forces = reactions_.row(start.time, received);
     values.insert(values.end(), forces.begin(), forces.end());
-    series_.append(start.step, start.time, values);
+    series_->append(start.step, start.time, values);
   }
 
   void snapshot() {
     evaluate_field(world());
     StageTimer timer(world().times, "output");
     simulation_->measure_fields();
-    snapshots_.write(world().bodies, clock().step, clock().time);
+    snapshots_->write(world().bodies, clock().step, clock().time);
   }
 
   void end_phase() {
@@ -281,8 +276,8 @@ class Run {
     table.add("time", "ranks", static_cast<std::int64_t>(comm_.size));
     progress_.say("\n" + table.text());
     write_results(comm_, folder_, table);
-    snapshots_.write_index();
-    series_.write_hdf5();
+    snapshots_->write_index();
+    series_->write_hdf5();
   }
 
   /// What tells the runs of a sweep apart.
@@ -305,6 +300,7 @@ class Run {
     const double unit = verdict_.has_impact() ? verdict_.impactor_momentum() : 0;
     const bool turns = !scene_.period.any();
     if (free)
+  std::int64_t resumes_at_;  // the step of the restart file; negative: from the start
       simulation_->account().add_drifts(
           table, unit, turns ? std::optional(unit * verdict_.pile_radius()) : std::nullopt);
     simulation_->account().add_energies(table, sums, world().kick.potential);
@@ -317,8 +313,8 @@ class Run {
   Progress progress_;
   Progress::State shown_;
   ReactionRows reactions_;
-  Series series_;
-  SnapshotWriter snapshots_;
+  std::optional<Series> series_;
+  std::optional<SnapshotWriter> snapshots_;
   std::optional<Simulation> simulation_;
   Record record_;
   Verdict verdict_;
