@@ -121,6 +121,16 @@ const std::vector<Refused> table = {
     {bodies + law +
          "cutoff = 3\n[periodic]\nsize = [99, 99, 99]\n[gravity]\nmethod = \"direct\"\n" + phase +
          by_law,
+    {bodies + "[periodic]\nsize = [4.5, 0, 0]\n" + springs + "stiffness = 1e6\n" + phase +
+         by_springs,
+     "x.toml:7:1: groups.b: body 1 at (3, 0, 0) m overlaps an image of body 0 of groups.a at (0, "
+     "0, "
+     "0) m by 0.5 m"},
+    {with_group("volume = {shape = \"box\", size = [2, 2, 4], center = [9, 0, 0]}\n"
+                "packing = {kind = \"simple_cubic\", radius = 1}\n") +
+         by_springs + "[periodic]\nsize = [0, 0, 3.5]\n" + springs + "stiffness = 1e6\n",
+     "x.toml:11:1: groups.c: body 3 at (9, 0, 1) m overlaps an image of body 2 of groups.c at (9, "
+     "0, -1) m by 0.5 m"},
      "x.toml:20:1: phases.only: [periodic] needs gravity.method"},
     {bodies + phase + impactor + "[[planes]]\npoint = [-1.5, 0, 0]\nnormal = [1, 0, 0]\n",
      "x.toml:15:12: phases.only.impactor: it begins 0.7 m deep in planes.0"},
