@@ -32,6 +32,9 @@ const std::string impactor =
 const std::string springs = "[contact]\nrestitution = 0.5\n[penalty]\nmodel = \"hooke\"\n";
 const std::string by_springs = "method = \"penalty\"\n";
 const std::string law = "[pair_potential]\nlaw = \"lennard_jones\"\ndepth = 1\ndistance = 2\n";
+const std::string between_rock_and_ice =
+    "[[pair_potential.between]]\nmaterials = [\"rock\", \"ice\"]\nlaw = \"lennard_jones\"\n"
+    "depth = 2\ndistance = 2\ncutoff = 3\n";
 const std::string by_law = "method = \"potential\"\n";
 
 /// The bodies and a group by another recipe.
@@ -170,6 +173,10 @@ const std::vector<Refused> table = {
      "x.toml:7:1: groups.a: penalty.model = \"hertz\" needs materials.rock.youngs_modulus"},
     {"materials.rock.youngs_modulus = 1e11\nmaterials.rock.density = 1600\n" +
          bodies.substr(bodies.find("[[groups]]")) + "[contact]\nrestitution = 0.5\n[penalty]\n" +
+    {bodies + "[materials.ice]\ndensity = 900\n" + law + "cutoff = 3\n" + between_rock_and_ice +
+         between_rock_and_ice + phase + by_law,
+     "x.toml:25:13: pair_potential.between.1.materials = rock and ice: told of before, at "
+     "x.toml:19:13: pair_potential.between.0.materials"},
          phase + by_springs,
      "x.toml:14:1: phases.only: step = 0.001 s is too long for penalty contact: surface waves"},
     {bodies + law + "cutoff = 3\n" + phase.substr(0, phase.find("step")) +
