@@ -167,10 +167,10 @@ int dispatch(const Comm& comm, int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  spall::Session session(argc, argv);
-  const spall::Comm comm = session.world();
+  std::optional<spall::Session> session;  // outlives the try, as it says
   try {
-    return dispatch(comm, argc, argv);
+    session.emplace(argc, argv);
+    return dispatch(session->world(), argc, argv);
   } catch (const std::exception& error) {
     // Ranks that fail alike say it once; the first to fail ends all.
     if (comm.rank == 0 || comm.size == 1) {
