@@ -8,7 +8,6 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
-#include <limits>
 
 #include "base/resident.hpp"
 #include "gravity/kick.hpp"
@@ -18,6 +17,7 @@
 #include "output/snapshot.hpp"
 #include "output/stored_bodies.hpp"
 #include "run/debris_log.hpp"
+#include "run/foretell.hpp"
 #include "run/progress.hpp"
 #include "run/reactions.hpp"
 #include "run/record.hpp"
@@ -127,7 +127,7 @@ class Run {
   /// False where a signal ended it.
   bool run_phase(const SignalGuard& signals) {
     while (simulation_->steps_left() > 0) {
-      const bool row = simulation_->synchronous() && row_due();
+      const bool row = simulation_->synchronous() && row_due(scene_, clock());
       Diagnostics sums;
       std::vector<double> received;  // by walls and held groups
       if (row) {
@@ -141,7 +141,8 @@ class Run {
         received = reactions_.received(world());
       }
       const Clock start = clock();
-      const StepReport report = simulation_->advance(most_steps(), row);
+      const StepReport report =
+          simulation_->advance(most_steps(scene_, clock(), simulation_->steps_left()), row);
       record_.book(report);
       shown_.residual = report.solver.residual;
       if (row) write_row(start, sums, report, received);
@@ -157,15 +158,6 @@ class Run {
         save(restart_file());
     }
     return true;
-  }
-
-  /// That may pass before somebody asks for something.
-  int most_steps() const {
-    constexpr std::int64_t most_at_once = 100;  // signals, progress and restarts wait no longer
-    const std::int64_t steps =
-        std::min(simulation_->steps_left(), steps_to_event(scene_, clock(), phase().step));
-    if (phase().engine->solves) return static_cast<int>(std::min<std::int64_t>(steps, 1 << 30));
-    return static_cast<int>(std::min({steps, most_at_once, steps_to_row()}));
   }
 
   bool passed_multiple(double every) const {
@@ -300,7 +292,6 @@ class Run {
     const double unit = verdict_.has_impact() ? verdict_.impactor_momentum() : 0;
     const bool turns = !scene_.period.any();
     if (free)
-  std::int64_t resumes_at_;  // the step of the restart file; negative: from the start
       simulation_->account().add_drifts(
           table, unit, turns ? std::optional(unit * verdict_.pile_radius()) : std::nullopt);
     simulation_->account().add_energies(table, sums, world().kick.potential);
@@ -309,6 +300,7 @@ class Run {
   const Comm& comm_;
   const Case& scene_;
   std::string folder_;
+  std::int64_t resumes_at_;  // the step of the restart file; negative: from the start
   DebrisLog debris_;
   Progress progress_;
   Progress::State shown_;
@@ -323,12 +315,16 @@ class Run {
 
 }  // namespace
 
-std::string check_case(const Comm& comm, const Case& scene) {
+std::string check_case(const Comm& comm, const Case& scene, Foretold foretold) {
   const double bytes_of_program = resident_bytes();
   const auto whole = std::make_shared<Case>(with_stored_bodies(scene));
   Simulation simulation(comm, Scene(whole));
   simulation.begin_phase();
-  return describe_bodies(*whole, comm.size, bytes_of_program) + describe_phases(*whole);
+  std::string text = describe_bodies(*whole, comm.size, bytes_of_program) + describe_phases(*whole);
+  constexpr double seconds_of_sample = 2;
+  if (foretold == Foretold::time_too)
+    text += describe_time(simulation, sample_steps(simulation, seconds_of_sample));
+  return text;
 }
 
 bool run_case(const Comm& comm, const Case& scene, const std::string& folder) {
