@@ -145,6 +145,11 @@ const std::vector<Refused> table = {
      "x.toml:17:12: phases.only.impactor: its mass and radius give 238.732 kg/m^3"},
     // Methods.
     {bodies + "[contact]\nfriction = 0.5\n[solver]\nmethod = \"bb\"\n" + phase,
+    // Images too near.
+    {bodies + springs + "stiffness = 1e6\n[periodic]\nsize = [9, 3.9, 9]\n" + phase + by_springs,
+     "x.toml:18:1: phases.only: periodic.size: 3.9 m in direction y is less than twice 2 m"},
+    {bodies + law + "cutoff = 3\n[periodic]\nsize = [9, 9, 5]\n" + phase + by_law,
+     "x.toml:18:1: phases.only: periodic.size: 5 m in direction z is less than twice 3 m"},
      "x.toml:15:1: phases.only: solver.method = \"apgd\" and \"bb\" minimise"},
     {bodies + phase + by_springs, "x.toml:11:1: phases.only.method = \"penalty\" needs [penalty]"},
     {bodies + "[penalty]\nmodel = \"hooke\"\nstiffness = 1e6\n" + phase + by_springs,
