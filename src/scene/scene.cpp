@@ -64,12 +64,14 @@ bool may_touch(const Group& a, const Group& b) {
 struct Placed {
   std::size_t group;
   BodyId first;
+  bool stored;
   Vec3 center, half;  ///< m, of a box that holds all of its spheres
   SphereSet spheres;
 
   Placed(const Group& of, std::size_t g, BodyId id, std::int64_t count)
       : group(g),
         first(id),
+        stored(!of.packing.stored.empty()),
         center(of.volume.center),
         half(reach(of)),
         spheres(center, half, count) {}
@@ -101,8 +103,8 @@ std::optional<Overlap> find_overlap(const Period& period, const Placed& earlier,
   std::optional<Overlap> found;
   const Vec3 half = earlier.half + Vec3::Constant(radius);
   for_each_image(period, center, earlier.center, half, [&](const Vec3& image, bool itself) {
-    // Groups keep clear of themselves.
-    if (found || (itself && earlier.group == g)) return;
+    // Groups keep clear of themselves; those of an earlier run overlap as they did there.
+    if (found || (earlier.group == g && (itself || earlier.stored))) return;
     if (const auto hit = earlier.spheres.find_overlap(image, radius, allowed))
       found = {*hit, !itself};
   });
