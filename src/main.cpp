@@ -35,6 +35,7 @@ struct Options {
   SolverSettings solver{
       .tolerance = 1e-4, .max_iterations = 1 << 30, .max_products = 10000, .prox = 0};
   bool evaluate = false;
+  bool time = false;
 };
 
 /// What a user may choose, by name.
@@ -111,9 +112,11 @@ int dispatch(const Comm& comm, int argc, char** argv) {
   resume->add_option("--out", options.out, "another folder for results");
   resume->add_option("--set", options.overrides, "change keys for what lies ahead")->take_all();
   auto* check =
-      app.add_subcommand("check", "read a case, print bodies, memory, steps; run nothing");
+      app.add_subcommand("check", "read a case, print bodies, memory, steps; write nothing");
   check->add_option("case", options.file, "case file (TOML)")->required();
   check->add_option("--set", options.overrides, "change keys")->take_all();
+  check->add_flag("--time", options.time,
+                  "foretell the time of the first phase from two seconds of its steps");
   auto* page = app.add_subcommand("report",
                                   "make report.html, a page with pictures, in the folder of a run");
   page->add_option("folder", options.file, "folder that a run wrote")->required();
@@ -154,7 +157,8 @@ int dispatch(const Comm& comm, int argc, char** argv) {
     return 0;
   }
   if (*check) {
-    const std::string text = check_case(comm, read_case(options.file, options.overrides));
+    const std::string text = check_case(comm, read_case(options.file, options.overrides),
+                                        options.time ? Foretold::time_too : Foretold::memory);
     if (comm.rank == 0) fmt::print("{}", text);
   }
   if (comm.rank != 0) return 0;  // what follows needs no second rank
@@ -167,11 +171,12 @@ int dispatch(const Comm& comm, int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  spall::Session session(argc, argv);
-  const spall::Comm comm = session.world();
+  std::optional<spall::Session> session;  // outlives the try, as it says
   try {
-    return dispatch(comm, argc, argv);
+    session.emplace(argc, argv);
+    return dispatch(session->world(), argc, argv);
   } catch (const std::exception& error) {
+    const spall::Comm comm(MPI_COMM_WORLD);
     // Ranks that fail alike say it once; the first to fail ends all.
     if (comm.rank == 0 || comm.size == 1) {
       fmt::print(stderr, "spall: {}\n", error.what());

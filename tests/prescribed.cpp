@@ -97,6 +97,48 @@ TEST(PrescribedMotion, bounds_its_acceleration) {
   EXPECT_GE(largest, 0.8 * motion.largest_acceleration(start));
 }
 
+/// Velocities by differences, from time to time.
+VelocityRange by_differences(const PrescribedMotion& motion, const Vec3& start, double from,
+                             double to) {
+  VelocityRange range{Vec3::Constant(infinity), Vec3::Constant(-infinity)};
+  const int samples = 20000;
+  const double h = (to - from) / samples;
+  for (int k = 0; k < samples; ++k)
+    range.add(motion.displacement(from + k * h, from + (k + 1) * h).of(start) / h);
+  return range;
+}
+
+TEST(PrescribedMotion, bounds_its_velocities_tightly) {
+  std::vector<PrescribedMotion> shifts(3);
+  shifts[0].velocity = {0.3, -0.1, 0.2};
+  shifts[0].amplitude = {0.02, -0.05, 0};
+  shifts[0].period = 0.7;
+  shifts[0].phase = 0.4;
+  shifts[1].set_displacements({0.5, 1, 2.5}, {{0, 0, 0.1}, {0, 0.3, 0.1}, {0.2, 0, 0}});
+  shifts[2].set_velocities({1, 3, 4}, {{2, 0, 0}, {4, 0, 1}, {0, 0, 1}});
+  const Vec3 start(0.2, -0.4, 1.1);
+  for (const PrescribedMotion& motion : shifts)
+    for (const auto& [from, to] : std::vector<std::pair<double, double>>{
+             {0, 10}, {0.1, 0.2}, {0.3, 0.5}, {0.6, 0.9}, {1.2, 3.5}, {2.6, 2.7}, {3.7, 6}}) {
+      const VelocityRange bound = motion.velocities(start, from, to);
+      const VelocityRange seen = by_differences(motion, start, from, to);
+      const Vec3 below = seen.low - bound.low, above = bound.high - seen.high;
+      EXPECT_GE(below.cwiseMin(above).minCoeff(), -1e-9) << "from " << from;
+      // Means over an interval miss ends by half of it times the acceleration, at most 4 m/s^2.
+      EXPECT_LE(below.cwiseMax(above).maxCoeff(), 2.1 * (to - from) / 20000) << "from " << from;
+      EXPECT_EQ(bound.turning, 0);
+    }
+  PrescribedMotion wheel;
+  wheel.velocity = {1, 0, 0};
+  wheel.axis = Vec3(1, -2, 2) / 3;
+  wheel.rate = 1.7;
+  const VelocityRange bound = wheel.velocities(start, 0, 1);
+  EXPECT_EQ(bound.low, wheel.velocity);
+  EXPECT_EQ(bound.high, wheel.velocity);
+  EXPECT_NEAR(bound.turning, (wheel.displacement(0, 1e-6).of(start) / 1e-6 - wheel.velocity).norm(),
+              1e-5);
+}
+
 // Groups in every engine ---------------------------------------------------------------------
 
 const std::vector<std::pair<std::string, double>> engines = {

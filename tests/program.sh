@@ -56,6 +56,7 @@ refuses() {  # name, ranks, file, words…
   [ $code -ne 124 ] && [ $code -ne 137 ] || fail "$name: hangs"
   [ "$(grep -c '^spall: ' stderr)" = 1 ] || fail "$name: not one message: $(cat stderr)"
   [ "$(wc -l <stderr)" = 1 ] || fail "$name: more than one line: $(cat stderr)"
+  [ ! -e "${out:-out}" ] || fail "$name: leaves files"
   for word in "$@"; do
     grep '^spall: ' stderr | grep -qF -- "$word" || fail "$name: no '$word' in: $(cat stderr)"
   done
@@ -83,6 +84,12 @@ write_case '' few.toml
 refuses "more ranks than bodies" 3 few.toml few.toml "2 bodies" "3 ranks"
 touch file
 out=file/below refuses "an unwritable folder" "$ranks" few.toml file/below
+SPALL_INSTRUCTIONS=v9 refuses "unknown instructions" "$ranks" few.toml SPALL_INSTRUCTIONS v9
+
+# Where nothing moves nothing drifts.
+write_case 's/"-1 m/"0 m/' still.toml
+on_ranks "$ranks" run still.toml --out still || fail "bodies at rest: $(cat stderr)"
+grep -q "^linear = 0.0 " still/results.toml || fail "drift of bodies at rest: $(grep linear still/results.toml)"
 
 # The same for `spall solve`; problems themselves are tested elsewhere.
 refuses_problem() {  # name, arguments, words…
@@ -101,7 +108,7 @@ refuses_problem "a missing problem" nowhere.hdf5 "spall: " nowhere.hdf5
 refuses_problem "no HDF5 file" plain.toml "spall: " plain.toml
 refuses_problem "an unknown method" "plain.toml --method newton" newton accelerated sor
 
-for arguments in --help "solve --help" keys "check $cases/hello/case.toml"; do
+for arguments in --help "solve --help" keys "check $cases/hello/case.toml" "check --time still.toml"; do
   # shellcheck disable=SC2086
   on_ranks "$ranks" $arguments || fail "spall $arguments: exit code is not 0"
   [ -s stdout ] || fail "spall $arguments: prints nothing"

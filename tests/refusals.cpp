@@ -32,7 +32,18 @@ const std::string impactor =
 const std::string springs = "[contact]\nrestitution = 0.5\n[penalty]\nmodel = \"hooke\"\n";
 const std::string by_springs = "method = \"penalty\"\n";
 const std::string law = "[pair_potential]\nlaw = \"lennard_jones\"\ndepth = 1\ndistance = 2\n";
+const std::string between_rock_and_ice =
+    "[[pair_potential.between]]\nmaterials = [\"rock\", \"ice\"]\nlaw = \"lennard_jones\"\n"
+    "depth = 2\ndistance = 2\ncutoff = 3\n";
 const std::string by_law = "method = \"potential\"\n";
+
+// Motions of group b, all at rest at the start: 6 km/s within a millisecond, after 5 s, after 15 s.
+const std::string shaken =
+    "motion.oscillation = {amplitude = [\"1 m\", 0, 0], period = \"1 ms\", phase = 1.570796}\n";
+const std::string struck =
+    "motion.table = {times = [5, 5.001], displacements = [[0, 0, 0], [0, 6, 0]]}\n";
+const std::string struck_later =
+    "motion.table = {times = [15, 15.001], displacements = [[0, 0, 0], [0, 6, 0]]}\n";
 
 /// The bodies and a group by another recipe.
 std::string with_group(const std::string& keys) {
@@ -110,6 +121,16 @@ const std::vector<Refused> table = {
      "x.toml:15:104: groups.c.packing.sizes.median and spread leave less than a hundredth"},
     {with_group("volume = {radius = 1}\npacking = {kind = \"file\", file = \"gone.h5\"}\n"),
      "x.toml:11:1: groups.c: there is no file 'gone.h5'"},
+    {bodies + "[periodic]\nsize = [4.5, 0, 0]\n" + springs + "stiffness = 1e6\n" + phase +
+         by_springs,
+     "x.toml:7:1: groups.b: body 1 at (3, 0, 0) m overlaps an image of body 0 of groups.a at (0, "
+     "0, "
+     "0) m by 0.5 m"},
+    {with_group("volume = {shape = \"box\", size = [2, 2, 4], center = [9, 0, 0]}\n"
+                "packing = {kind = \"simple_cubic\", radius = 1}\n") +
+         by_springs + "[periodic]\nsize = [0, 0, 3.5]\n" + springs + "stiffness = 1e6\n",
+     "x.toml:11:1: groups.c: body 3 at (9, 0, 1) m overlaps an image of body 2 of groups.c at (9, "
+     "0, -1) m by 0.5 m"},
     // Walls.
     {bodies + phase + "[[planes]]\npoint = [0, 0, -0.5]\n",
      "x.toml:3:1: groups.a: body 0 at (0, 0, 0) m lies 0.5 m deep in planes.0"},
@@ -124,6 +145,11 @@ const std::vector<Refused> table = {
      "x.toml:20:1: phases.only: [periodic] needs gravity.method"},
     {bodies + phase + impactor + "[[planes]]\npoint = [-1.5, 0, 0]\nnormal = [1, 0, 0]\n",
      "x.toml:15:12: phases.only.impactor: it begins 0.7 m deep in planes.0"},
+    // Images too near.
+    {bodies + springs + "stiffness = 1e6\n[periodic]\nsize = [9, 3.9, 9]\n" + phase + by_springs,
+     "x.toml:18:1: phases.only: periodic.size: 3.9 m in direction y is less than twice 2 m"},
+    {bodies + law + "cutoff = 3\n[periodic]\nsize = [9, 9, 5]\n" + phase + by_law,
+     "x.toml:18:1: phases.only: periodic.size: 5 m in direction z is less than twice 3 m"},
     // The impactor.
     {bodies + phase +
          "impactor = {mass = 1, radius = 0.1, speed = 1, offset = [0, 0, 5], distance = 1}\n",
@@ -147,6 +173,10 @@ const std::vector<Refused> table = {
     {bodies + law + "cutoff = 3\n[contact]\ncohesion_range = 1\n" + phase + by_law +
          "cohesion = 1\n",
      "x.toml:18:1: phases.only.cohesion is that of contacts"},
+    {bodies + "[materials.ice]\ndensity = 900\n" + law + "cutoff = 3\n" + between_rock_and_ice +
+         between_rock_and_ice + phase + by_law,
+     "x.toml:25:13: pair_potential.between.1.materials = rock and ice: told of before, at "
+     "x.toml:19:13: pair_potential.between.0.materials"},
     // Steps that are too long, in the first phase and in a later one.
     {bodies + springs + "stiffness = 1e10\n" + phase + by_springs,
      "x.toml:16:1: phases.only: step = 0.001 s is too long for penalty contact: body "},
@@ -168,6 +198,18 @@ const std::vector<Refused> table = {
     {bodies + law + "cutoff = 3\n" + phase +
          "[[phases]]\nname = \"later\"\nstep = 10\nduration = 20\n" + by_law + impactor,
      "x.toml:20:1: phases.later: step = 10 s is too long for the pair potential"},
+    // Of groups that are slow at the start, or move in a later phase alone.
+    {bodies + shaken + springs + "stiffness = 1e6\n" + phase + by_springs,
+     "x.toml:17:1: phases.only: body "},
+    {bodies + struck + springs + "stiffness = 1e6\n" + phase + by_springs,
+     "x.toml:17:1: phases.only: body "},
+    {bodies + struck_later + springs + "stiffness = 1e6\n" + phase + by_springs +
+         "[[phases]]\nname = \"later\"\n"
+         "step = \"1 ms\"\nduration = \"10 s\"\n" +
+         by_springs,
+     "x.toml:22:1: phases.later: body "},
+    {bodies + shaken + law + "cutoff = 3\n" + phase + by_law,
+     "x.toml:17:1: phases.only: in a step = 0.001 s two bodies come 6.28 m nearer"},
 };
 
 TEST(Refusals, are_those_of_check_and_of_run_alike_with_file_line_and_key) {
@@ -179,8 +221,8 @@ TEST(Refusals, are_those_of_check_and_of_run_alike_with_file_line_and_key) {
     const std::string checked = complaint_of([&] { check_case(comm, parse_case(text, "x.toml")); });
     EXPECT_TRUE(checked.starts_with(message)) << checked << "\n  instead of\n" << message;
     EXPECT_EQ(complaint_of([&] { run_case(comm, parse_case(text, "x.toml"), folder); }), checked);
+    EXPECT_FALSE(std::filesystem::exists(folder)) << message << "\n  left files";
   }
-  if (comm.rank == 0) std::filesystem::remove_all(folder);
   EXPECT_GE(table.size(), 40u);
 }
 

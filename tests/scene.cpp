@@ -52,6 +52,44 @@ std::string complaint(const Case& scene, const Comm& comm) {
   return complaint_of([&] { make_bodies(scene, comm); });
 }
 
+TEST(Scene, random_bodies_keep_clear_of_images) {
+  // A sphere that stands out of the box at one end, and others at the other end.
+  const Case scene = parse_case(R"(
+materials.rock.density = 1600
+[contact]
+restitution = 0.5
+[penalty]
+model = "hooke"
+stiffness = 1
+[periodic]
+low = [-5, 0, -30]
+size = [10, 0, 6]
+[[groups]]
+name = "one"
+material = "rock"
+volume = {radius = 1, center = [4.8, 0, 0]}
+[[groups]]
+name = "many"
+material = "rock"
+volume = {shape = "box", size = [2, 3, 9], center = [-4, 0, 0]}
+packing = {kind = "random", radius = 0.4, count = 30}
+[[phases]]
+name = "only"
+method = "penalty"
+step = 1
+duration = 1
+)",
+                                "x.toml");
+  const Bodies bodies = all_on_this_rank(scene);
+  ASSERT_EQ(bodies.owned, 31);
+  for (Index a = 0; a < bodies.owned; ++a)
+    for (Index b = 0; b < a; ++b) {
+      const Vec3 image = scene.period.nearest(bodies.position[a], bodies.position[b]);
+      EXPECT_GE((image - bodies.position[b]).norm(), bodies.radius[a] + bodies.radius[b])
+          << a << " " << b;
+    }
+}
+
 TEST(Scene, bodies_have_the_fields_that_the_case_s_methods_need) {
   const auto fields = [](const std::string& method, const std::string& more) {
     return fields_of(parse_case(

@@ -375,8 +375,9 @@ TEST(TwoSolids, too_long_a_step_names_the_pair) {
   Lab world(make_world(alone(), scene));
   world.bodies = make_bodies(scene, alone());
   world.potential.law = scene.engines.find<PotentialSettings>()->law;
-  const std::string message =
-      complaint_of([&] { world.potential.check_step(world, 9e-9, "x.toml: phases.only"); });
+  const std::string message = complaint_of([&] {
+    world.potential.check_steps(world, {.h = 9e-9, .lasts = 1e-6, .place = "x.toml: phases.only"});
+  });
   EXPECT_NE(message.find("phases.only, al: step = 9e-09 s is too long"), std::string::npos)
       << message;
 }

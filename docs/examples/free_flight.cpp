@@ -51,9 +51,9 @@ struct Free final : Engine {
 
   explicit Free(const FreeSettings& of_case) : settings(of_case) {}
 
-  void check_step(const World&, double h, const std::string& place) const override {
-    require(settings.drag * h < 1, "{}.step = {} s is longer than 1/drag, {} s", place, h,
-            1 / settings.drag);
+  void check_steps(const World&, const PlannedSteps& steps) const override {
+    require(settings.drag * steps.h < 1, "{}.step = {} s is longer than 1/drag, {} s", steps.place,
+            steps.h, 1 / settings.drag);
   }
   StepReport advance(World& world, const StepRequest& request) override {
     return smooth_steps(world, Flight(world, settings), leapfrog, request);

@@ -50,6 +50,7 @@ constexpr std::int64_t part_begin(std::int64_t total, int part, int parts) {
 /// must reach `abort_all` before any rank waits in MPI_Finalize.
 class Session {
  public:
+  /// Throws Error on every rank alike where SPALL_INSTRUCTIONS is none.
   Session(int& argc, char**& argv);
   ~Session();
   Session(const Session&) = delete;

@@ -34,6 +34,13 @@ struct StepRequest {
   bool energy = false;  ///< tell what pairs held at the start
 };
 
+/// Steps that a phase is about to make, from `world.time` on.
+struct PlannedSteps {
+  double h = 0;       ///< s
+  double lasts = 0;   ///< s, all of them
+  std::string place;  ///< "x.toml:12:1: phases.impact", for messages
+};
+
 /// What an engine keeps from one search for pairs to the next, and over a restart.
 struct PairMemory {
   ContactMemory contacts;
@@ -45,8 +52,9 @@ class Engine {
  public:
   virtual ~Engine() = default;
 
-  /// Throws Error that begins with `place` where steps of `h` (s) are too long for this world.
-  virtual void check_step(const World& world, double h, const std::string& place) const = 0;
+  /// Throws Error that begins with the steps' place where they are too long for this world, or
+  /// where it repeats itself so soon that a body would meet two images of another.
+  virtual void check_steps(const World& world, const PlannedSteps& steps) const = 0;
 
   /// Advances the world by one step where contacts are solved for, else by up to `most_steps`, the
   /// last of which ends at the next kick of gravity at the latest.

@@ -52,6 +52,26 @@ double largest_prescribed_acceleration(const World& world) {
   return world.comm.max(largest);
 }
 
+double largest_meeting_speed(const World& world, double lasts) {
+  const Bodies& bodies = world.bodies;
+  std::vector<char> moves(bodies.owned, 0);
+  for_each_moving(world, [&](Index b, std::int32_t, const PrescribedMotion&) { moves[b] = 1; });
+  Box others;
+  for (Index b = 0; b < bodies.owned; ++b)
+    if (!moves[b]) others.add(bodies.velocity[b]);
+  if (world.walls().size() > 0) others.add(Vec3(Vec3::Zero()));
+  others = others.united(world.comm);
+  if (others.low[0] > others.high[0]) return 0;  // there are none
+  const Vec3 low = vector_of(others.low), high = vector_of(others.high);
+  double largest = others.diagonal();
+  for_each_moving(world, [&](Index b, std::int32_t, const PrescribedMotion& motion) {
+    const VelocityRange range = motion.velocities(bodies.anchor[b], world.time, world.time + lasts);
+    const Vec3 apart = (range.high - low).cwiseMax(high - range.low);
+    largest = std::max(largest, apart.norm() + range.turning);
+  });
+  return world.comm.max(largest);
+}
+
 std::vector<PrescribedPlace> advance_prescribed(World& world, double t, Box& velocities) {
   const double before = world.time;
   world.time += t;

@@ -20,6 +20,11 @@ std::vector<Index> set_prescribed_velocities(World& world, double from, double h
 /// m/s^2 over all ranks: what drives bodies of moving groups at most. Collective where any moves.
 double largest_prescribed_acceleration(const World& world);
 
+/// m/s over all ranks, at most: the speed at which two bodies, or a body and a wall, may meet
+/// within `lasts` (s) from `world.time` on, wherever they are now. Those of moving groups go their
+/// ways and do not act on each other; all others fly straight on. Collective.
+double largest_meeting_speed(const World& world, double lasts);
+
 /// A body that moves as prescribed, where it must be now.
 struct PrescribedPlace {
   Index row;

@@ -36,17 +36,22 @@ inline void find_ghosts(const Comm& comm, Bodies& bodies, const Period& period,
   search.ghosts = make_halo(comm, bodies, reach, period, search.shifts);
 }
 
+/// Throws Error, which begins with `place`, where space repeats itself so soon that bodies which
+/// act up to `reach` (m, between centres) act on two images of another.
+inline void check_period(const Period& period, double reach, const std::string& place) {
+  for (int k = 0; k < 3; ++k)
+    require(period.size[k] == 0 || period.size[k] > 2 * reach,
+            "{}: periodic.size: {:g} m in direction {} is less than twice {:.4g} m, the reach of a "
+            "body: it would meet two images of another",
+            place, period.size[k], "xyz"[k], reach);
+}
+
 /// m: the skin, or less where space repeats itself so soon that bodies which act up to `reach` (m,
 /// between centres) would be listed with two images of another. Throws Error where they act on two.
 inline double skin_within(const Period& period, double reach, double skin) {
-  for (int k = 0; k < 3; ++k) {
-    if (period.size[k] == 0) continue;
-    require(period.size[k] > 2 * reach,
-            "periodic.size: {:g} m in direction {} is less than twice {:.4g} m, the reach of a "
-            "body: it would meet two images of another",
-            period.size[k], "xyz"[k], reach);
-    skin = std::min(skin, period.size[k] / 2 - reach);
-  }
+  check_period(period, reach, "search for pairs");
+  for (double size : period.size)
+    if (size > 0) skin = std::min(skin, size / 2 - reach);
   return skin;
 }
 

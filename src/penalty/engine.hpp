@@ -17,7 +17,7 @@ struct Penalty final : Engine {
 
   explicit Penalty(const ByPair<PenaltySettings>& of_case) : settings(of_case) {}
 
-  void check_step(const World& world, double h, const std::string& place) const override;
+  void check_steps(const World& world, const PlannedSteps& steps) const override;
   StepReport advance(World& world, const StepRequest& request) override;
   double energy(const World& world) const override;
   PairMemory remember(const World& world) const override;

@@ -151,7 +151,7 @@ class Motion {
     if (world_.walls().size() > 0) velocities_.add(Vec3(Vec3::Zero()));
     move(first + second);
     if (std::exchange(searches_, engine_.touch.searches) != engine_.touch.searches)
-      check_penalty_step(world_, engine_.settings, h_, velocities_.united(world_.comm).diagonal(),
+      check_penalty_step(world_, engine_.settings, h_, largest_meeting_speed(world_, h_),
                          "bodies have become faster");
   }
   void end() {}
@@ -211,12 +211,12 @@ double contact_energy(World& world, Penalty& engine) {
   return world.comm.sum(energy_of_contacts(world, laws, engine.touch));
 }
 
-double largest_relative_speed(const World& world) {
-  return velocities_of(world.bodies).united(world.comm).diagonal();
-}
-
-void Penalty::check_step(const World& world, double h, const std::string& place) const {
-  check_penalty_step(world, settings, h, largest_relative_speed(world), place);
+void Penalty::check_steps(const World& world, const PlannedSteps& steps) const {
+  const double largest = radii_of(world).largest;
+  check_period(world.period, 2 * largest + widest_gap(penalty_laws(world, settings), largest),
+               steps.place);
+  check_penalty_step(world, settings, steps.h, largest_meeting_speed(world, steps.lasts),
+                     steps.place);
 }
 
 StepReport Penalty::advance(World& world, const StepRequest& request) {

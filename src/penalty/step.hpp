@@ -15,8 +15,4 @@ StepReport penalty_steps(World& world, Penalty& engine, const StepRequest& reque
 /// where they are not known. Collective.
 double contact_energy(World& world, Penalty& engine);
 
-/// Largest speed (m/s) at which two bodies may meet, sooner or later: the box that holds all
-/// velocities is that wide. Collective.
-double largest_relative_speed(const World& world);
-
 }  // namespace spall

@@ -23,7 +23,7 @@ struct Potential final : Engine {
 
   explicit Potential(ByPair<PairPotential> of_pairs) : law(std::move(of_pairs)) {}
 
-  void check_step(const World& world, double h, const std::string& place) const override;
+  void check_steps(const World& world, const PlannedSteps& steps) const override;
   StepReport advance(World& world, const StepRequest& request) override;
   double energy(const World& world) const override;
   PairMemory remember(const World& world) const override;

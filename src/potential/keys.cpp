@@ -172,9 +172,13 @@ ByPair<PairPotential> laws_by_pair(const Surroundings& around, std::span<const M
       solids.push_back(a);
     }
   const ByPair<PairPotential> of_solids = laws;
+  ByPair<const LawBetween*> told(laws.materials(), nullptr);
   for (const LawBetween& between : settings.between) {
     const int a = find_material(around.materials, between.materials[0], between.place);
     const int b = find_material(around.materials, between.materials[1], between.place);
+    require(!told(a, b), "{} = {} and {}: told of before, at {}", between.place,
+            between.materials[0], between.materials[1], told(a, b) ? told(a, b)->place : "");
+    told.set(a, b, &between);
     PairPotential p = between.law;
     if (!between.by_hand) {
       const auto derived = [&](int m) { return std::ranges::find(solids, m) != solids.end(); };

@@ -367,11 +367,11 @@ double potential_energy(World& world, Potential& engine) {
   return world.comm.sum(energy_of_pairs(world, engine));
 }
 
-double closing_speed(const World& world, const ByPair<PairPotential>& laws) {
+double closing_speed(const World& world, const ByPair<PairPotential>& laws, double lasts) {
   const Bodies& bodies = world.bodies;
-  // Images and walls are met from anywhere.
-  if (world.period.any() || world.walls().size() > 0)
-    return velocities_with_walls(world).united(world.comm).diagonal();
+  // Images and walls are met from anywhere, and what moves as prescribed may come to any place.
+  if (world.period.any() || world.walls().size() > 0 || !world.motions.empty())
+    return largest_meeting_speed(world, lasts);
   const auto owned = [&](const std::vector<Vec3>& field) {
     return std::span(field.data(), bodies.owned);
   };
@@ -381,24 +381,26 @@ double closing_speed(const World& world, const ByPair<PairPotential>& laws) {
 
 // --- the engine ---
 
-void Potential::check_step(const World& world, double h, const std::string& place) const {
-  const double speed = closing_speed(world, law);
-  if (law.uniform()) return spall::check_step(law.common(), h, lightest_body(world), speed, place);
+void Potential::check_steps(const World& world, const PlannedSteps& steps) const {
+  const auto& [h, lasts, place] = steps;
+  check_period(world.period, reach_of(law), place);
+  const double speed = closing_speed(world, law, lasts);
+  if (law.uniform()) return check_step(law.common(), h, lightest_body(world), speed, place);
   const std::vector<double> lightest = lightest_bodies(world, law.materials());
   for (int a = 0; a < law.materials(); ++a)
     for (int b = 0; b <= a; ++b) {
       if (lightest[a] == 0 || lightest[b] == 0) continue;
       const std::string pair = names_of_pair(world, b, a);
       require(law(a, b).given(), "{}: no law is given between {}", place, pair);
-      spall::check_step(law(a, b), h, std::min(lightest[a], lightest[b]), speed,
-                        fmt::format("{}, {}", place, pair));
+      check_step(law(a, b), h, std::min(lightest[a], lightest[b]), speed,
+                 fmt::format("{}, {}", place, pair));
     }
   const Walls walls = world.walls();
   for (std::size_t w = 0; w < walls.size(); ++w)
     for (int a = 0; a < law.materials(); ++a)
       if (const int b = walls.material(w); b != same_material && lightest[a] > 0)
-        spall::check_step(law(a, b), h, lightest[a], speed,
-                          fmt::format("{}, {} at a wall", place, names_of_pair(world, b, a)));
+        check_step(law(a, b), h, lightest[a], speed,
+                   fmt::format("{}, {} at a wall", place, names_of_pair(world, b, a)));
 }
 
 StepReport Potential::advance(World& world, const StepRequest& request) {

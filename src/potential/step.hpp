@@ -21,7 +21,8 @@ double potential_energy(World& world, Potential& engine);
 void for_each_near_pair(const World& world, const Potential& engine,
                         const std::function<void(Index, Index, const Vec3&, bool)>& f);
 
-/// m/s, at most: the speed at which two bodies meet if they fly straight on. Collective.
-double closing_speed(const World& world, const ByPair<PairPotential>& laws);
+/// m/s, at most: the speed at which two bodies meet within `lasts` (s), those of no moving group if
+/// they fly straight on. Collective.
+double closing_speed(const World& world, const ByPair<PairPotential>& laws, double lasts);
 
 }  // namespace spall

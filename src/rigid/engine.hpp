@@ -14,7 +14,7 @@ struct Rigid final : Engine {
 
   explicit Rigid(const SolverSettings& settings = {}) : solver(settings) {}
 
-  void check_step(const World&, double, const std::string&) const override {}
+  void check_steps(const World&, const PlannedSteps&) const override {}
   StepReport advance(World& world, const StepRequest& request) override;
   double energy(const World& world) const override;
   PairMemory remember(const World& world) const override;

@@ -39,12 +39,17 @@ Balance Account::balance(const Diagnostics& sums, double potential, double bonds
 
 void Account::add_drifts(ResultTable& table, double momentum,
                          std::optional<double> angular_momentum) const {
-  table.add("conservation", "linear", momentum_drift_ / (momentum > 0 ? momentum : momentum_scale_),
-            "", "largest drift of momentum, of the impactor's");
+  // Where nothing ever moved there is nothing to drift.
+  const auto relative = [](double drift, double unit, double scale) {
+    if (unit > 0) return drift / unit;
+    return scale > 0 ? drift / scale : 0;
+  };
+  table.add("conservation", "linear", relative(momentum_drift_, momentum, momentum_scale_), "",
+            "largest drift of momentum, of the impactor's");
   if (!angular_momentum) return;
   table.add("conservation", "angular",
-            angular_momentum_drift_ / (*angular_momentum > 0 ? *angular_momentum : angular_scale_),
-            "", "largest drift of angular momentum, of the impactor's on the pile's rim");
+            relative(angular_momentum_drift_, *angular_momentum, angular_scale_), "",
+            "largest drift of angular momentum, of the impactor's on the pile's rim");
 }
 
 void Account::add_energies(ResultTable& table, const Diagnostics& sums, double potential) const {

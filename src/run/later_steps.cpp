@@ -9,19 +9,24 @@
 
 namespace spall {
 
-void check_later_steps(const World& world, const Case& scene, std::size_t phase) {
-  if (phase + 1 >= scene.phases.size()) return;
+void check_later_steps(const World& world, const Case& scene, const Clock& clock) {
+  const auto next = static_cast<std::size_t>(clock.phase) + 1;
+  if (next >= scene.phases.size()) return;
   World later = world;
   Bodies& bodies = later.bodies;
   resize(bodies, bodies.owned);
-  for (std::size_t p = phase + 1; p < scene.phases.size(); ++p) {
-    const Phase& one = scene.phases[p];
+  later.time = clock.time - clock.time_in_phase;
+  for (std::size_t p = next; p < scene.phases.size(); ++p) {
+    const Phase &one = scene.phases[p], &former = scene.phases[p - 1];
+    later.time += former.duration;
+    if (former.until == PhaseEnd::settled) later.motions.clear();  // it may end sooner
     std::ranges::fill(bodies.velocity, Vec3::Zero());
     if (one.cohesion) set_cohesion(later.contact, *one.cohesion);
     // Bodies may lie elsewhere then: an impactor that would miss them now may hit.
     if (one.impactor && would_hit(later.comm, *one.impactor, bodies))
       add_impactor(later.comm, scene, *one.impactor, bodies);
-    one.engine->make(one.settings)->check_step(later, one.step, one.place);
+    one.engine->make(one.settings)
+        ->check_steps(later, {.h = one.step, .lasts = one.duration, .place = one.place});
   }
 }
 

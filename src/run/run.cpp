@@ -8,7 +8,6 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
-#include <limits>
 
 #include "base/resident.hpp"
 #include "gravity/kick.hpp"
@@ -18,6 +17,7 @@
 #include "output/snapshot.hpp"
 #include "output/stored_bodies.hpp"
 #include "run/debris_log.hpp"
+#include "run/foretell.hpp"
 #include "run/progress.hpp"
 #include "run/reactions.hpp"
 #include "run/record.hpp"
@@ -36,14 +36,12 @@ class Run {
       : comm_(comm),
         scene_(*parts.parts()),
         folder_(folder),
+        resumes_at_(from ? from->clock.step : -1),
         debris_(scene_),
         progress_(comm, scene_),
         reactions_(scene_),
-        series_(comm, folder, columns(), from ? from->clock.step - 1 : -1),
-        snapshots_(comm, folder, scene_, from ? from->clock.step : -1),
         seconds_at_start_(MPI_Wtime()),
         last_restart_(seconds_at_start_) {
-    keep_reference(comm, folder, scene_.reference);
     if (from) {
       simulation_.emplace(comm, parts, *from);
       load(from->scalars);
@@ -57,12 +55,14 @@ class Run {
     const SignalGuard signals;
     progress_.say(describe_phases(scene_));
     say_what_is_over();
+    if (begins_phase()) begin_phase();
+    open_files();  // a run that was refused by now has left nothing
     while (!simulation_->over()) {
-      if (clock().step_in_phase == 0) begin_phase();
       progress_.begin_phase(clock());
       if (clock().step == 0) snapshot();
       if (!run_phase(signals)) return false;
       end_phase();
+      if (begins_phase()) begin_phase();
     }
     finish();
     return true;
@@ -84,6 +84,14 @@ class Run {
     const std::vector<Column> more = reactions_.columns();
     all.insert(all.end(), more.begin(), more.end());
     return all;
+  }
+
+  bool begins_phase() const { return !simulation_->over() && clock().step_in_phase == 0; }
+
+  void open_files() {
+    series_.emplace(comm_, folder_, columns(), resumes_at_ - 1);
+    snapshots_.emplace(comm_, folder_, scene_, resumes_at_);
+    keep_reference(comm_, folder_, scene_.reference);
   }
 
   void begin_phase() {
@@ -119,7 +127,7 @@ class Run {
   /// False where a signal ended it.
   bool run_phase(const SignalGuard& signals) {
     while (simulation_->steps_left() > 0) {
-      const bool row = simulation_->synchronous() && row_due();
+      const bool row = simulation_->synchronous() && row_due(scene_, clock());
       Diagnostics sums;
       std::vector<double> received;  // by walls and held groups
       if (row) {
@@ -133,7 +141,8 @@ class Run {
         received = reactions_.received(world());
       }
       const Clock start = clock();
-      const StepReport report = simulation_->advance(most_steps(), row);
+      const StepReport report =
+          simulation_->advance(most_steps(scene_, clock(), simulation_->steps_left()), row);
       record_.book(report);
       shown_.residual = report.solver.residual;
       if (row) write_row(start, sums, report, received);
@@ -151,30 +160,8 @@ class Run {
     return true;
   }
 
-  /// That may pass before somebody asks for something.
-  int most_steps() const {
-    constexpr std::int64_t most_at_once = 100;  // signals, progress and restarts wait no longer
-    const std::int64_t steps =
-        std::min(simulation_->steps_left(), steps_to_event(scene_, clock(), phase().step));
-    if (phase().engine->solves) return static_cast<int>(std::min<std::int64_t>(steps, 1 << 30));
-    return static_cast<int>(std::min({steps, most_at_once, steps_to_row()}));
-  }
-
   bool passed_multiple(double every) const {
     return spall::passed_multiple(clock(), phase().step, every);
-  }
-  /// A row costs as much as half a step of smooth forces: without being told, one in so many.
-  static constexpr std::int64_t steps_a_row = 100;
-  /// Of smooth forces; what a time tells is an event of the timetable.
-  std::int64_t steps_to_row() const {
-    const auto& every = scene_.output.series_every;
-    if (every) return *every > 0 ? std::numeric_limits<std::int64_t>::max() : 1;
-    return steps_a_row - clock().step_in_phase % steps_a_row;
-  }
-  bool row_due() const {
-    const auto& every = scene_.output.series_every;
-    if (every && *every > 0) return clock().step == 0 || passed_multiple(*every);
-    return every || phase().engine->solves || clock().step_in_phase % steps_a_row == 0;
   }
 
   /// Snapshots and read-outs at the instant that the clock has just reached.
@@ -214,14 +201,14 @@ class Run {
                                              comm_.max(report.overlap), world().times);
     const std::vector<double> forces = reactions_.row(start.time, received);
     values.insert(values.end(), forces.begin(), forces.end());
-    series_.append(start.step, start.time, values);
+    series_->append(start.step, start.time, values);
   }
 
   void snapshot() {
     evaluate_field(world());
     StageTimer timer(world().times, "output");
     simulation_->measure_fields();
-    snapshots_.write(world().bodies, clock().step, clock().time);
+    snapshots_->write(world().bodies, clock().step, clock().time);
   }
 
   void end_phase() {
@@ -281,8 +268,8 @@ class Run {
     table.add("time", "ranks", static_cast<std::int64_t>(comm_.size));
     progress_.say("\n" + table.text());
     write_results(comm_, folder_, table);
-    snapshots_.write_index();
-    series_.write_hdf5();
+    snapshots_->write_index();
+    series_->write_hdf5();
   }
 
   /// What tells the runs of a sweep apart.
@@ -313,12 +300,13 @@ class Run {
   const Comm& comm_;
   const Case& scene_;
   std::string folder_;
+  std::int64_t resumes_at_;  // the step of the restart file; negative: from the start
   DebrisLog debris_;
   Progress progress_;
   Progress::State shown_;
   ReactionRows reactions_;
-  Series series_;
-  SnapshotWriter snapshots_;
+  std::optional<Series> series_;
+  std::optional<SnapshotWriter> snapshots_;
   std::optional<Simulation> simulation_;
   Record record_;
   Verdict verdict_;
@@ -327,12 +315,16 @@ class Run {
 
 }  // namespace
 
-std::string check_case(const Comm& comm, const Case& scene) {
+std::string check_case(const Comm& comm, const Case& scene, Foretold foretold) {
   const double bytes_of_program = resident_bytes();
   const auto whole = std::make_shared<Case>(with_stored_bodies(scene));
   Simulation simulation(comm, Scene(whole));
   simulation.begin_phase();
-  return describe_bodies(*whole, comm.size, bytes_of_program) + describe_phases(*whole);
+  std::string text = describe_bodies(*whole, comm.size, bytes_of_program) + describe_phases(*whole);
+  constexpr double seconds_of_sample = 2;
+  if (foretold == Foretold::time_too)
+    text += describe_time(simulation, sample_steps(simulation, seconds_of_sample));
+  return text;
 }
 
 bool run_case(const Comm& comm, const Case& scene, const std::string& folder) {

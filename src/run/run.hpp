@@ -11,9 +11,12 @@
 
 namespace spall {
 
+/// What `check_case` foretells; time costs a sample of steps.
+enum class Foretold { memory, time_too };
+
 /// What a case makes and runs, in words and tables. Throws Error where a run of it would, by the
 /// beginning of that run itself: its bodies are made, and the first phase begins. Collective.
-std::string check_case(const Comm& comm, const Case& scene);
+std::string check_case(const Comm& comm, const Case& scene, Foretold foretold = Foretold::memory);
 
 /// Runs a case from its start and writes snapshots, series, restarts and results into `folder`,
 /// which is made where it is missing. Returns false where a signal ended the run early, after its

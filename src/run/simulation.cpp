@@ -45,6 +45,13 @@ struct Simulation::State {
     type = phase.engine;
     engine = type->make(phase.settings);
   }
+  /// Throws Error where the steps that are left of the phase are too long. Collective.
+  void check_steps() const {
+    const Phase& phase = scene->phases[clock.phase];
+    engine->check_steps(
+        world,
+        {.h = phase.step, .lasts = phase.duration - clock.time_in_phase, .place = phase.place});
+  }
   void tick(double h) {
     ++clock.step;
     ++clock.step_in_phase;
@@ -104,9 +111,8 @@ Simulation::Simulation(const Comm& comm, const Scene& scene, const RestartState&
     // What the phase began with was checked then; what changed since is another step.
     constexpr double round_off = 1e-9;  // of a sum of steps
     const double former = clock.time_in_phase / static_cast<double>(clock.step_in_phase);
-    if (std::abs(phase().step - former) > round_off * former)
-      state_->engine->check_step(world, phase().step, phase().place);
-    check_later_steps(world, this->scene(), clock.phase);
+    if (std::abs(phase().step - former) > round_off * former) state_->check_steps();
+    check_later_steps(world, this->scene(), clock);
   }
 }
 
@@ -264,9 +270,10 @@ PhaseEvents Simulation::begin_phase(const std::function<void(const World&)>& bef
     });
   engine->restart_pairs(world, std::move(memory));
   if (phase().cohesion) set_cohesion(world.contact, *phase().cohesion);
-  set_prescribed_velocities(world, clock().time, phase().step);
-  engine->check_step(world, phase().step, phase().place);
-  check_later_steps(world, scene(), clock().phase);
+  world.time = clock().time;
+  set_prescribed_velocities(world, world.time, phase().step);
+  state_->check_steps();
+  check_later_steps(world, scene(), clock());
   if (other_law) state_->account.book_energy(engine->energy(world) - held);
   return events;
 }

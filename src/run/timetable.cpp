@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "engine/type.hpp"
+
 namespace spall {
 namespace {
 
@@ -34,6 +36,35 @@ std::int64_t steps_to_event(const Case& scene, const Clock& clock, double h) {
 bool passed_multiple(const Clock& clock, double h, double every) {
   return every > 0 &&
          std::floor((clock.time + h / 2) / every) > std::floor((clock.time - h / 2) / every);
+}
+
+namespace {
+
+/// A row costs as much as most of a step of smooth forces: without being told, one in so many.
+constexpr std::int64_t steps_a_row = 100;
+
+/// Of smooth forces; what a time tells is an event.
+std::int64_t steps_to_row(const Case& scene, const Clock& clock) {
+  const auto& every = scene.output.series_every;
+  if (every) return *every > 0 ? std::numeric_limits<std::int64_t>::max() : 1;
+  return steps_a_row - clock.step_in_phase % steps_a_row;
+}
+
+}  // namespace
+
+bool row_due(const Case& scene, const Clock& clock) {
+  const auto& every = scene.output.series_every;
+  const Phase& phase = scene.phases[clock.phase];
+  if (every && *every > 0) return clock.step == 0 || passed_multiple(clock, phase.step, *every);
+  return every || phase.engine->solves || clock.step_in_phase % steps_a_row == 0;
+}
+
+int most_steps(const Case& scene, const Clock& clock, std::int64_t left) {
+  constexpr std::int64_t most_at_once = 100;  // signals, progress and restarts wait no longer
+  const Phase& phase = scene.phases[clock.phase];
+  const std::int64_t steps = std::min(left, steps_to_event(scene, clock, phase.step));
+  if (phase.engine->solves) return static_cast<int>(std::min<std::int64_t>(steps, 1 << 30));
+  return static_cast<int>(std::min({steps, most_at_once, steps_to_row(scene, clock)}));
 }
 
 }  // namespace spall

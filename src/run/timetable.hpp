@@ -10,6 +10,12 @@ namespace spall {
 /// Steps of `h` (s) that may pass until something must be seen at its own instant; at least 1.
 std::int64_t steps_to_event(const Case& scene, const Clock& clock, double h);
 
+/// Whether the series has a row of this instant.
+bool row_due(const Case& scene, const Clock& clock);
+
+/// Steps that may pass before something is asked for, of `left` in the phase.
+int most_steps(const Case& scene, const Clock& clock, std::int64_t left);
+
 /// Whether the last step, of `h` (s), reached a multiple of `every` (s); never where that is 0.
 bool passed_multiple(const Clock& clock, double h, double every);
 

@@ -124,9 +124,10 @@ struct Phase {
 };
 
 struct OutputSettings {
-  double snapshot_every = 0;           ///< s of simulated time; 0: at the ends of phases only
-  std::optional<double> series_every;  ///< s of simulated time; 0: every step; none: see run.cpp
-  double restart_every = 600;          ///< s of wall time
+  double snapshot_every = 0;  ///< s of simulated time; 0: at the ends of phases only
+  std::optional<double>
+      series_every;            ///< s of simulated time; 0: every step; none: see timetable.cpp
+  double restart_every = 600;  ///< s of wall time
 };
 
 /// What is measured of a projectile's debris behind a plate.

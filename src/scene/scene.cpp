@@ -60,20 +60,65 @@ bool may_touch(const Group& a, const Group& b) {
   return (apart.array() <= (reach(a) + reach(b)).array()).all();
 }
 
-/// The bodies that later groups must keep clear of.
+/// The bodies of a group that others must keep clear of; so must its own of their images.
 struct Placed {
   std::size_t group;
   BodyId first;
+  bool stored;
+  Vec3 center, half;  ///< m, of a box that holds all of its spheres
   SphereSet spheres;
+
+  Placed(const Group& of, std::size_t g, BodyId id, std::int64_t count)
+      : group(g),
+        first(id),
+        stored(!of.packing.stored.empty()),
+        center(of.volume.center),
+        half(reach(of)),
+        spheres(center, half, count) {}
 };
+
+/// Calls `f(image, itself)` with each image of `x` inside the box `center` +- `half`, which is
+/// without end where space does not repeat itself.
+template <class F>
+void for_each_image(const Period& period, const Vec3& x, const Vec3& center, const Vec3& half,
+                    F&& f) {
+  Eigen::Array3i first = Eigen::Array3i::Zero(), last = first;
+  for (int k = 0; k < 3; ++k) {
+    if (period.size[k] == 0) continue;
+    first[k] = static_cast<int>(std::ceil((center[k] - half[k] - x[k]) / period.size[k]));
+    last[k] = static_cast<int>(std::floor((center[k] + half[k] - x[k]) / period.size[k]));
+  }
+  for (int l = first.z(); l <= last.z(); ++l)
+    for (int m = first.y(); m <= last.y(); ++m)
+      for (int n = first.x(); n <= last.x(); ++n)
+        f(Vec3(x + period.size.cwiseProduct(Vec3(n, m, l))), n == 0 && m == 0 && l == 0);
+}
+
+/// An overlap of a sphere, of group `g`, and of its images with those of `earlier`.
+struct Overlap : SphereSet::Overlap {
+  bool of_image;
+};
+std::optional<Overlap> find_overlap(const Period& period, const Placed& earlier, std::size_t g,
+                                    const Vec3& center, double radius, double allowed) {
+  std::optional<Overlap> found;
+  const Vec3 half = earlier.half + Vec3::Constant(radius);
+  for_each_image(period, center, earlier.center, half, [&](const Vec3& image, bool itself) {
+    // Groups keep clear of themselves; those of an earlier run overlap as they did there.
+    if (found || (earlier.group == g && (itself || earlier.stored))) return;
+    if (const auto hit = earlier.spheres.find_overlap(image, radius, allowed))
+      found = {*hit, !itself};
+  });
+  return found;
+}
 
 std::string words(const Vec3& v) {
   return fmt::format("({:.6g}, {:.6g}, {:.6g}) m", v.x(), v.y(), v.z());
 }
 
-/// Throws unless `sphere`, body `id` of `group`, is clear of walls and of `placed`.
-void check_clear(const Case& scene, const Group& group, const std::vector<Placed>& placed,
-                 BodyId id, const PackedSphere& sphere) {
+/// Throws unless `sphere`, body `id` of group `g`, is clear of walls and of `placed`.
+void check_clear(const Case& scene, std::size_t g, const std::vector<Placed>& placed, BodyId id,
+                 const PackedSphere& sphere) {
+  const Group& group = scene.groups[g];
   const Vec3& center = sphere.center;
   const double radius = sphere.radius;
   const Walls walls = scene.walls();
@@ -87,14 +132,14 @@ void check_clear(const Case& scene, const Group& group, const std::vector<Placed
             plane ? w : w - scene.planes.size(), scene.allowed_overlap, radius);
   }
   for (const Placed& earlier : placed) {
-    const auto hit = earlier.spheres.find_overlap(center, radius, scene.allowed_overlap);
+    const auto hit = find_overlap(scene.period, earlier, g, center, radius, scene.allowed_overlap);
     if (!hit) continue;
     throw Error(fmt::format(
-        "{}: body {} at {} overlaps body {} of groups.{} at {} by {:.3g} m; allowed_overlap = {} "
+        "{}: body {} at {} overlaps {}body {} of groups.{} at {} by {:.3g} m; allowed_overlap = {} "
         "of the smaller radius, {} m",
-        group.place, id, words(center), earlier.first + hit->sphere,
-        scene.groups[earlier.group].name, words(hit->center), hit->depth, scene.allowed_overlap,
-        std::min(radius, hit->radius)));
+        group.place, id, words(center), hit->of_image ? "an image of " : "",
+        earlier.first + hit->sphere, scene.groups[earlier.group].name, words(hit->center),
+        hit->depth, scene.allowed_overlap, std::min(radius, hit->radius)));
   }
 }
 
@@ -193,25 +238,26 @@ Bodies make_bodies(const Case& scene, const Comm& comm) {
     const Group& group = scene.groups[g];
     const double factor = contents[g].mass_factor(group);
     std::vector<double> masses;  // of all ranks, where random velocities ask for them
-    std::optional<SphereSet> spheres;
-    if (std::any_of(scene.groups.begin() + g + 1, scene.groups.end(),
-                    [&](const Group& later) { return may_touch(group, later); }))
-      spheres.emplace(group.volume.center, reach(group), contents[g].count);
     const BodyId first = id;
+    const bool keeps_spheres =
+        scene.period.any() ||
+        std::any_of(scene.groups.begin() + g + 1, scene.groups.end(),
+                    [&](const Group& later) { return may_touch(group, later); });
+    if (keeps_spheres) placed.emplace_back(group, g, first, contents[g].count);
 
     const auto is_free = [&](const Vec3& center, double radius) {
       for (std::size_t w = 0; w < walls.size(); ++w)
         if (face_of(walls, w, center).height < radius) return false;
       for (const Placed& earlier : placed)
-        if (earlier.spheres.find_overlap(center, radius, 0)) return false;
+        if (find_overlap(scene.period, earlier, g, center, radius, 0)) return false;
       return true;
     };
     const auto place = [&](const PackedSphere& sphere, double nominal) {
       const Vec3& center = sphere.center;
       const bool held = group.held() || sphere.fixed;
       const double mass = held ? infinity : factor * nominal;
-      if (!group.packing.type->keeps_clear) check_clear(scene, group, placed, id, sphere);
-      if (spheres) spheres->add(center, sphere.radius);
+      if (!group.packing.type->keeps_clear) check_clear(scene, g, placed, id, sphere);
+      if (keeps_spheres) placed.back().spheres.add(center, sphere.radius);
       if (group.thermal) masses.push_back(mass);
       if (id >= first_owned && id < end_owned) {
         const Index row = append_row(bodies);
@@ -231,7 +277,6 @@ Bodies make_bodies(const Case& scene, const Comm& comm) {
     };
     place_group(scene, g, is_free, place);
     if (group.thermal) add_thermal_velocities(scene, g, masses, first, bodies);
-    if (spheres) placed.push_back({g, first, std::move(*spheres)});
   }
   for (const SceneSphere& sphere : scene.spheres) {
     if (id >= first_owned && id < end_owned) {

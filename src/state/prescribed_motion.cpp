@@ -3,6 +3,7 @@
 #include "state/prescribed_motion.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace spall {
@@ -14,6 +15,15 @@ Eigen::Matrix3d turn_less_identity(const Vec3& axis, double angle) {
   cross << 0, -axis.z(), axis.y(), axis.z(), 0, -axis.x(), -axis.y(), axis.x(), 0;
   const double half = std::sin(angle / 2);
   return std::sin(angle) * cross + 2 * half * half * cross * cross;
+}
+
+/// The least and the largest cosine of an angle (rad) between `from` and `to`.
+std::array<double, 2> cosines_between(double from, double to) {
+  const auto passes = [&](double angle) {  // or a full turn before or behind it
+    return std::floor((to - angle) / (2 * pi)) > std::floor((from - angle) / (2 * pi));
+  };
+  const auto [least, most] = std::minmax({std::cos(from), std::cos(to)});
+  return {passes(pi) ? -1 : least, passes(0) ? 1 : most};
 }
 
 }  // namespace
@@ -72,6 +82,39 @@ double PrescribedMotion::largest_acceleration(const Vec3& anchor) const {
     in_table = std::max(in_table,
                         (velocities_[k] - velocities_[k - 1]).norm() / (times_[k] - times_[k - 1]));
   return largest + in_table;
+}
+
+VelocityRange PrescribedMotion::velocities_of_table(double from, double to) const {
+  const bool rests = times_.empty() || from < times_.front() || to > times_.back();
+  VelocityRange range;
+  if (!rests) range = {Vec3::Constant(infinity), Vec3::Constant(-infinity), 0};
+  for (std::size_t k = 0; k + 1 < times_.size(); ++k) {
+    const double span = times_[k + 1] - times_[k];
+    const double begin = std::max(from, times_[k]), end = std::min(to, times_[k + 1]);
+    if (begin >= end) continue;
+    if (velocities_.empty()) {
+      range.add((displacements_[k + 1] - displacements_[k]) / span);
+      continue;
+    }
+    for (double t : {begin, end})
+      range.add(velocities_[k] + (t - times_[k]) / span * (velocities_[k + 1] - velocities_[k]));
+  }
+  return range;
+}
+
+VelocityRange PrescribedMotion::velocities(const Vec3& anchor, double from, double to) const {
+  VelocityRange range = velocities_of_table(from, to);
+  range.low += velocity;
+  range.high += velocity;
+  if (!amplitude.isZero(0)) {
+    const double w = 2 * pi / period;
+    const auto [least, most] = cosines_between(w * from + phase, w * to + phase);
+    const Vec3 one = w * least * amplitude, other = w * most * amplitude;
+    range.low += one.cwiseMin(other);
+    range.high += one.cwiseMax(other);
+  }
+  range.turning = std::abs(rate) * axis.cross(anchor - point).norm();
+  return range;
 }
 
 }  // namespace spall

@@ -18,6 +18,18 @@ struct RigidDisplacement {
   Vec3 of(const Vec3& anchor) const { return shift + turn * (anchor - point); }
 };
 
+/// m/s: velocities between two, component by component, and to each of them any by which a body
+/// goes round an axis.
+struct VelocityRange {
+  Vec3 low = Vec3::Zero(), high = Vec3::Zero();
+  double turning = 0;
+
+  void add(const Vec3& velocity) {
+    low = low.cwiseMin(velocity);
+    high = high.cwiseMax(velocity);
+  }
+};
+
 /// A rigid motion as a function of the run's time alone, so that nothing drifts:
 ///
 ///   x(t) = point + d(t) - d(0) + R(rate t about axis) (x(0) - point)
@@ -45,9 +57,12 @@ struct PrescribedMotion {
   /// m/s^2: no larger one drives the body that was at `anchor`. Jumps of velocity are no
   /// accelerations: they are impacts.
   double largest_acceleration(const Vec3& anchor) const;
+  /// Holds all velocities of the body that was at `anchor`, from time `from` to a later time `to`.
+  VelocityRange velocities(const Vec3& anchor, double from, double to) const;
 
  private:
   Vec3 tabulated(double t) const;
+  VelocityRange velocities_of_table(double from, double to) const;
 
   std::vector<double> times_;
   std::vector<Vec3> displacements_;

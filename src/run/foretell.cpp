@@ -1,0 +1,59 @@
+// The steps are those of a run, row for row; only files are left out.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "run/foretell.hpp"
+
+#include <fmt/format.h>
+#include <mpi.h>
+
+#include "gravity/kick.hpp"
+#include "output/diagnostics.hpp"
+#include "run/progress.hpp"
+#include "run/simulation.hpp"
+#include "run/timetable.hpp"
+
+namespace spall {
+
+Sample sample_steps(Simulation& simulation, double seconds) {
+  World& world = simulation.world();
+  const Case& scene = simulation.scene();
+  Sample sample;
+  bool first = true;
+  double start = MPI_Wtime();
+  while (simulation.steps_left() > 0) {
+    const bool row = simulation.synchronous() && row_due(scene, simulation.clock());
+    if (row) {
+      evaluate_field(world);
+      if (simulation.settled(diagnose(world))) break;
+    }
+    const int most = first ? 1 : most_steps(scene, simulation.clock(), simulation.steps_left());
+    sample.steps += simulation.advance(most, row).steps;
+    sample.seconds = world.comm.max(MPI_Wtime() - start);
+    if (sample.seconds > seconds) break;
+    if (first && simulation.steps_left() > 0) {
+      sample = {};
+      start = MPI_Wtime();
+    }
+    first = false;
+  }
+  return sample;
+}
+
+double foretold_seconds(const Simulation& simulation, const Sample& sample) {
+  if (sample.steps == 0) return 0;
+  const auto steps = static_cast<double>(simulation.phase().steps());
+  return sample.seconds / static_cast<double>(sample.steps) * steps;
+}
+
+std::string describe_time(const Simulation& simulation, const Sample& sample) {
+  const Phase& phase = simulation.phase();
+  const int ranks = simulation.world().comm.size;
+  return fmt::format(
+      "\n  phase {}: {}about {} for {} steps if they cost as much as a sample of {}, which took {} "
+      "on {} rank{}{}\n",
+      phase.name, phase.until == PhaseEnd::settled ? "at most " : "",
+      readable_time(foretold_seconds(simulation, sample)), phase.steps(), sample.steps,
+      readable_time(sample.seconds), ranks, ranks == 1 ? "" : "s",
+      simulation.scene().phases.size() > 1 ? "; later phases are not foretold" : "");
+}
+
+}  // namespace spall
