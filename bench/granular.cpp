@@ -164,7 +164,6 @@ int main(int argc, char** argv) {
     kinetic = comm.sum(kinetic);
     if (comm.rank == 0) fmt::print("Z {:.4g} kinetic {:.6g}\n", contacts, kinetic);
   } catch (const std::exception& error) {
-    fmt::print(stderr, "{}\n", error.what());
-    Session::abort_all(1);
+    Session::abort_all(error.what());
   }
 }

@@ -220,7 +220,6 @@ int main(int argc, char** argv) {
     spall::require(argc == 3, "usage: bench_gravity ball|pile BODIES");
     spall::run(session.world(), argv[1], std::stoul(argv[2]));
   } catch (const std::exception& error) {
-    fmt::print(stderr, "bench_gravity: {}\n", error.what());
-    spall::Session::abort_all(1);
+    spall::Session::abort_all(error.what());
   }
 }

@@ -75,7 +75,6 @@ int main(int argc, char** argv) {
               now.energy / converged.energy - 1);
       }
   } catch (const std::exception& error) {
-    fmt::print(stderr, "{}\n", error.what());
-    Session::abort_all(1);
+    Session::abort_all(error.what());
   }
 }

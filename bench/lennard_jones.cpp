@@ -107,7 +107,6 @@ int main(int argc, char** argv) {
     if (comm.rank == 0)
       fmt::print("potential {:.12g} kinetic {:.12g}\n", energy / count, kinetic / count);
   } catch (const std::exception& error) {
-    fmt::print(stderr, "{}\n", error.what());
-    Session::abort_all(1);
+    Session::abort_all(error.what());
   }
 }

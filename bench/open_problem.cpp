@@ -82,7 +82,6 @@ int main(int argc, char** argv) {
     for (int step = 0; step < 400; ++step) advance(comm, scene.step, 1e-3, state);
     measure(comm, "400 steps later", scene.step, state);
   } catch (const std::exception& error) {
-    fmt::print(stderr, "{}\n", error.what());
-    Session::abort_all(1);
+    Session::abort_all(error.what());
   }
 }

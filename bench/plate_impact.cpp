@@ -25,7 +25,6 @@ int main(int argc, char** argv) {
                  impact.speed, impact.seed, impact.length, measured.velocity, by_hand.velocity,
                  measured.pressure, by_hand.pressure);
   } catch (const std::exception& error) {
-    fmt::print(stderr, "{}\n", error.what());
-    Session::abort_all(1);
+    Session::abort_all(error.what());
   }
 }

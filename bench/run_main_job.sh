@@ -5,7 +5,7 @@
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/../jobs/environment.sh"
 
-mpirun -n 2 build/release/spall run cases/didymoon/case.toml --out out/didymoon
+mpirun -n 2 build/release/spall run cases/didymoon/case.toml --out out/didymoon --overwrite
 mpirun -n 2 build/release/bench/bench_settled_step out/didymoon/after_aggregation.h5 \
   >bench/results/settled_step.csv
 /usr/bin/python3 bench/write_main_job.py out/didymoon

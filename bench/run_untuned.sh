@@ -50,7 +50,7 @@ run_spall_case() {
   for option in "${options[@]}"; do words+=(--set "${option#--set }"); done
   mpirun --oversubscribe -n "$5" /usr/bin/env bash -c \
     '/usr/bin/time -o "time.$OMPI_COMM_WORLD_RANK" -f "%M kB %U user %e s" "$@"' bash \
-    "$spall" run "$1.toml" --out "$1.out" "${words[@]}" "${more[@]}" \
+    "$spall" run "$1.toml" --out "$1.out" --overwrite "${words[@]}" "${more[@]}" \
     --set "phases.0.duration=$(awk -v n="$3" -v h="$4" 'BEGIN {printf "%.17g", n * h}')" >out
   # What reading and writing take is not the steps'.
   awk -v n="$2" -v steps="$3" '/ kB / {share = $3 / $5; sum += $1} /^total_s/ {t += $3} /^(output|analysis)_s/ {t -= $3}

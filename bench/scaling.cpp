@@ -138,7 +138,6 @@ int main(int argc, char** argv) {
       throw Error(which + ": there is no such scene");
     }
   } catch (const std::exception& error) {
-    fmt::print(stderr, "bench_scaling: {}\n", error.what());
-    Session::abort_all(1);
+    Session::abort_all(error.what());
   }
 }

@@ -67,7 +67,6 @@ int main(int argc, char** argv) {
     for (double tolerance : {1.0, 0.5, 0.2, 0.1, 3e-2, 1e-2, 3e-3, 1e-3})
       measure(comm, state, 10, tolerance, 4e-3, 15);
   } catch (const std::exception& error) {
-    fmt::print(stderr, "{}\n", error.what());
-    Session::abort_all(1);
+    Session::abort_all(error.what());
   }
 }

@@ -168,7 +168,6 @@ int main(int argc, char** argv) {
     if (what == "tension") tension(comm, m, argv[3]);
     if (what == "spall") spall_test(comm, m, argv[3], speed, length);
   } catch (const std::exception& error) {
-    fmt::print(stderr, "{}\n", error.what());
-    Session::abort_all(1);
+    Session::abort_all(error.what());
   }
 }

@@ -69,7 +69,6 @@ int main(int argc, char** argv) {
       if (wanted.empty() || std::find(wanted.begin(), wanted.end(), scene.name) != wanted.end())
         measure(comm, scene, prepare(comm, scene));
   } catch (const std::exception& error) {
-    fmt::print(stderr, "{}\n", error.what());
-    Session::abort_all(1);
+    Session::abort_all(error.what());
   }
 }

@@ -6,11 +6,11 @@ source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
 
 spall="${SPALL:-build/release/spall}"
 pile=out/didymoon-sweep/pile1 out=out/didymoon-convergence
-[ -f $pile/after_aggregation.h5 ] || mpirun -n "${RANKS:-2}" "$spall" run cases/didymoon/case.toml --out $pile --set seed=1
+[ -f $pile/after_aggregation.h5 ] || mpirun -n "${RANKS:-2}" "$spall" run cases/didymoon/case.toml --out $pile --overwrite --set seed=1
 run() {
   local name=$1 ranks=$2
   shift 2
-  [ -f "$out/$name/results.toml" ] || mpirun -n "$ranks" "$spall" resume $pile/after_aggregation.h5 --out "$out/$name" "$@"
+  [ -f "$out/$name/results.toml" ] || mpirun -n "$ranks" "$spall" resume $pile/after_aggregation.h5 --out "$out/$name" --overwrite "$@"
 }
 step=phases.impact.step tolerance=phases.impact.solver.tolerance
 run base 2

@@ -12,10 +12,10 @@ sweep=out/didymoon-sweep
 spall="mpirun -n ${RANKS:-2} ${MPI_OPTIONS:-} ${SPALL:-build/release/spall}"
 hit() {  # reading of cohesion, seed
   local pile=$sweep/pile$2 c run
-  [ -f "$pile/after_aggregation.h5" ] || $spall run cases/didymoon/case.toml --out "$pile" --set "seed=$2"
+  [ -f "$pile/after_aggregation.h5" ] || $spall run cases/didymoon/case.toml --out "$pile" --overwrite --set "seed=$2"
   for c in "${cohesions[@]}"; do
     run=$sweep/$1-seed$2-$c
-    [ -f "$run/results.toml" ] || $spall resume "$pile/after_aggregation.h5" --out "$run" --set "phases.impact.cohesion=$c N" \
+    [ -f "$run/results.toml" ] || $spall resume "$pile/after_aggregation.h5" --out "$run" --overwrite --set "phases.impact.cohesion=$c N" \
       --set "contact.cohesion_law=$1"
   done
 }

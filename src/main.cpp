@@ -25,13 +25,13 @@ namespace {
 
 using namespace spall;
 
-constexpr int exit_bad_input = 2;
 constexpr int exit_interrupted = 3;
 
 struct Options {
   std::string file;
   std::string out;
   std::vector<std::string> overrides;
+  bool overwrite = false, stored_case = false;
   SolverSettings solver{
       .tolerance = 1e-4, .max_iterations = 1 << 30, .max_products = 10000, .prox = 0};
   bool evaluate = false;
@@ -106,11 +106,16 @@ int dispatch(const Comm& comm, int argc, char** argv) {
   run->add_option("--out", options.out, "folder for results; default: out/<case>");
   run->add_option("--set", options.overrides, "change keys, as in --set phases.impact.step=50us")
       ->take_all();
+  constexpr const char* overwrite = "replace the run that the folder for results holds";
+  run->add_flag("--overwrite", options.overwrite, overwrite);
   auto* resume = app.add_subcommand("resume", "go on with a run from its restart file");
   resume->add_option("restart", options.file, "<out>/restart.h5 or <out>/after_<phase>.h5")
       ->required();
   resume->add_option("--out", options.out, "another folder for results");
   resume->add_option("--set", options.overrides, "change keys for what lies ahead")->take_all();
+  resume->add_flag("--overwrite", options.overwrite, overwrite);
+  resume->add_flag("--stored-case", options.stored_case,
+                   "go on with the case as it was, though its file has changed");
   auto* check =
       app.add_subcommand("check", "read a case, print bodies, memory, steps; write nothing");
   check->add_option("case", options.file, "case file (TOML)")->required();
@@ -145,13 +150,16 @@ int dispatch(const Comm& comm, int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return comm.rank == 0 ? app.exit(error) : error.get_exit_code();
   }
+  const Former former = options.overwrite ? Former::overwrite : Former::refuse;
   if (*run) {
     const Case scene = read_case(options.file, options.overrides);
     const auto folder = options.out.empty() ? default_folder(options.file) : options.out;
-    return run_case(comm, scene, folder) ? 0 : exit_interrupted;
+    return run_case(comm, scene, folder, former) ? 0 : exit_interrupted;
   }
-  if (*resume)
-    return resume_case(comm, options.file, options.out, options.overrides) ? 0 : exit_interrupted;
+  if (*resume) {
+    const ResumeOptions how{options.out, former, options.overrides, options.stored_case};
+    return resume_case(comm, options.file, how) ? 0 : exit_interrupted;
+  }
   if (*solve) {
     solve_file(comm, options.file, options.solver, options.evaluate);
     return 0;
@@ -176,15 +184,6 @@ int main(int argc, char** argv) {
     session.emplace(argc, argv);
     return dispatch(session->world(), argc, argv);
   } catch (const std::exception& error) {
-    const spall::Comm comm(MPI_COMM_WORLD);
-    // Ranks that fail alike say it once; the first to fail ends all.
-    if (comm.rank == 0 || comm.size == 1) {
-      fmt::print(stderr, "spall: {}\n", error.what());
-    } else {
-      usleep(300000);  // rank 0, if it fails too, speaks first
-      fmt::print(stderr, "spall: rank {}: {}\n", comm.rank, error.what());
-    }
-    std::fflush(stderr);
-    spall::Session::abort_all(exit_bad_input);
+    spall::Session::abort_all(error.what());
   }
 }

@@ -11,6 +11,8 @@
 
 #include "../src/output/files.hpp"
 #include "../src/output/h5.hpp"
+#include "base/first_rank.hpp"
+#include "output/diagnostics.hpp"
 #include "output/restart.hpp"
 #include "output/results.hpp"
 #include "output/series.hpp"
@@ -258,6 +260,46 @@ TEST(Restart, the_same_ranks_get_the_same_rows_with_the_same_bits) {
   ASSERT_EQ(in.scalars.size(), out.scalars.size());
   for (const auto& [name, value] : out.scalars)
     EXPECT_EQ(std::bit_cast<std::int64_t>(in.scalars.at(name)), std::bit_cast<std::int64_t>(value));
+}
+
+TEST(Restart, the_generation_before_stays_beside_it) {
+  const Comm comm = testing_world();
+  const std::string path = fresh_folder(comm) + "/restart.h5";
+  RestartState state = some_state(comm, 20);
+  for (std::int64_t step : {1, 2, 3}) {
+    state.clock.step = step;
+    write_restart(comm, path, state);
+  }
+  EXPECT_EQ(read_restart(comm, path).clock.step, 3);
+  EXPECT_EQ(read_restart(comm, former_restart(path)).clock.step, 2);
+}
+
+TEST(FirstRank, what_it_throws_all_ranks_throw) {
+  const Comm comm = testing_world();
+  int calls = 0;
+  on_first_rank(comm, [&] { ++calls; });
+  EXPECT_EQ(calls, comm.rank == 0 ? 1 : 0);
+  try {
+    on_first_rank(comm, [] { throw Error("the disk is full"); });
+    FAIL() << "nothing is thrown";
+  } catch (const Error& error) {
+    EXPECT_STREQ(error.what(), "the disk is full");
+  }
+}
+
+TEST(Diagnostics, a_body_without_a_finite_motion_is_found) {
+  const double no_number = std::nan("");
+  Bodies bodies;
+  for (BodyId id = 0; id < 5; ++id) add_body(bodies, id);
+  bodies.owned = 4;  // the fifth is a ghost
+  bodies.position[4] = Vec3::Constant(no_number);
+  EXPECT_EQ(first_lost(bodies), 4);
+  bodies.angular_velocity[3][2] = no_number;
+  EXPECT_EQ(first_lost(bodies), 3);
+  bodies.velocity[2][1] = infinity;
+  EXPECT_EQ(first_lost(bodies), 2);
+  bodies.position[1][0] = -infinity;
+  EXPECT_EQ(first_lost(bodies), 1);
 }
 
 TEST(Restart, fields_that_bodies_do_not_have_are_in_no_file_and_come_back_as_zeros) {

@@ -56,7 +56,7 @@ duration = "5 s"
 toml::table results_of_mission(const Comm& comm) {
   const std::string folder =
       std::filesystem::absolute(fmt::format("pipeline_{}_of_{}", comm.size, testing_world().size));
-  run_case(comm, parse_case(mission, "mission.toml", {}), folder);
+  run_case(comm, parse_case(mission, "mission.toml", {}), folder, Former::overwrite);
   comm.any(false);  // rank 0 has written it
   return toml::parse_file(folder + "/results.toml");
 }

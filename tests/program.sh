@@ -50,7 +50,7 @@ END
 refuses() {  # name, ranks, file, words…
   local name=$1 n=$2 file=$3 code word
   shift 3
-  on_ranks "$n" run "$file" --out "${out:-out}"
+  on_ranks "$n" run "$file" --out "${out:-out}" --overwrite
   code=$?
   [ $code -ne 0 ] || fail "$name: exit code is 0"
   [ $code -ne 124 ] && [ $code -ne 137 ] || fail "$name: hangs"
@@ -152,7 +152,7 @@ foretells_memory() {  # case
   peak=$(/usr/bin/python3 -c 'import resource, subprocess, sys
 subprocess.run(sys.argv[1:], stdout=subprocess.DEVNULL, check=True)
 print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss * 1024e-6)' \
-    "$mpiexec" --oversubscribe -n "$ranks" "$spall" run "$1" --out lattice)
+    "$mpiexec" --oversubscribe -n "$ranks" "$spall" run "$1" --out lattice --overwrite)
   /usr/bin/python3 -c "import sys; sys.exit(not 0.75 < $told / $peak < 4 / 3)" ||
     fail "$1 takes $peak MB a rank, not $told"
 }
@@ -173,6 +173,13 @@ results_of() {
   sed '/^\[time\]/,/^$/d' "$1/results.toml"
 }
 
+# Rows of a series but for the seconds that its stages took.
+series_of() {
+  /usr/bin/python3 -c 'import csv, sys
+for row in csv.DictReader(open(sys.argv[1])):
+    print({key: value for key, value in row.items() if not key.startswith("seconds_")})' "$1/series.csv"
+}
+
 # A run that goes on from its restart file ends with the same digits as one that was left alone.
 sed 's/count = 300/count = 40/; s/radius = "10 m"/radius = "6 m"/; s/duration = "4 h"/duration = "40 min"/' \
   "$cases/hello/case.toml" >small.toml
@@ -184,6 +191,60 @@ diff <(results_of whole) <(results_of resumed) || fail "a resumed run ends other
 on_ranks "$ranks" resume whole/after_evolution.h5 --out ended || fail "resume at the end: $(cat stderr)"
 grep -q "all phases of this run are over" stdout || fail "does not say that nothing is left to do"
 grep -q "^solver_s = 0.0 " ended/results.toml && fail "a resumed run forgets the seconds of its stages"
+
+# Restart files change nothing, whenever they are written.
+on_ranks "$ranks" run small.toml --out often --set "output.restart_every=1 ms" || fail "a run that saves: $(cat stderr)"
+diff <(results_of whole) <(results_of often) || fail "writing restart files changes a run"
+diff <(series_of whole) <(series_of often) || fail "writing restart files changes a series"
+[ -f often/restart_before.h5 ] || fail "no former restart file is kept"
+
+# Nor does a signal: what was done since the last kept state is done again.
+"$mpiexec" --oversubscribe -n "$ranks" "$spall" run small.toml --out stopped >stdout 2>stderr &
+launcher=$!
+wait_for grep -q "^phase aggregation" stdout
+kill -USR1 $launcher
+wait $launcher
+code=$?
+if [ $code = 3 ]; then
+  on_ranks "$ranks" resume stopped/restart.h5 || fail "a stopped run does not go on: $(cat stderr)"
+  grep -q "^goes on: small.toml, step" stdout || fail "does not say what goes on: $(head -3 stdout)"
+else
+  [ $code = 0 ] || fail "a stopped run ends with $code: $(cat stderr)"
+fi
+diff <(results_of whole) <(results_of stopped) || fail "a stopped run ends otherwise"
+diff <(series_of whole) <(series_of stopped) || fail "a stopped run has another series"
+
+# A folder belongs to one run.
+refuses() {  # what the one line on standard error says; arguments of the program
+  local what=$1
+  shift
+  on_ranks "$ranks" "$@" && fail "not refused: $*"
+  [ "$(wc -l <stderr)" = 1 ] || fail "more than a line: $(cat stderr)"
+  grep -q "$what" stderr || fail "says '$(cat stderr)', not '$what'"
+}
+echo "a user's own" >whole/notes.txt
+refuses "'whole' holds a run already (.*): choose another folder with --out, or --overwrite it" run small.toml --out whole
+refuses "holds a run already" resume often/after_aggregation.h5 --out whole
+[ -f whole/results.toml ] || fail "a refused run has lost what was there"
+sed 's/restitution = 0.3/restitution = 3/' small.toml >bad.toml
+refuses "restitution" run bad.toml --out whole --overwrite
+[ -f whole/results.toml ] || fail "a case that is refused has lost what was there"
+on_ranks "$ranks" run small.toml --out whole --overwrite || fail "does not overwrite: $(cat stderr)"
+[ -f whole/notes.txt ] || fail "removes what it has not written"
+[ -f whole/lock ] && fail "a run that is over holds its folder"
+sleep 60 &
+echo "$(hostname) $!" >whole/lock
+refuses "'whole': a run is under way there, by process $! on $(hostname)" run small.toml --out whole --overwrite
+kill $!
+wait $! 2>/dev/null
+on_ranks "$ranks" run small.toml --out whole --overwrite || fail "is kept out by a stale lock: $(cat stderr)"
+grep -q "has left 'whole/lock': it is taken over" stderr || fail "does not name a stale lock: $(cat stderr)"
+
+# A run goes on with its own case.
+sed 's/friction = /friction = 0/' small.toml >changed && cp small.toml kept.toml && mv changed small.toml
+refuses "'small.toml' has changed since" resume whole/after_aggregation.h5
+on_ranks "$ranks" resume whole/after_aggregation.h5 --stored-case || fail "resume: $(cat stderr)"
+mv kept.toml small.toml
 
 # The same in penalty contact, whose springs go on too.
 sed 's/"30 mm"/"8 mm"/g; s/"16.5 mm"/"6 mm"/; s/duration = ".*"/duration = "2 ms"/' \

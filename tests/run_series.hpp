@@ -21,7 +21,8 @@ inline std::vector<std::map<std::string, double>> series_of(const std::string& t
       std::filesystem::absolute(
           fmt::format("{}_{}_{}", test->test_suite_name(), test->name(), testing_world().size))
           .string();
-  run_case(testing_world(), parse_case(text, std::string(test->name()) + ".toml"), folder);
+  run_case(testing_world(), parse_case(text, std::string(test->name()) + ".toml"), folder,
+           Former::overwrite);
   testing_world().any(false);  // rank 0 has written it
   std::ifstream file(folder + "/series.csv");
   std::vector<std::string> names;

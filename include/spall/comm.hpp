@@ -5,6 +5,7 @@
 #include <mpi.h>
 
 #include <span>
+#include <string>
 #include <vector>
 
 #include "spall/types.hpp"
@@ -57,7 +58,9 @@ class Session {
   Session& operator=(const Session&) = delete;
 
   Comm world() const;
-  [[noreturn]] static void abort_all(int exit_code);
+  /// Says `message` on standard error and ends all ranks with exit code 2, without a destructor on
+  /// the way. Where ranks fail together one speaks: rank 0, or else one that knows the cause.
+  [[noreturn]] static void abort_all(const std::string& message, bool knows_cause = true);
 };
 
 }  // namespace spall

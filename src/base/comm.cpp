@@ -3,8 +3,11 @@
 #include "spall/comm.hpp"
 
 #include <dlfcn.h>
+#include <fmt/format.h>
 #include <petscsys.h>
+#include <unistd.h>
 
+#include <cstdio>
 #include <cstdlib>
 #include <numeric>
 
@@ -156,6 +159,8 @@ Session::Session(int& argc, char**& argv) {
   // PETSc reads its options from PETSC_OPTIONS alone: the command line is ours.
   (void)argc;
   (void)argv;
+  // Open MPI's own MPI-IO leaves ranks waiting where the write of one fails; ROMIO tells all.
+  setenv("OMPI_MCA_io", "romio321", 0);
   if (PetscInitialize(nullptr, nullptr, nullptr, nullptr) != 0) std::abort();
   PetscPopSignalHandler();
   use_instructions(static_cast<Instructions>(world().min(static_cast<double>(instructions()))));
@@ -169,9 +174,19 @@ Comm Session::world() const {
   return Comm(PETSC_COMM_WORLD);
 }
 
-void Session::abort_all(int exit_code) {
+void Session::abort_all(const std::string& message, bool knows_cause) {
+  constexpr int exit_error = 2;
+  const Comm comm(MPI_COMM_WORLD);
+  // The first to speak ends the others; these seconds are long beside what ranks differ by.
+  const int turn = (comm.rank > 0 ? 1 : 0) + (knows_cause ? 0 : 2);
+  sleep(turn);
+  if (comm.rank == 0 || comm.size == 1)
+    fmt::print(stderr, "spall: {}\n", message);
+  else
+    fmt::print(stderr, "spall: rank {}: {}\n", comm.rank, message);
+  std::fflush(stderr);
   silence_open_mpi();
-  MPI_Abort(MPI_COMM_WORLD, exit_code);
+  MPI_Abort(MPI_COMM_WORLD, exit_error);
   std::abort();
 }
 

@@ -85,4 +85,13 @@ Diagnostics diagnose(const World& world) {
   return d;
 }
 
+Index first_lost(const Bodies& bodies) {
+  const bool spins = bodies.has(Field::angular_velocity);
+  for (Index b = 0; b < bodies.owned; ++b)
+    if (!bodies.position[b].allFinite() || !bodies.velocity[b].allFinite() ||
+        (spins && !bodies.angular_velocity[b].allFinite()))
+      return b;
+  return bodies.owned;
+}
+
 }  // namespace spall

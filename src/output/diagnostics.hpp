@@ -27,4 +27,8 @@ struct Diagnostics {
 /// Collective.
 Diagnostics diagnose(const World& world);
 
+/// The first of this rank's bodies whose place, velocity or spin is no finite number; without one,
+/// their count.
+Index first_lost(const Bodies& bodies);
+
 }  // namespace spall

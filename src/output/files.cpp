@@ -11,6 +11,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "base/first_rank.hpp"
 #include "spall/error.hpp"
 
 namespace spall {
@@ -25,10 +26,6 @@ void sync(const std::string& path) {
   close(descriptor);
   // A few network file systems refuse to sync a folder: nothing more can be done there.
   require(code == 0 || reason == EINVAL, "cannot sync '{}': {}", path, std::strerror(reason));
-}
-
-void barrier(const Comm& comm) {
-  check_mpi(MPI_Barrier(comm.raw), "MPI_Barrier");
 }
 
 }  // namespace
@@ -47,16 +44,25 @@ void put_in_place(const std::string& path, Outlives what) {
 }
 
 void put_in_place(const Comm& comm, const std::string& path, Outlives what) {
-  barrier(comm);  // every rank has closed the file
-  if (comm.rank == 0) put_in_place(path, what);
-  barrier(comm);
+  check_mpi(MPI_Barrier(comm.raw), "MPI_Barrier");  // every rank has closed the file
+  on_first_rank(comm, [&] { put_in_place(path, what); });
 }
 
 void write_whole(const std::string& path, const std::string& text) {
-  std::ofstream file(unfinished(path), std::ios::binary | std::ios::trunc);
-  file << text;
-  file.close();
-  require(file.good(), "cannot write '{}': {}", path, std::strerror(errno));
+  const std::string name = unfinished(path);
+  const int descriptor = open(name.c_str(), O_CREAT | O_TRUNC | O_WRONLY, 0666);
+  require(descriptor >= 0, "cannot write '{}': {}", path, std::strerror(errno));
+  std::size_t done = 0;
+  int reason = 0;
+  while (done < text.size() && reason == 0) {
+    const auto count = ::write(descriptor, text.data() + done, text.size() - done);
+    if (count >= 0)
+      done += static_cast<std::size_t>(count);
+    else if (errno != EINTR)
+      reason = errno;
+  }
+  if (close(descriptor) != 0 && reason == 0) reason = errno;
+  require(reason == 0, "cannot write '{}': {}", path, std::strerror(reason));
   put_in_place(path);
 }
 
@@ -74,14 +80,13 @@ std::vector<std::string> complete_lines(const std::string& text) {
 }
 
 void make_folder(const Comm& comm, const std::string& folder) {
-  if (comm.rank == 0) {
+  on_first_rank(comm, [&] {
     std::error_code error;
     std::filesystem::create_directories(folder, error);
     require(!error, "cannot make the folder '{}': {}", folder, error.message());
     require(access(folder.c_str(), W_OK) == 0, "cannot write into the folder '{}': {}", folder,
             std::strerror(errno));
-  }
-  barrier(comm);
+  });
 }
 
 }  // namespace spall

@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
+#include <cstring>
+#include <exception>
 #include <limits>
 
 #include "spall/error.hpp"
@@ -25,6 +28,13 @@ Handle access(const Comm* comm, const std::string& path) {
   silence();
   Handle list = make(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "H5Pcreate", path);
   if (comm) {
+    static const bool once = [] {
+      MPI_Errhandler handler = MPI_ERRHANDLER_NULL;
+      check_mpi(MPI_File_create_errhandler(File::end_all, &handler), "MPI_File_create_errhandler");
+      check_mpi(MPI_File_set_errhandler(MPI_FILE_NULL, handler), "MPI_File_set_errhandler");
+      return true;
+    }();
+    static_cast<void>(once);
     check(H5Pset_fapl_mpio(list, comm->raw, MPI_INFO_NULL), "H5Pset_fapl_mpio", path);
     check(H5Pset_all_coll_metadata_ops(list, true), "H5Pset_all_coll_metadata_ops", path);
     check(H5Pset_coll_metadata_write(list, true), "H5Pset_coll_metadata_write", path);
@@ -99,7 +109,31 @@ void fail(const char* call, const std::string& name) {
         return 0;
       },
       &reason);
+  // Of a failed system call HDF5 tells time, addresses and sizes, on two lines.
+  const std::string before = "error message = '";
+  if (const std::size_t at = reason.find(before); at != std::string::npos)
+    reason = reason.substr(at + before.size(),
+                           reason.find('\'', at + before.size()) - (at + before.size()));
   throw Error(fmt::format("{} of '{}' failed: {}", call, name, reason));
+}
+
+void Handle::reset() {
+  const hid_t id = std::exchange(id_, -1);
+  const bool others_may_be_gone = std::uncaught_exceptions() > 0 && File::Shared::open > 0;
+  if (id >= 0 && !others_may_be_gone) close_(id);
+}
+
+/// What MPI calls where a rank cannot write; the system has told this rank why, or another one.
+void File::end_all(MPI_File*, int* code, ...) {
+  const std::string& path = Shared::written;
+  if (path.empty()) return;  // of other errors HDF5 tells
+  constexpr int causes[] = {ENOSPC, EDQUOT, EFBIG, EIO};
+  const int cause = std::ranges::find(causes, errno) == std::end(causes) ? 0 : errno;
+  char text[MPI_MAX_ERROR_STRING] = "";
+  int length = 0;
+  MPI_Error_string(*code, text, &length);
+  Session::abort_all(
+      fmt::format("cannot write '{}': {}", path, cause ? std::strerror(cause) : text), cause != 0);
 }
 
 Rows rows_in_rank_order(const Comm& comm, std::size_t count) {
@@ -115,6 +149,7 @@ Rows equal_rows(int rank, int ranks, hsize_t total) {
 
 File::File(Handle file, const Comm* comm, std::string path)
     : file_(std::move(file)), leader_(!comm || comm->rank == 0), path_(std::move(path)) {
+  if (comm && comm->size > 1) shared_.emplace();
   transfer_ = make(H5Pcreate(H5P_DATASET_XFER), H5Pclose, "H5Pcreate", path_);
   if (comm) check(H5Pset_dxpl_mpio(transfer_, H5FD_MPIO_COLLECTIVE), "H5Pset_dxpl_mpio", path_);
 }
@@ -123,7 +158,9 @@ File File::create(const std::string& path) {
   return {create_any(path, nullptr), nullptr, path};
 }
 File File::create(const std::string& path, const Comm& comm) {
-  return {create_any(path, &comm), &comm, path};
+  File file(create_any(path, &comm), &comm, path);
+  if (comm.size > 1) Shared::written = path;
+  return file;
 }
 File File::open(const std::string& path) {
   return {open_any(path, nullptr), nullptr, path};

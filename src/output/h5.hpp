@@ -25,7 +25,8 @@ Code check(Code code, const char* call, const std::string& name) {
   return code;
 }
 
-/// An HDF5 identifier that closes itself.
+/// An HDF5 identifier that closes itself. Not where an error is on its way through a file of
+/// several ranks: to close talks to ranks that may not be there, and the error would never be said.
 class Handle {
  public:
   using Close = herr_t (*)(hid_t);
@@ -43,9 +44,7 @@ class Handle {
   hid_t release() { return std::exchange(id_, -1); }
 
  private:
-  void reset() {
-    if (id_ >= 0) close_(std::exchange(id_, -1));
-  }
+  void reset();
   hid_t id_ = -1;
   Close close_ = nullptr;
 };
@@ -93,7 +92,8 @@ struct Source {
 using Names = std::vector<std::string>;
 
 /// A file of all ranks of a communicator, or of this rank alone. Names are paths inside the file;
-/// missing groups are made. On a file of all ranks every call is collective.
+/// missing groups are made. On a file of all ranks every call is collective, and where one rank
+/// cannot write, it says so and ends all: HDF5 would leave the others waiting.
 class File {
  public:
   static File create(const std::string& path);
@@ -103,6 +103,9 @@ class File {
   void close();  ///< reports what the destructor would swallow
 
   hid_t id() const { return file_; }
+
+  /// An MPI error handler of files.
+  static void end_all(MPI_File* file, int* code, ...);
 
   void group(const std::string& name);
   /// Attributes of the object `name`.
@@ -154,6 +157,17 @@ class File {
 
  private:
   File(Handle file, const Comm* comm, std::string path);
+  /// Counts the files of several ranks that are open.
+  struct Shared {
+    Shared() { ++open; }
+    Shared(Shared&&) noexcept { ++open; }
+    ~Shared() {
+      if (--open == 0) written.clear();
+    }
+    static inline int open = 0;
+    static inline std::string written;  // the one that was created last; empty: none
+  };
+  friend class Handle;
   /// No shape: a scalar.
   void add_attribute(const std::string& name, const char* key, hid_t type,
                      std::span<const hsize_t> shape, const void* value);
@@ -171,6 +185,7 @@ class File {
   hsize_t total_values(const std::string& name) const;
   std::string place(const std::string& name) const { return path_ + ":" + name; }
 
+  std::optional<Shared> shared_;  // outlives the handles
   Handle file_;
   Handle transfer_;     // collective where the file is of all ranks
   bool leader_ = true;  // this rank alone writes what is the same on all ranks

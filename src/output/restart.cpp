@@ -7,6 +7,7 @@
 #include <cstring>
 #include <filesystem>
 
+#include "base/first_rank.hpp"
 #include "base/hash.hpp"
 #include "output/files.hpp"
 #include "output/h5.hpp"
@@ -183,7 +184,17 @@ void write_restart(const Comm& comm, const std::string& path, const RestartState
   });
   if (state.bonds) write_bonds(file, comm, *state.bonds, state.bodies.owned);
   file.close();
+  on_first_rank(comm, [&] {
+    std::error_code none;  // a file system without links keeps one generation
+    std::filesystem::remove(former_restart(path), none);
+    std::filesystem::create_hard_link(path, former_restart(path), none);
+  });
   put_in_place(comm, path, Outlives::power);
+}
+
+std::string former_restart(const std::string& path) {
+  const std::filesystem::path file(path);
+  return (file.parent_path() / (file.stem().string() + "_before.h5")).string();
 }
 
 RestartState read_restart(const Comm& comm, const std::string& path) {
@@ -191,7 +202,10 @@ RestartState read_restart(const Comm& comm, const std::string& path) {
   try {
     return read_state(comm, path);
   } catch (const std::exception& error) {
-    throw Error(fmt::format("'{}' is not a whole restart file: {}", path, error.what()));
+    const std::string former = former_restart(path);
+    throw Error(fmt::format(
+        "'{}' is not a whole restart file: {}{}", path, error.what(),
+        std::filesystem::exists(former) ? fmt::format("; the one before is '{}'", former) : ""));
   }
 }
 

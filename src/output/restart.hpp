@@ -55,8 +55,12 @@ struct RestartState {
   std::optional<Bonds> bonds;  ///< of the bodies, where bonds break and have been made
 };
 
-/// Replaces `path` as a whole: a run killed meanwhile leaves the former file. Collective.
+/// Replaces `path` as a whole: a run killed meanwhile leaves the former file. The former file stays
+/// as `former_restart` names it. Collective.
 void write_restart(const Comm& comm, const std::string& path, const RestartState& state);
+
+/// The generation before: <name>_before.h5 beside <name>.h5.
+std::string former_restart(const std::string& path);
 
 /// On as many ranks as wrote it each rank gets its own rows back in their order; otherwise equal
 /// parts of all rows, to be moved to where they belong. An Error says what is wrong with the file.

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "base/first_rank.hpp"
 #include "output/files.hpp"
 #include "spall/error.hpp"
 
@@ -116,17 +117,18 @@ std::string ResultTable::toml() const {
 
 void write_results(const Comm& comm, const std::string& folder, const ResultTable& table) {
   make_folder(comm, folder);
-  if (comm.rank == 0) write_whole(folder + "/results.toml", table.toml());
+  on_first_rank(comm, [&] { write_whole(folder + "/results.toml", table.toml()); });
 }
 
 void keep_reference(const Comm& comm, const std::string& folder, const std::string& file) {
   make_folder(comm, folder);
-  if (comm.rank != 0) return;
-  const std::string copy = folder + "/reference.toml";
-  if (file.empty())
-    std::filesystem::remove(copy);
-  else
-    write_whole(copy, read_whole(file));
+  on_first_rank(comm, [&] {
+    const std::string copy = folder + "/reference.toml";
+    if (file.empty())
+      std::filesystem::remove(copy);
+    else
+      write_whole(copy, read_whole(file));
+  });
 }
 
 }  // namespace spall

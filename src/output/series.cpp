@@ -2,10 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "output/series.hpp"
 
+#include <algorithm>
 #include <array>
+#include <cerrno>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 
+#include "base/first_rank.hpp"
 #include "output/files.hpp"
 #include "output/h5.hpp"
 #include "spall/error.hpp"
@@ -16,20 +20,24 @@ Series::Series(const Comm& comm, const std::string& folder, std::vector<Column> 
                std::int64_t resume_step)
     : path_(folder + "/series.csv"), columns_(std::move(columns)), writes_(comm.rank == 0) {
   make_folder(comm, folder);
-  if (!writes_) return;
   std::string heading = "step,time";
   for (const auto& column : columns_) heading += "," + column.name;
-  std::string text = heading + "\n";
-  if (resume_step >= 0 && std::filesystem::exists(path_)) {
-    const auto lines = complete_lines(read_whole(path_));
-    require(!lines.empty() && lines[0] == heading,
-            "'{}' has other columns than this run: move it away to resume", path_);
-    for (std::size_t k = 1; k < lines.size(); ++k)
-      if (std::strtoll(lines[k].c_str(), nullptr, 10) <= resume_step) text += lines[k] + "\n";
-  }
-  write_whole(path_, text);
-  file_.open(path_, std::ios::app);
-  require(file_.good(), "cannot write '{}'", path_);
+  on_first_rank(comm, [&] {
+    std::string text = heading + "\n";
+    if (resume_step >= 0 && std::filesystem::exists(path_)) {
+      const auto lines = complete_lines(read_whole(path_));
+      require(!lines.empty() && lines[0] == heading,
+              "'{}' has other columns than this run: move it away to resume", path_);
+      for (std::size_t k = 1; k < lines.size(); ++k) {
+        require(std::ranges::count(lines[k], ',') == std::ranges::count(heading, ','),
+                "'{}': line {} is not whole: move the file away to resume", path_, k + 1);
+        if (std::strtoll(lines[k].c_str(), nullptr, 10) <= resume_step) text += lines[k] + "\n";
+      }
+    }
+    write_whole(path_, text);
+    file_.open(path_, std::ios::app);
+    require(file_.good(), "cannot write '{}': {}", path_, std::strerror(errno));
+  });
 }
 
 void Series::append(std::int64_t step, double time, std::span<const double> values) {
@@ -38,8 +46,10 @@ void Series::append(std::int64_t step, double time, std::span<const double> valu
   if (!writes_) return;
   std::string line = fmt::format("{},{}", step, time);
   for (double value : values) line += fmt::format(",{}", value);
+  errno = 0;
   file_ << line << '\n' << std::flush;
-  require(file_.good(), "cannot write '{}': is the disk full?", path_);
+  const int reason = errno;
+  require(file_.good(), "cannot write '{}': {}", path_, std::strerror(reason));
 }
 
 void Series::write_hdf5() const {

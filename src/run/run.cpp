@@ -9,10 +9,13 @@
 #include <cmath>
 #include <filesystem>
 
+#include "base/first_rank.hpp"
 #include "base/resident.hpp"
 #include "gravity/kick.hpp"
+#include "output/files.hpp"
 #include "output/restart.hpp"
 #include "output/results.hpp"
+#include "output/run_folder.hpp"
 #include "output/series.hpp"
 #include "output/snapshot.hpp"
 #include "output/stored_bodies.hpp"
@@ -32,10 +35,10 @@ namespace {
 
 class Run {
  public:
-  Run(const Comm& comm, const Scene& parts, const std::string& folder, const RestartState* from)
+  Run(const Comm& comm, const Scene& parts, const RunFolder& held, const RestartState* from)
       : comm_(comm),
         scene_(*parts.parts()),
-        folder_(folder),
+        folder_(held),
         resumes_at_(from ? from->clock.step : -1),
         debris_(scene_),
         progress_(comm, scene_),
@@ -45,9 +48,14 @@ class Run {
     if (from) {
       simulation_.emplace(comm, parts, *from);
       load(from->scalars);
+      kept_ = *from;
+      std::string changes;
+      for (const std::string& change : scene_.overrides) changes += " --set " + change;
+      progress_.say(fmt::format("goes on: {}{}, step {}", scene_.file, changes, clock().step));
     } else {
       progress_.say(describe_bodies(scene_, comm.size, resident_bytes()));
       simulation_.emplace(comm, parts);
+      keep();
     }
   }
 
@@ -89,9 +97,10 @@ class Run {
   bool begins_phase() const { return !simulation_->over() && clock().step_in_phase == 0; }
 
   void open_files() {
-    series_.emplace(comm_, folder_, columns(), resumes_at_ - 1);
-    snapshots_.emplace(comm_, folder_, scene_, resumes_at_);
-    keep_reference(comm_, folder_, scene_.reference);
+    folder_.begin(comm_);
+    series_.emplace(comm_, folder_.path(), columns(), resumes_at_ - 1);
+    snapshots_.emplace(comm_, folder_.path(), scene_, resumes_at_);
+    keep_reference(comm_, folder_.path(), scene_.reference);
   }
 
   void begin_phase() {
@@ -148,14 +157,19 @@ class Run {
       if (row) write_row(start, sums, report, received);
       if (progress_.due()) progress_.show(clock(), shown_);
       if (simulation_->synchronous()) at_instant();
-      if (comm_.any(signals.caught())) {
-        save(restart_file());
+      // One reduction for both.
+      const bool lost = first_lost(world().bodies) < world().bodies.owned;
+      const double news = comm_.max(lost ? 2.0 : signals.caught() ? 1.0 : 0.0);
+      if (news == 2) end_as_lost();
+      if (keep_due(scene_, clock())) keep();
+      if (news == 1) {
+        write(restart_file());
         progress_.say(
             fmt::format("stopped by a signal; go on with: spall resume {}", restart_file()));
         return false;
       }
       if (comm_.any(MPI_Wtime() - last_restart_ > scene_.output.restart_every))
-        save(restart_file());
+        write(restart_file());
     }
     return true;
   }
@@ -215,16 +229,28 @@ class Run {
     if (!passed_multiple(scene_.output.snapshot_every)) snapshot();
     progress_.say(fmt::format("phase {} done at {}: {} steps", phase().name,
                               readable_time(clock().time), clock().step_in_phase));
-    const std::string file = folder_ + "/after_" + phase().name + ".h5";
+    const std::string file = folder_.path() + "/after_" + phase().name + ".h5";
     simulation_->end_phase();
-    save(file);
+    keep();
+    write(file);
   }
 
-  std::string restart_file() const { return folder_ + "/restart.h5"; }
+  std::string restart_file() const { return folder_.path() + "/restart.h5"; }
 
-  /// Both the run that goes on and the one that resumes start from the file's state: pairs searched
-  /// anew.
-  void save(const std::string& file) {
+  /// Leaves the state before, from which steps half as long may go on.
+  [[noreturn]] void end_as_lost() {
+    const Bodies& bodies = world().bodies;
+    const Index first = first_lost(bodies);
+    const double id =
+        comm_.min(first < bodies.owned ? static_cast<double>(bodies.id[first]) : infinity);
+    write(restart_file());
+    throw Error(fmt::format(
+        "{}: body {} has no finite place, velocity or spin any more after step {} of phase {}: the "
+        "step may be too long; '{}' is the state of step {}, before",
+        phase().place, id, clock().step, phase().name, restart_file(), kept_.clock.step));
+  }
+
+  void keep() {
     StageTimer timer(world().times, "output");
     const double now = MPI_Wtime();
     seconds_before_ += now - seconds_at_start_;
@@ -235,8 +261,13 @@ class Run {
     verdict_.save(state.scalars);
     debris_.save(state.scalars);
     reactions_.save(state.scalars);
-    write_restart(comm_, file, state);
+    kept_ = state;
     simulation_->go_on(state);
+  }
+
+  void write(const std::string& file) {
+    StageTimer timer(world().times, "output");
+    write_restart(comm_, file, kept_);
     last_restart_ = MPI_Wtime();
   }
 
@@ -267,7 +298,7 @@ class Run {
       table.add("time", stage + "_s", comm_.max(world().times[stage]), "s", "longest rank");
     table.add("time", "ranks", static_cast<std::int64_t>(comm_.size));
     progress_.say("\n" + table.text());
-    write_results(comm_, folder_, table);
+    write_results(comm_, folder_.path(), table);
     snapshots_->write_index();
     series_->write_hdf5();
   }
@@ -299,7 +330,7 @@ class Run {
 
   const Comm& comm_;
   const Case& scene_;
-  std::string folder_;
+  const RunFolder& folder_;
   std::int64_t resumes_at_;  // the step of the restart file; negative: from the start
   DebrisLog debris_;
   Progress progress_;
@@ -310,6 +341,7 @@ class Run {
   std::optional<Simulation> simulation_;
   Record record_;
   Verdict verdict_;
+  RestartState kept_;
   double seconds_before_ = 0, seconds_at_start_, last_restart_;
 };
 
@@ -327,24 +359,34 @@ std::string check_case(const Comm& comm, const Case& scene, Foretold foretold) {
   return text;
 }
 
-bool run_case(const Comm& comm, const Case& scene, const std::string& folder) {
-  return Run(comm, Scene(std::make_shared<Case>(with_stored_bodies(scene))), folder, nullptr).go();
+bool run_case(const Comm& comm, const Case& scene, const std::string& folder, Former former) {
+  const RunFolder held(comm, folder, former);
+  return Run(comm, Scene(std::make_shared<Case>(with_stored_bodies(scene))), held, nullptr).go();
 }
 
-bool resume_case(const Comm& comm, const std::string& file, const std::string& folder,
-                 const std::vector<std::string>& overrides) {
+bool resume_case(const Comm& comm, const std::string& file, const ResumeOptions& options) {
+  namespace fs = std::filesystem;
   const RestartState state = read_restart(comm, file);
+  on_first_rank(comm, [&] {
+    const bool there = fs::is_regular_file(state.case_file);
+    require(options.stored_case || !there || read_whole(state.case_file) == state.case_text,
+            "'{}' has changed since '{}' was written: --set changes what lies ahead, --stored-case "
+            "goes on with the case as it was",
+            state.case_file, file);
+  });
   std::vector<std::string> all = state.overrides;
-  all.insert(all.end(), overrides.begin(), overrides.end());
+  all.insert(all.end(), options.overrides.begin(), options.overrides.end());
   Case scene = parse_case(state.case_text, state.case_file, all);
-  std::string own = std::filesystem::path(file).parent_path().string();
+  std::string own = fs::path(file).parent_path().string();
   if (own.empty()) own = ".";
   // Away from its case a run still has the copy beside its restart file.
   const std::string copy = own + "/reference.toml";
-  if (!std::filesystem::is_regular_file(scene.reference))
-    scene.reference = std::filesystem::is_regular_file(copy) ? copy : "";
-  return Run(comm, Scene(std::make_shared<Case>(scene)), folder.empty() ? own : folder, &state)
-      .go();
+  if (!fs::is_regular_file(scene.reference))
+    scene.reference = fs::is_regular_file(copy) ? copy : "";
+  const std::string folder = options.folder.empty() ? own : options.folder;
+  const bool same = fs::exists(folder) && fs::equivalent(folder, own);
+  const RunFolder held(comm, folder, same ? Former::go_on : options.former);
+  return Run(comm, Scene(std::make_shared<Case>(scene)), held, &state).go();
 }
 
 }  // namespace spall

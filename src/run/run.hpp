@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "output/restart.hpp"
+#include "output/run_folder.hpp"
 #include "scene/case.hpp"
 #include "spall/comm.hpp"
 
@@ -19,14 +20,23 @@ enum class Foretold { memory, time_too };
 std::string check_case(const Comm& comm, const Case& scene, Foretold foretold = Foretold::memory);
 
 /// Runs a case from its start and writes snapshots, series, restarts and results into `folder`,
-/// which is made where it is missing. Returns false where a signal ended the run early, after its
-/// restart file was written. Collective.
-bool run_case(const Comm& comm, const Case& scene, const std::string& folder);
+/// which is made where it is missing; one with a former run is refused unless that is to be
+/// overwritten. Returns false where a signal ended the run early, after its restart file was
+/// written. Collective.
+bool run_case(const Comm& comm, const Case& scene, const std::string& folder,
+              Former former = Former::refuse);
 
-/// Goes on with the run whose restart file is `file`, in the folder of that file unless another is
-/// named; there the series begins with the resumed step. `overrides` may change what lies ahead:
-/// many impacts can start from one aggregate. Collective.
-bool resume_case(const Comm& comm, const std::string& file, const std::string& folder = "",
-                 const std::vector<std::string>& overrides = {});
+/// What `resume_case` may be told.
+struct ResumeOptions {
+  std::string folder;                  ///< for results; empty: that of the restart file
+  Former former = Former::refuse;      ///< what another folder may hold
+  std::vector<std::string> overrides;  ///< may change what lies ahead
+  bool stored_case = false;            ///< go on with it, whatever the case's file says by now
+};
+
+/// Goes on with the run whose restart file is `file`; in another folder the series begins with the
+/// resumed step, so that many impacts can start from one aggregate. Throws Error where the file of
+/// the case has changed since, unless told. Collective.
+bool resume_case(const Comm& comm, const std::string& file, const ResumeOptions& options = {});
 
 }  // namespace spall

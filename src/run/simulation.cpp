@@ -305,7 +305,6 @@ RestartState Simulation::save() {
   ledger = keeps ? Ledger{sums[0], sums[1], sums[2], sums[3], sums[4], sums[5]} : Ledger{};
   for (auto* all : {&world.reactions.of_walls, &world.reactions.of_groups})
     gather(world.comm, *all);
-  for (auto& [stage, seconds] : world.times) seconds = world.comm.max(seconds);
   PairMemory memory = engine().remember(world);
   RestartState state{.case_file = scene().file,
                      .case_text = scene().text,
@@ -316,7 +315,10 @@ RestartState Simulation::save() {
                      .contacts = std::move(memory.contacts),
                      .bonds = std::move(memory.bonds)};
   resize(state.bodies, state.bodies.owned);
+  const auto own_times = world.times;
+  for (auto& [stage, seconds] : world.times) seconds = world.comm.max(seconds);
   save_scalars(world, state.scalars);
+  world.times = own_times;
   save_scalars(state_->account, state.scalars);
   save_scalars(*state_, state.scalars);
   state.scalars["law.cohesion"] = world.contact.common().cohesion;

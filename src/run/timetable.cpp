@@ -43,6 +43,10 @@ namespace {
 /// A row costs as much as most of a step of smooth forces: without being told, one in so many.
 constexpr std::int64_t steps_a_row = 100;
 
+std::int64_t steps_a_keep(const Case& scene, const Clock& clock) {
+  return scene.phases[clock.phase].engine->solves ? 50 : 1000;
+}
+
 /// Of smooth forces; what a time tells is an event.
 std::int64_t steps_to_row(const Case& scene, const Clock& clock) {
   const auto& every = scene.output.series_every;
@@ -59,10 +63,16 @@ bool row_due(const Case& scene, const Clock& clock) {
   return every || phase.engine->solves || clock.step_in_phase % steps_a_row == 0;
 }
 
+bool keep_due(const Case& scene, const Clock& clock) {
+  return clock.step % steps_a_keep(scene, clock) == 0;
+}
+
 int most_steps(const Case& scene, const Clock& clock, std::int64_t left) {
   constexpr std::int64_t most_at_once = 100;  // signals, progress and restarts wait no longer
   const Phase& phase = scene.phases[clock.phase];
-  const std::int64_t steps = std::min(left, steps_to_event(scene, clock, phase.step));
+  const std::int64_t a_keep = steps_a_keep(scene, clock);
+  const std::int64_t steps =
+      std::min({left, steps_to_event(scene, clock, phase.step), a_keep - clock.step % a_keep});
   if (phase.engine->solves) return static_cast<int>(std::min<std::int64_t>(steps, 1 << 30));
   return static_cast<int>(std::min({steps, most_at_once, steps_to_row(scene, clock)}));
 }

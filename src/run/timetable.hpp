@@ -13,6 +13,12 @@ std::int64_t steps_to_event(const Case& scene, const Clock& clock, double h);
 /// Whether the series has a row of this instant.
 bool row_due(const Case& scene, const Clock& clock);
 
+/// Whether the run keeps its state and goes on from it. Restart files hold such a state: there
+/// pairs are searched anew, by the run that goes on as by the one that resumes, so that both come
+/// to the same bits. Steps are counted, for the moments at which files are asked for are never the
+/// same. It costs one search in so many steps.
+bool keep_due(const Case& scene, const Clock& clock);
+
 /// Steps that may pass before something is asked for, of `left` in the phase.
 int most_steps(const Case& scene, const Clock& clock, std::int64_t left);
 
