@@ -1,0 +1,165 @@
+#!/usr/bin/env python3
+# Kills runs, and lets their writes, syncs, renames and opens fail; looks at what is left behind.
+# SPDX-License-Identifier: BSD-3-Clause
+"""usage: faults.py errors|kills SPALL MPIEXEC CASES WORK [--disk SO] [--count 6] [--ranks 2] [--seed 1]
+
+errors  One call of one rank fails (failing_disk.c). All ranks must be gone in time, with one message
+        that tells the reason where rank 0 knows it. Errors that no call met do not count.
+kills   SIGKILL to all ranks at a random time after the first restart file, in three methods in turn.
+
+After each a run goes on from the newest restart file, where there is one, to the results of the run
+that was left alone: bit by bit, but for the seconds that it took."""
+import argparse
+import collections
+import errno
+import itertools
+import os
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+SCENES = {
+    "nonsmooth": ["hello/case.toml", "groups.cloud.packing.count=40", "groups.cloud.volume.radius=6 m",
+                  "phases.aggregation.duration=40 min"],
+    "penalty": ["column/case.toml", "groups.column.volume.radius=8 mm", "groups.column.volume.height=8 mm",
+                'groups.column.volume.center=[0, 0, "6 mm"]', "phases.collapse.duration=0.1 s"],
+    "potential": ["bumper/case.toml", 'groups.plate.volume.size=["3 mm", "3 mm", "0.5 mm"]'],
+}
+FAULTS = {"fsync": 5, "rename": 6, "open": 8}  # calls of a short run, of which one fails
+REASONS = [errno.ENOSPC, errno.EDQUOT, errno.EIO]
+
+
+def physics(folder):
+    parts = (folder / "results.toml").read_text().split("\n\n")
+    return [part for part in parts if not part.startswith("[time]")]
+
+
+def newest_restart(folder):
+    files = [*folder.glob("restart*.h5"), *folder.glob("after_*.h5")]
+    return max(files, key=lambda file: file.stat().st_mtime_ns, default=None)
+
+
+class Runs:
+    def __init__(self, given):
+        self.given = given
+        self.work = Path(given.work).resolve()
+        self.out = self.work / "out"
+        shutil.rmtree(self.work, ignore_errors=True)
+        self.work.mkdir(parents=True)
+        self.seen, self.wrong = collections.Counter(), []
+        self.whole = {}
+
+    def start(self, *words, **faults):
+        """A program of all ranks, in a session of its own."""
+        environment = {**os.environ, **{key: str(value) for key, value in faults.items()}}
+        command = [self.given.mpiexec, "--oversubscribe", "-n", str(self.given.ranks), self.given.spall]
+        return subprocess.Popen([*command, *map(str, words)], cwd=self.work, env=environment, text=True,
+                                stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, start_new_session=True)
+
+    def end(self, process, limit):
+        """Exit code (None: it hung) and lines on standard error."""
+        try:
+            said = process.communicate(timeout=limit)[1]
+            code = process.returncode
+        except subprocess.TimeoutExpired:
+            os.killpg(process.pid, signal.SIGKILL)
+            code, said = None, process.communicate()[1]
+        return code, [line for line in said.splitlines() if line.strip()]
+
+    def words(self, method, out):
+        case, *changes = SCENES[method]
+        sets = [word for change in changes for word in ("--set", change)]
+        return ["run", Path(self.given.cases).resolve() / case, "--out", out, *sets]
+
+    def run_whole(self, method):
+        """Results and seconds of a run that is left alone."""
+        if method not in self.whole:
+            begin = time.time()
+            code, said = self.end(self.start(*self.words(method, "whole-" + method)), 300)
+            assert code == 0, said
+            self.whole[method] = physics(self.work / ("whole-" + method)), time.time() - begin
+        return self.whole[method]
+
+    def goes_on(self, method, label):
+        wanted, seconds = self.run_whole(method)
+        restart = newest_restart(self.out)
+        if restart is None:
+            self.seen["without a file yet"] += 1
+            return
+        code, said = self.end(self.start("resume", restart), 5 * seconds + 30)
+        if code == 0 and physics(self.out) == wanted:
+            self.seen["gone on"] += 1
+        else:
+            self.wrong.append(f"{label}: {restart.name} does not go on to the same: {code} {said[:2]}")
+
+    def kill(self, draw, method):
+        _, seconds = self.run_whole(method)
+        shutil.rmtree(self.out, ignore_errors=True)
+        process = self.start(*self.words(method, "out"), "--set", "output.restart_every=10 ms")
+        while newest_restart(self.out) is None and process.poll() is None:
+            time.sleep(0.002)
+        wait = draw.uniform(0, seconds)
+        time.sleep(wait)
+        over = process.poll() is not None
+        if not over:  # the ranks first: the launcher would end them gently
+            subprocess.run(["pkill", "-KILL", "-s", str(process.pid), "-x", "spall"], check=False)
+        self.end(process, 30)
+        self.seen["over before" if over else "killed"] += 1
+        if not over:
+            self.goes_on(method, f"{method} killed {wait:.2f} s after its first file")
+
+    def error(self, draw, method):
+        wanted, seconds = self.run_whole(method)
+        written = sum(file.stat().st_size for file in (self.work / ("whole-" + method)).rglob("*.h5"))
+        fault = draw.choice(["write", *FAULTS])
+        at, rank = draw.randint(1, FAULTS.get(fault, written)), draw.randrange(self.given.ranks)
+        reason = errno.EMFILE if fault == "open" else draw.choice(REASONS)
+        label = f"{method}: {fault} {at} of rank {rank}, {os.strerror(reason)}"
+        shutil.rmtree(self.out, ignore_errors=True)
+        process = self.start(*self.words(method, "out"), "--set", "output.restart_every=50 ms",
+                             LD_PRELOAD=self.given.disk, FAULT=fault, FAULT_AT=at, FAULT_RANK=rank,
+                             FAULT_ERRNO=reason, FAULT_FOLDER=self.out)
+        code, said = self.end(process, 5 * seconds + 20)
+        if code == 0:
+            self.seen["not met"] += 1
+            if physics(self.out) != wanted:
+                self.wrong.append(f"{label}: nobody noticed, and the results differ")
+            return
+        self.seen["hangs" if code is None else "ended"] += 1
+        if code is None:
+            self.wrong.append(f"{label}: hangs: {said[:2]}")
+        elif len(said) != 1 or not said[0].startswith("spall: "):
+            self.wrong.append(f"{label}: not one message: {said[:3]}")
+        elif rank == 0 and os.strerror(reason) not in said[0]:
+            self.wrong.append(f"{label}: no reason: {said[0]}")
+        self.goes_on(method, label)
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    for name in ("what", "spall", "mpiexec", "cases", "work"):
+        parser.add_argument(name)
+    parser.add_argument("--disk")
+    parser.add_argument("--count", type=int, default=6)
+    parser.add_argument("--ranks", type=int, default=2)
+    parser.add_argument("--seed", type=int, default=1)
+    given = parser.parse_args()
+    runs, draw = Runs(given), random.Random(given.seed)
+    one, met = (runs.kill, ["killed"]) if given.what == "kills" else (runs.error, ["ended", "hangs"])
+    for drawn, method in enumerate(itertools.cycle(SCENES)):
+        if sum(runs.seen[what] for what in met) >= given.count or drawn > 10 * given.count:
+            break
+        one(draw, method)
+    print(f"{given.what}, {given.ranks} ranks, seed {given.seed}: "
+          + ", ".join(f"{count} {what}" for what, count in sorted(runs.seen.items())))
+    for line in runs.wrong:
+        print("FAILED:", line)
+    sys.exit(bool(runs.wrong))
+
+
+if __name__ == "__main__":
+    main()
