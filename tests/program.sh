@@ -18,7 +18,7 @@ fail() {
 on_ranks() {  # ranks, arguments of the program
   local n=$1
   shift
-  timeout -k 2 20 "$mpiexec" --oversubscribe -n "$n" "$spall" "$@" >stdout 2>stderr
+  timeout -k 2 60 "$mpiexec" --oversubscribe -n "$n" "$spall" "$@" >stdout 2>stderr
 }
 
 # A case with some lines changed: s/what/by what/ for sed.
