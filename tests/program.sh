@@ -193,13 +193,15 @@ grep -q "all phases of this run are over" stdout || fail "does not say that noth
 grep -q "^solver_s = 0.0 " ended/results.toml && fail "a resumed run forgets the seconds of its stages"
 
 # Restart files change nothing, whenever they are written.
-on_ranks "$ranks" run small.toml --out often --set "output.restart_every=20 ms" || fail "a run that saves: $(cat stderr)"
+on_ranks "$ranks" run small.toml --out often --set "output.restart_every=5 ms" || fail "a run that saves: $(cat stderr)"
 diff <(results_of whole) <(results_of often) || fail "writing restart files changes a run"
 diff <(series_of whole) <(series_of often) || fail "writing restart files changes a series"
 [ -f often/restart_before.h5 ] || fail "no former restart file is kept"
 
 # Nor does a signal: what was done since the last kept state is done again.
-"$mpiexec" --oversubscribe -n "$ranks" "$spall" run small.toml --out stopped >stdout 2>stderr &
+sed 's/step = "10 s"/step = "2 s"/' "$cases/hello/case.toml" >longer.toml
+on_ranks "$ranks" run longer.toml --out alone || fail "a longer run: $(cat stderr)"
+"$mpiexec" --oversubscribe -n "$ranks" "$spall" run longer.toml --out stopped >stdout 2>stderr &
 launcher=$!
 wait_for grep -q "^phase aggregation" stdout
 kill -USR1 $launcher
@@ -207,12 +209,12 @@ wait $launcher
 code=$?
 if [ $code = 3 ]; then
   on_ranks "$ranks" resume stopped/restart.h5 || fail "a stopped run does not go on: $(cat stderr)"
-  grep -q "^goes on: small.toml, step" stdout || fail "does not say what goes on: $(head -3 stdout)"
+  grep -q "^goes on: longer.toml, step" stdout || fail "does not say what goes on: $(head -3 stdout)"
 else
   [ $code = 0 ] || fail "a stopped run ends with $code: $(cat stderr)"
 fi
-diff <(results_of whole) <(results_of stopped) || fail "a stopped run ends otherwise"
-diff <(series_of whole) <(series_of stopped) || fail "a stopped run has another series"
+diff <(results_of alone) <(results_of stopped) || fail "a stopped run ends otherwise"
+diff <(series_of alone) <(series_of stopped) || fail "a stopped run has another series"
 
 # A folder belongs to one run.
 refuses() {  # what the one line on standard error says; arguments of the program
