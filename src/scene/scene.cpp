@@ -65,16 +65,19 @@ struct Placed {
   std::size_t group;
   BodyId first;
   bool stored;
-  Vec3 center, half;  ///< m, of a box that holds all of its spheres
+  Eigen::AlignedBox3d box;  ///< m, that holds all of its spheres; far less than some volumes
   SphereSet spheres;
 
   Placed(const Group& of, std::size_t g, BodyId id, std::int64_t count)
       : group(g),
         first(id),
         stored(!of.packing.stored.empty()),
-        center(of.volume.center),
-        half(reach(of)),
-        spheres(center, half, count) {}
+        spheres(of.volume.center, reach(of), count) {}
+
+  void add(const Vec3& center, double radius) {
+    box.extend(center - Vec3::Constant(radius)).extend(center + Vec3::Constant(radius));
+    spheres.add(center, radius);
+  }
 };
 
 /// Calls `f(image, itself)` with each image of `x` inside the box `center` +- `half`, which is
@@ -101,10 +104,12 @@ struct Overlap : SphereSet::Overlap {
 std::optional<Overlap> find_overlap(const Period& period, const Placed& earlier, std::size_t g,
                                     const Vec3& center, double radius, double allowed) {
   std::optional<Overlap> found;
-  const Vec3 half = earlier.half + Vec3::Constant(radius);
-  for_each_image(period, center, earlier.center, half, [&](const Vec3& image, bool itself) {
-    // Groups keep clear of themselves; those of an earlier run overlap as they did there.
-    if (found || (earlier.group == g && (itself || earlier.stored))) return;
+  // Groups keep clear of themselves; those of an earlier run overlap as they did there.
+  const bool own = earlier.group == g;
+  if (earlier.box.isEmpty() || (own && earlier.stored)) return found;
+  const Vec3 half = earlier.box.sizes() / 2 + Vec3::Constant(radius);
+  for_each_image(period, center, earlier.box.center(), half, [&](const Vec3& image, bool itself) {
+    if (found || (own && itself)) return;
     if (const auto hit = earlier.spheres.find_overlap(image, radius, allowed))
       found = {*hit, !itself};
   });
@@ -257,7 +262,7 @@ Bodies make_bodies(const Case& scene, const Comm& comm) {
       const bool held = group.held() || sphere.fixed;
       const double mass = held ? infinity : factor * nominal;
       if (!group.packing.type->keeps_clear) check_clear(scene, g, placed, id, sphere);
-      if (keeps_spheres) placed.back().spheres.add(center, sphere.radius);
+      if (keeps_spheres) placed.back().add(center, sphere.radius);
       if (group.thermal) masses.push_back(mass);
       if (id >= first_owned && id < end_owned) {
         const Index row = append_row(bodies);
