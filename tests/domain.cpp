@@ -159,6 +159,48 @@ TEST(Halo, pairs_of_all_ranks_are_those_of_brute_force) {
   }
 }
 
+TEST(Halo, fetches_few_more_ghosts_than_pairs_need_in_any_order_of_memory) {
+  const Comm comm = testing_world();
+  const int edge = 15;
+  Bodies all = random_bodies(edge * edge * edge, 1);
+  for (Index b = 0; b < all.size(); ++b)  // a grid, stirred: as dense as a packing
+    all.position[b] = 0.1 * Vec3(b % edge, b / edge % edge, b / edge / edge) +
+                      0.01 * (all.position[b] - Vec3::Constant(5));
+  const Period period{.size = Vec3(0.1 * edge, 0, 0)};
+  Bodies mine = share(all, comm);
+  ContactMemory memory;
+  migrate(comm, mine, memory, partition(comm, mine, std::vector<double>(mine.owned, 1.0)));
+  for_each_field(mine, [&](const auto&, auto& field) {
+    std::shuffle(field.begin(), field.end(), std::mt19937_64(3));
+  });
+  for (double reach : {0.025, 0.1}) {
+    std::vector<double> reaches(mine.owned, reach);
+    std::vector<Vec3> shifts;
+    make_halo(comm, mine, reaches, period, shifts);
+    const std::set<BodyId> here(mine.id.begin(), mine.id.begin() + mine.owned);
+    std::map<std::pair<BodyId, int>, bool> needed;  // a body's image, and whether it is a ghost
+    for (int image : {-1, 0, 1})
+      for (Index b = 0; b < all.size(); ++b) {
+        if (image == 0 && here.count(all.id[b])) continue;
+        const Vec3 x = all.position[b] + image * period.size;
+        for (Index own = 0; own < mine.owned; ++own)
+          if ((x - mine.position[own]).norm() <= 2 * (all.radius[b] + reach)) {
+            needed[{all.id[b], image}] = false;
+            break;
+          }
+      }
+    for (Index g = mine.owned; g < mine.size(); ++g) {
+      const auto image = std::lround(shifts[g - mine.owned][0] / period.size[0]);
+      const auto ghost = needed.find({mine.id[g], static_cast<int>(image)});
+      if (ghost == needed.end()) continue;
+      EXPECT_FALSE(ghost->second) << "twice";
+      ghost->second = true;
+    }
+    for (const auto& [body, is_ghost] : needed) EXPECT_TRUE(is_ghost);
+    EXPECT_LT(mine.ghosts(), 1.5 * static_cast<double>(needed.size())) << reach;
+  }
+}
+
 TEST(Windows, bodies_with_as_many_near_partners_share_a_group) {
   Bodies all = random_bodies(600, 1);
   all.owned = all.size();

@@ -1,44 +1,55 @@
-// Ranks publish boxes around small clusters of their bodies; a body goes where it touches a box.
+// Ranks tell their neighbours the boxes of small clusters; a body goes where it meets one.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "domain/halo.hpp"
 
 #include <algorithm>
 #include <array>
 
-#include "spall/error.hpp"
+#include "base/morton.hpp"
+#include "base/sort_by_key.hpp"
 #include "state/pack.hpp"
 
 namespace spall {
 namespace {
 
-constexpr Index bodies_a_box = 16;  // along the space-filling curve: boxes are compact
-constexpr std::size_t clusters_at_once = 64;
-constexpr double large = 4;  // a body this many times the mean radius gets a box of its own
+constexpr std::size_t bodies_a_cluster = 4;  // that follow each other along a space-filling curve
+constexpr double wide = 2;                    // a cluster this many times as wide as most is parted
+constexpr double large = 4;     // a body this many times the mean radius is a cluster of its own
+constexpr std::size_t fan = 8;  // boxes that one of the next level of the tree holds
 
-struct Box {
+/// All points within `radius` of the box from `low` to `high`.
+struct RoundBox {
   Vec3 low = Vec3::Constant(infinity), high = Vec3::Constant(-infinity);
-  void add(const Vec3& center, double radius) {
-    low = low.cwiseMin(center - Vec3::Constant(radius));
-    high = high.cwiseMax(center + Vec3::Constant(radius));
+  double radius = 0;
+
+  void add(const Vec3& center, double r) {
+    low = low.cwiseMin(center);
+    high = high.cwiseMax(center);
+    radius = std::max(radius, r);
   }
-  void add(const Box& other) {
-    low = low.cwiseMin(other.low);
-    high = high.cwiseMax(other.high);
+  /// All of the other as a box without roundness: a single giant must not make all others round.
+  void hold(const RoundBox& other) {
+    low = low.cwiseMin(other.low - Vec3::Constant(other.radius));
+    high = high.cwiseMax(other.high + Vec3::Constant(other.radius));
   }
-  bool meets(const Box& other) const {
-    return (low.array() <= other.high.array()).all() && (other.low.array() <= high.array()).all();
+  RoundBox moved(const Vec3& by) const { return {low + by, high + by, radius}; }
+  bool meets(const RoundBox& other) const {
+    double gap2 = 0;
+    for (int k = 0; k < 3; ++k) {
+      const double gap = std::max({low[k] - other.high[k], other.low[k] - high[k], 0.0});
+      gap2 += gap * gap;
+    }
+    const double reach = radius + other.radius;
+    return gap2 <= reach * reach;
   }
+  double width() const { return (high - low).maxCoeff(); }
 };
+constexpr std::size_t doubles_a_box = 7;
+static_assert(sizeof(RoundBox) == doubles_a_box * sizeof(double));
 
 struct Cluster {
-  Box box;
-  Index first, last;  // rows
-};
-
-struct RemoteBox {
-  Box box;
-  int rank;
-  Vec3 shift;  ///< of a body that meets the box, to where it is seen from there
+  RoundBox box;
+  std::span<const Index> rows;
 };
 
 /// All by which an image may be away from its body, none first.
@@ -51,22 +62,142 @@ std::vector<Vec3> shifts_of(const Period& period) {
   return shifts;
 }
 
-std::vector<Cluster> cluster_bodies(const Bodies& bodies, std::span<const double> reach) {
-  double mean = 0;
-  for (Index b = 0; b < bodies.owned; ++b) mean += bodies.radius[b] + reach[b];
-  mean /= std::max<Index>(bodies.owned, 1);
-  std::vector<Cluster> clusters;
-  bool open = false;
+RoundBox ball(const Bodies& bodies, std::span<const double> reach, Index b) {
+  return {bodies.position[b], bodies.position[b], bodies.radius[b] + reach[b]};
+}
+
+/// Rows of owned bodies along a space-filling curve through cells as wide as `edge`. Bodies wander
+/// and are wrapped: the order in memory is no such curve for long.
+std::vector<Index> along_curve(const Bodies& bodies, double edge) {
+  KeyOrder order;
   for (Index b = 0; b < bodies.owned; ++b) {
-    const double radius = bodies.radius[b] + reach[b];
-    const bool alone = radius > large * mean;
-    if (alone || !open || clusters.back().last - clusters.back().first == bodies_a_box)
-      clusters.push_back({{}, b, b});
-    clusters.back().box.add(bodies.position[b], radius);
-    clusters.back().last = b + 1;
-    open = !alone;
+    order.key.push_back(morton_key(bodies.position[b], edge));
+    order.row.push_back(b);
   }
+  return sort_by_key(std::move(order)).row;
+}
+
+Cluster cluster_of(const Bodies& bodies, std::span<const double> reach,
+                   std::span<const Index> rows) {
+  Cluster cluster{{}, rows};
+  for (Index b : rows) cluster.box.add(bodies.position[b], bodies.radius[b] + reach[b]);
+  return cluster;
+}
+
+/// Runs of rows along the curve. Where it jumps, a run is parted in halves until none is wide.
+std::vector<Cluster> cluster_bodies(const Bodies& bodies, std::span<const double> reach,
+                                    double mean, std::span<const Index> rows) {
+  const auto is_large = [&](Index b) { return bodies.radius[b] + reach[b] > large * mean; };
+  std::vector<Cluster> runs;
+  for (std::size_t k = 0, end; k < rows.size(); k = end) {
+    end = k + 1;
+    if (!is_large(rows[k]))
+      while (end < rows.size() && end - k < bodies_a_cluster && !is_large(rows[end])) ++end;
+    runs.push_back(cluster_of(bodies, reach, rows.subspan(k, end - k)));
+  }
+  if (runs.empty()) return runs;
+
+  std::vector<double> widths;
+  for (const Cluster& run : runs) widths.push_back(run.box.width());
+  const auto median = widths.begin() + static_cast<std::ptrdiff_t>(widths.size() / 2);
+  std::nth_element(widths.begin(), median, widths.end());
+  const double widest = wide * *median;
+  std::vector<Cluster> clusters;
+  const auto part = [&](const Cluster& run, auto&& again) -> void {
+    if (run.box.width() <= widest || run.rows.size() == 1) {
+      clusters.push_back(run);
+      return;
+    }
+    const std::size_t half = run.rows.size() / 2;
+    again(cluster_of(bodies, reach, run.rows.first(half)), again);
+    again(cluster_of(bodies, reach, run.rows.subspan(half)), again);
+  };
+  for (const Cluster& run : runs) part(run, part);
   return clusters;
+}
+
+double mean_radius(const Bodies& bodies, std::span<const double> reach) {
+  double sum = 0;
+  for (Index b = 0; b < bodies.owned; ++b) sum += bodies.radius[b] + reach[b];
+  return sum / std::max<Index>(bodies.owned, 1);
+}
+
+/// Boxes of clusters, boxes of those, and so on up to one that holds all.
+class ClusterTree {
+ public:
+  ClusterTree(const Bodies& bodies, std::span<const double> reach) : levels_(1) {
+    const double mean = mean_radius(bodies, reach);
+    rows_ = along_curve(bodies, mean);
+    clusters_ = cluster_bodies(bodies, reach, mean, rows_);
+    for (const Cluster& cluster : clusters_) levels_[0].push_back(cluster.box);
+    while (levels_.back().size() > 1) {
+      std::vector<RoundBox> above((levels_.back().size() + fan - 1) / fan);
+      for (std::size_t k = 0; k < levels_.back().size(); ++k)
+        above[k / fan].hold(levels_.back()[k]);
+      levels_.push_back(std::move(above));
+    }
+    if (!clusters_.empty()) whole_.hold(levels_.back()[0]);
+  }
+
+  /// Without roundness; empty without bodies.
+  const RoundBox& whole() const { return whole_; }
+
+  /// Calls `f(cluster, those that it meets)` with each that meets any of `boxes`, in order.
+  template <class F>
+  void for_each_meeting(std::span<const RoundBox> boxes, F&& f) const {
+    visit(levels_.size() - 1, 0, boxes, f);
+  }
+
+ private:
+  template <class F>
+  void visit(std::size_t level, std::size_t from, std::span<const RoundBox> boxes, F& f) const {
+    std::vector<RoundBox> met;
+    for (std::size_t k = from; k < std::min(from + fan, levels_[level].size()); ++k) {
+      const RoundBox& own = levels_[level][k];
+      met.clear();
+      std::copy_if(boxes.begin(), boxes.end(), std::back_inserter(met),
+                   [&](const RoundBox& box) { return box.meets(own); });
+      if (met.empty()) continue;
+      if (level == 0)
+        f(clusters_[k], met);
+      else
+        visit(level - 1, fan * k, met, f);
+    }
+  }
+
+  std::vector<Index> rows_;  // along the curve
+  std::vector<Cluster> clusters_;
+  std::vector<std::vector<RoundBox>> levels_;
+  RoundBox whole_;
+};
+
+void append(std::vector<double>& row, const RoundBox& box) {
+  row.insert(row.end(), box.low.data(), box.low.data() + 3);
+  row.insert(row.end(), box.high.data(), box.high.data() + 3);
+  row.push_back(box.radius);
+}
+RoundBox box_from(const double* row) {
+  return {Vec3(row[0], row[1], row[2]), Vec3(row[3], row[4], row[5]), row[6]};
+}
+
+/// Row r: boxes of rank r's clusters that bodies of this rank may meet, each after the number of
+/// the shift by which they are moved then; shift by shift. Collective.
+std::vector<std::vector<double>> boxes_of_neighbours(const Comm& comm, const ClusterTree& tree,
+                                                     const std::vector<Vec3>& shifts) {
+  std::vector<double> own;
+  append(own, tree.whole());
+  const std::vector<double> wholes = comm.all_gather(std::span<const double>(own));
+  std::vector<std::vector<double>> outgoing(comm.size);
+  for (int rank = 0; rank < comm.size; ++rank)
+    for (std::size_t s = 0; s < shifts.size(); ++s) {
+      if (rank == comm.rank && s == 0) continue;
+      const RoundBox theirs = box_from(wholes.data() + rank * doubles_a_box).moved(shifts[s]);
+      tree.for_each_meeting(std::span(&theirs, 1), [&](const Cluster& cluster, const auto&) {
+        outgoing[rank].push_back(static_cast<double>(s));
+        append(outgoing[rank], cluster.box);
+      });
+    }
+  return comm.exchange(outgoing);
 }
 
 }  // namespace
@@ -75,63 +206,33 @@ Ghosts make_halo(const Comm& comm, Bodies& bodies, std::vector<double>& reach, c
                  std::vector<Vec3>& shifts) {
   resize(bodies, bodies.owned);
   reach.resize(bodies.owned);
-  const auto clusters = cluster_bodies(bodies, reach);
-  std::vector<double> packed;
-  for (const auto& cluster : clusters) {
-    packed.push_back(comm.rank);
-    packed.insert(packed.end(), cluster.box.low.data(), cluster.box.low.data() + 3);
-    packed.insert(packed.end(), cluster.box.high.data(), cluster.box.high.data() + 3);
-  }
-  const auto all = comm.all_gather(std::span<const double>(packed));
+  const ClusterTree tree(bodies, reach);
+  const std::vector<Vec3> moves = shifts_of(period);
+  const auto boxes = boxes_of_neighbours(comm, tree, moves);
 
-  // Boxes of other ranks that meet anything of ours; then those that meet some clusters, then one,
-  // then a body.
-  Box whole;
-  for (const auto& cluster : clusters) whole.add(cluster.box);
-  std::vector<RemoteBox> around, beside, near;
-  for (const Vec3& shift : shifts_of(period))
-    for (std::size_t k = 0; k < all.size(); k += 7) {
-      const RemoteBox box{{Vec3(all[k + 1], all[k + 2], all[k + 3]) - shift,
-                           Vec3(all[k + 4], all[k + 5], all[k + 6]) - shift},
-                          static_cast<int>(all[k]),
-                          shift};
-      const bool itself = box.rank == comm.rank && shift.isZero(0);
-      if (!itself && whole.meets(box.box)) around.push_back(box);
-    }
   std::vector<std::vector<double>> outgoing(comm.size);
-  const auto keep_meeting = [](const std::vector<RemoteBox>& from, const Box& box,
-                               std::vector<RemoteBox>& to) {
-    to.clear();
-    std::copy_if(from.begin(), from.end(), std::back_inserter(to),
-                 [&](const RemoteBox& remote) { return remote.box.meets(box); });
-  };
-  for (std::size_t k = 0; k < clusters.size(); ++k) {
-    if (k % clusters_at_once == 0) {
-      Box several;
-      for (std::size_t m = k; m < std::min(k + clusters_at_once, clusters.size()); ++m)
-        several.add(clusters[m].box);
-      keep_meeting(around, several, beside);
+  std::vector<RoundBox> beside;  // of one rank, as seen from bodies that are not moved
+  for (int rank = 0; rank < comm.size; ++rank)
+    for (auto box = boxes[rank].begin(); box != boxes[rank].end();) {
+      const double number = *box;
+      const Vec3& move = moves[static_cast<std::size_t>(number)];
+      beside.clear();
+      for (; box != boxes[rank].end() && *box == number; box += 1 + doubles_a_box)
+        beside.push_back(box_from(&box[1]).moved(-move));
+      tree.for_each_meeting(beside, [&](const Cluster& cluster, const std::vector<RoundBox>& near) {
+        for (Index b : cluster.rows) {
+          const RoundBox own = ball(bodies, reach, b);
+          if (std::none_of(near.begin(), near.end(),
+                           [&](const RoundBox& other) { return other.meets(own); }))
+            continue;
+          auto& row = outgoing[rank];
+          row.insert(row.end(), move.data(), move.data() + 3);
+          row.push_back(b);
+          row.push_back(reach[b]);
+          pack_row(bodies, b, trait::ghosted, row);
+        }
+      });
     }
-    const Cluster& cluster = clusters[k];
-    keep_meeting(beside, cluster.box, near);
-    for (Index b = cluster.first; b < cluster.last && !near.empty(); ++b) {
-      Box own;
-      own.add(bodies.position[b], bodies.radius[b] + reach[b]);
-      // Boxes come image by image and rank by rank: a rank gets one copy of each image.
-      const RemoteBox* last = nullptr;
-      for (const auto& remote : near) {
-        if ((last && remote.rank == last->rank && remote.shift == last->shift) ||
-            !own.meets(remote.box))
-          continue;
-        last = &remote;
-        auto& row = outgoing[remote.rank];
-        row.insert(row.end(), remote.shift.data(), remote.shift.data() + 3);
-        row.push_back(b);
-        row.push_back(reach[b]);
-        pack_row(bodies, b, trait::ghosted, row);
-      }
-    }
-  }
 
   const auto incoming = comm.exchange(outgoing);
   const std::size_t width = 5 + packed_row_width(bodies, trait::ghosted);

@@ -12,6 +12,7 @@
 #include "base/hash.hpp"
 #include "base/kernels.hpp"
 #include "base/morton.hpp"
+#include "base/sort_by_key.hpp"
 #include "spall/lanes.hpp"
 
 namespace spall {
@@ -20,35 +21,6 @@ namespace {
 constexpr Index lane_rows = lane_count;
 /// Cells around a body are visited in blocks of 4 x 4 x 4 where pairs are listed with lower rows.
 constexpr int block_bits = 2;
-
-/// Bodies in the order of their cells' keys.
-struct Order {
-  std::vector<std::uint64_t> key;
-  std::vector<Index> row;
-};
-
-/// Stable. Least significant digits first, only those in which keys differ.
-Order sort_by_key(Order order) {
-  constexpr int digit = 11;
-  const std::size_t n = order.key.size();
-  std::uint64_t differ = 0;
-  for (std::uint64_t key : order.key) differ |= key ^ order.key.front();
-  Order sorted{std::vector<std::uint64_t>(n), std::vector<Index>(n)};
-  const auto value = [](std::uint64_t key, int shift) { return key >> shift & ((1 << digit) - 1); };
-  for (int shift = 0; shift < 64; shift += digit) {
-    if (value(differ, shift) == 0) continue;
-    std::array<std::size_t, (1 << digit) + 1> start{};
-    for (std::uint64_t key : order.key) ++start[value(key, shift) + 1];
-    std::partial_sum(start.begin(), start.end(), start.begin());
-    for (std::size_t k = 0; k < n; ++k) {
-      const std::size_t at = start[value(order.key[k], shift)]++;
-      sorted.key[at] = order.key[k];
-      sorted.row[at] = order.row[k];
-    }
-    std::swap(order, sorted);
-  }
-  return order;
-}
 
 struct Box {
   Vec3 low = Vec3::Constant(infinity), high = Vec3::Constant(-infinity);
@@ -77,7 +49,7 @@ class Level {
       centres_.add(bodies.position[b]);
     }
     cells_a_metre_ = 1 / edge;
-    Order order{std::vector<std::uint64_t>(rows.size()), std::move(rows)};
+    KeyOrder order{std::vector<std::uint64_t>(rows.size()), std::move(rows)};
     for (std::size_t k = 0; k < order.row.size(); ++k) {
       const auto c = cell(bodies.position[order.row[k]]);
       order.key[k] = interleave(c[0], c[1], c[2]);

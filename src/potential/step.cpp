@@ -92,7 +92,7 @@ void update_pairs(World& world, Potential& engine, bool velocities) {
     double spacing = 0;
     engine.law.for_each([&](const PairPotential& p) { spacing = std::max(spacing, p.distance); });
     const SkinRange skins{
-        .length = spacing, .first = 0.3, .least = 0.1, .step = 0.05, .most = 1.5, .search = 120};
+        .length = spacing, .first = 0.3, .least = 0.1, .step = 0.05, .most = 1.5, .search = 250};
     const double skin = best_skin(world.comm, world.bodies, near, {}, near.reach, skins);
     take_rows(world, engine);
     wrap_bodies(world);
