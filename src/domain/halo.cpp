@@ -13,7 +13,7 @@ namespace spall {
 namespace {
 
 constexpr std::size_t bodies_a_cluster = 4;  // that follow each other along a space-filling curve
-constexpr double wide = 2;                    // a cluster this many times as wide as most is parted
+constexpr double wide = 2;                   // a cluster this many times as wide as most is parted
 constexpr double large = 4;     // a body this many times the mean radius is a cluster of its own
 constexpr std::size_t fan = 8;  // boxes that one of the next level of the tree holds
 
