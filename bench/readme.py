@@ -10,8 +10,8 @@ import subprocess
 
 def origin(ranks):
     """What was measured, when and where."""
-    commit = subprocess.run(["git", "describe", "--always", "--dirty"], text=True,
-                            cwd=pathlib.Path(__file__).parent, capture_output=True).stdout.strip()
+    commit = subprocess.run([pathlib.Path(__file__).with_name("commit.sh")], text=True,
+                            capture_output=True).stdout.strip()
     cpu = next((line.split(":")[1].strip() for line in open("/proc/cpuinfo")
                 if line.startswith("model name")), "")
     shared = f"{ranks} rank{'s' if ranks > 1 else ''} on {os.cpu_count()} shared cores ({cpu})"

@@ -7,6 +7,6 @@ set -eu
 here=$(dirname "$0")
 mkdir -p "$here/results"
 csv=$here/results/open_problem.csv
-echo "# ${2:-10000} bodies, commit $(git -C "$here" describe --always --dirty), $(date +%F)" > "$csv"
+echo "# ${2:-10000} bodies, commit $("$here"/commit.sh), $(date +%F)" > "$csv"
 "$1/bench/bench_open_problem" "${2:-10000}" >> "$csv"
 /usr/bin/python3 "$here/plot_open_problem.py" "$csv"

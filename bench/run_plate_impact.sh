@@ -7,7 +7,7 @@ source jobs/environment.sh
 build=${1:-build/release} length=${2:-10}
 rows=$(mktemp)
 {
-  echo "# commit $(git describe --always --dirty)"
+  echo "# commit $(bench/commit.sh)"
   echo "flyer,target,speed,seed,length,velocity,velocity_by_hand,pressure,pressure_by_hand"
   for pair in "copper steel_304" "steel_304 aluminium_6061_t6" "copper aluminium_6061_t6"; do
     for speed in 1000 2000; do

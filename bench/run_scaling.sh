@@ -11,7 +11,7 @@ here=$(dirname "$0")
 mkdir -p "$here/results"
 csv=$here/results/scaling.csv
 export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
-echo "# commit $(git -C "$here" describe --always --dirty), $(date +%F), $(sed -n 's/^model name.*: //p' /proc/cpuinfo | head -n 1), $(nproc) cores" > "$csv"
+echo "# commit $("$here"/commit.sh), $(date +%F), $(sed -n 's/^model name.*: //p' /proc/cpuinfo | head -n 1), $(nproc) cores" > "$csv"
 echo "scene,ranks,bodies,contacts,seconds,unit,error,peak_MB" >> "$csv"
 for round in ${ROUNDS:-1 2 3}; do
   for scene in lattice nucleus plate gravity; do

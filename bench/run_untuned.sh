@@ -1,8 +1,8 @@
 #!/bin/bash
 # Scenes that nobody tuned Spall for, beside LAMMPS in turns, from one start file each; writes README.md's table.
 # SPDX-License-Identifier: BSD-3-Clause
-# usage: run_untuned.sh [BUILD [REPETITIONS [FOLDER]]]; FOLDER keeps the start files. LAMMPS's bench folder is that of
-# LAMMPS_BENCH, else it comes from Debian's source package (80 MB).
+# usage: run_untuned.sh [BUILD [REPETITIONS [FOLDER]]]; FOLDER keeps the start files. LAMMPS is Debian's, and one built
+# from Debian's source for this processor, in LAMMPS_FOLDER if given (peers/build_lammps.sh).
 set -eu
 . "$(dirname "$(realpath "$0")")/beside_peers.sh"
 spall=$(realpath "${1:-build/release}")/spall
@@ -12,18 +12,8 @@ work=${3:-$(mktemp -d)}
 mkdir -p "$work"
 [ $# -ge 3 ] || trap 'rm -rf "$work"' EXIT
 cd "$work"
-if [ ! -f data.chute ]; then
-  if [ -z "${LAMMPS_BENCH:-}" ]; then
-    echo "deb-src [signed-by=/usr/share/keyrings/debian-archive-keyring.gpg] http://deb.debian.org/debian bookworm main" >sources.list
-    mkdir -p lists/partial source
-    options=(-o "Dir::Etc::sourcelist=$PWD/sources.list" -o Dir::Etc::sourceparts=- -o "Dir::State::lists=$PWD/lists")
-    apt-get "${options[@]}" update >/dev/null
-    apt-get "${options[@]}" --download-only source lammps >/dev/null
-    tar xJf lammps_*.orig.tar.xz -C source --wildcards '*/bench/in.*' '*/bench/data.chute'
-    LAMMPS_BENCH=$(dirname source/*/bench/data.chute)
-  fi
-  cp "$LAMMPS_BENCH"/{data.chute,in.chute,in.lj} .
-fi
+native=$("$here/peers/build_lammps.sh" "${LAMMPS_FOLDER:-$work/lammps}")
+cp "$(dirname "$native")"/../bench/{data.chute,in.chute,in.lj} .
 # The scenes as both programs start from: LAMMPS writes its own melt.
 if [ ! -f melt.data ]; then
   sed -e 's/^run.*/run 0/' in.lj >write_melt.in
@@ -57,21 +47,24 @@ run_spall_case() {
     END {printf "%.4g %.3g %.4g\n", 1e-6 * n * steps / t, share, 1024 * sum / n}' time.* "$1.out/results.toml"
 }
 
+sed -e 's/^run.*/run 1000/' in.chute >chute.in
 begin_records
 for ranks in 1 2; do
   for repetition in $(seq "$repetitions"); do
     record chute $ranks "$repetition" spall "$(run_spall_case chute 32000 1000 1e-4 $ranks)"
-    sed -e 's/^run.*/run 1000/' in.chute >chute.in
-    record chute $ranks "$repetition" lammps "$(run_peer 32000 1000 $ranks "$lmp" -in chute.in)"
     record melt $ranks "$repetition" spall "$(run_spall_case melt 32000 500 0.005 $ranks)"
-    for style in lj/cut lj/cut/opt; do
-      sed -e 's/^run.*/run 500/' -e "s#lj/cut#$style#" in.lj >melt.in
-      record melt $ranks "$repetition" "${style/lj/lammps}" "$(run_peer 32000 500 $ranks "$lmp" -in melt.in || true)"
-    done
     record bed $ranks "$repetition" spall "$(run_spall_case bed 50000 500 1e-4 $ranks)"
-    for style in bin multi; do
-      record bed $ranks "$repetition" "lammps $style" "$(run_peer 50000 500 $ranks "$lmp" -in "$inputs/bed.in" \
-        -var data bed.data -var style $style -var skin 0.05 -var steps 500 || true)"
+    for program in "lammps $lmp" "native $native"; do
+      read -r name peer <<<"$program"
+      record chute $ranks "$repetition" "$name" "$(run_peer 32000 1000 $ranks "$peer" -in chute.in)"
+      for style in lj/cut lj/cut/opt; do
+        sed -e 's/^run.*/run 500/' -e "s#lj/cut#$style#" in.lj >melt.in
+        record melt $ranks "$repetition" "$name ${style#lj/}" "$(run_peer 32000 500 $ranks "$peer" -in melt.in || true)"
+      done
+      for style in bin multi; do
+        record bed $ranks "$repetition" "$name $style" "$(run_peer 50000 500 $ranks "$peer" -in "$inputs/bed.in" \
+          -var data bed.data -var style $style -var skin 0.05 -var steps 500 || true)"
+      done
     done
   done
 done
