@@ -12,6 +12,7 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <string_view>
 
 #include "base/kernels.hpp"
 #include "output/snapshot.hpp"
@@ -63,26 +64,40 @@ void list_cases() {
     fmt::print("{:<36} {}\n", file, read_case(file).title);
 }
 
-/// The script that draws reports: of the installation that this program is of, or of its build.
-std::string report_script() {
+/// Where a script is: in the installation that this program is of, or in its build.
+std::string find_script(const std::string& name) {
   const auto program = std::filesystem::read_symlink("/proc/self/exe").parent_path();
-  for (const char* place : {"../share/spall/report", "share/spall/report"})
-    if (const auto script = program / place / "report.py"; std::filesystem::exists(script))
+  for (const char* place : {"../share/spall/scripts", "share/spall/scripts"})
+    if (const auto script = program / place / name; std::filesystem::exists(script))
       return script.string();
-  throw Error(fmt::format("report.py is missing: it belongs into {}",
-                          (program / "../share/spall/report").lexically_normal().string()));
+  throw Error(fmt::format("{} is missing: it belongs into {}", name,
+                          (program / "../share/spall/scripts").lexically_normal().string()));
 }
 
-/// Without a shell, which would read signs in the folder's name.
-int report(const std::string& folder) {
-  std::string python = "python3", script = report_script(), argument = folder;
-  char* const words[] = {python.data(), script.data(), argument.data(), nullptr};
+/// Its exit code. Without a shell, which would read signs in the arguments.
+int run_script(const std::string& name, std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), {"python3", find_script(name)});
+  std::vector<char*> words;
+  for (std::string& argument : arguments) words.push_back(argument.data());
+  words.push_back(nullptr);
   pid_t child = 0;
-  const int failed = posix_spawnp(&child, "python3", nullptr, nullptr, words, environ);
+  const int failed = posix_spawnp(&child, "python3", nullptr, nullptr, words.data(), environ);
   require(failed == 0, "python3 cannot be started: {}", std::strerror(failed));
   int status = 0;
   require(waitpid(child, &status, 0) == child, "waiting for python3: {}", std::strerror(errno));
   return WIFEXITED(status) ? WEXITSTATUS(status) : 1;
+}
+
+/// Begins runs of its own, and so comes before MPI.
+int sweep(std::vector<std::string> arguments) {
+  try {
+    const auto program = std::filesystem::read_symlink("/proc/self/exe");
+    setenv("SPALL_PROGRAM", program.c_str(), 1);
+    return run_script("sweep.py", std::move(arguments));
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "spall: {}\n", error.what());
+    return 2;
+  }
 }
 
 int dispatch(const Comm& comm, int argc, char** argv) {
@@ -125,6 +140,8 @@ int dispatch(const Comm& comm, int argc, char** argv) {
   auto* page = app.add_subcommand("report",
                                   "make report.html, a page with pictures, in the folder of a run");
   page->add_option("folder", options.file, "folder that a run wrote")->required();
+  app.add_subcommand("sweep", "run a case for each combination of values; one table of results")
+      ->prefix_command();  // main begins it: its options are the script's
   auto* solve = app.add_subcommand(
       "solve", "solve a contact problem from an FCLIB file, on any number of ranks");
   solve->add_option("problem", options.file, "local frictional-contact problem (HDF5)")->required();
@@ -170,7 +187,7 @@ int dispatch(const Comm& comm, int argc, char** argv) {
     if (comm.rank == 0) fmt::print("{}", text);
   }
   if (comm.rank != 0) return 0;  // what follows needs no second rank
-  if (*page) return report(options.file);
+  if (*page) return run_script("report.py", {options.file});
   if (*list) list_cases();
   if (*keys) fmt::print("{}{}", case_reference(), describe_output_fields());
   return 0;
@@ -179,6 +196,7 @@ int dispatch(const Comm& comm, int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (argc > 1 && std::string_view(argv[1]) == "sweep") return sweep({argv + 2, argv + argc});
   std::optional<spall::Session> session;  // outlives the try, as it says
   try {
     session.emplace(argc, argv);

@@ -8,19 +8,13 @@ import os
 import re
 import sys
 
-try:
-    import h5py
-    import matplotlib  # noqa: F401 (asked for here so that the message below names it)
-    import numpy as np
-    import tomllib
-except ImportError as missing:
-    # The system's Python has the packages of the distribution; another one may come first in PATH.
-    system = "/usr/bin/python3"
-    if os.path.exists(system) and os.environ.get("SPALL_REPORT_PYTHON") != system:
-        os.environ["SPALL_REPORT_PYTHON"] = system
-        os.execv(system, [system, *sys.argv])
-    sys.exit(f"spall report: {missing}; it needs Python 3.11 with h5py, numpy and matplotlib "
-             "(apt install python3-h5py python3-matplotlib)")
+from system_python import need
+
+need("spall report", "h5py", "numpy", "matplotlib")
+
+import h5py  # noqa: E402
+import numpy as np  # noqa: E402
+import tomllib  # noqa: E402
 
 GRAVITY = 6.67430e-11
 

@@ -1,0 +1,216 @@
+# One run for each combination of values, side by side, and one table of their results.
+# SPDX-License-Identifier: BSD-3-Clause
+"""Runs a case once for each combination of values and gathers the results in one table.
+
+  spall sweep cases/hello/case.toml --set contact.cohesion=1,10,100N --set seed=1..5 --jobs 2
+
+Values stand one after another: 1,10,100N is 1 N, 10 N, 100 N; 1..5 is 1, 2, 3, 4, 5; a list in brackets is one value.
+Each run has a folder of its own below --out. What is done stays; what was stopped goes on: say the same again.
+table.csv and table.json hold what was changed and all numbers of results.toml; sweep.png shows those of --show.
+"""
+import argparse
+import csv
+import hashlib
+import itertools
+import json
+import os
+import re
+import shlex
+import subprocess
+import sys
+import tomllib
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+from system_python import need
+
+DONE, STOPPED = 0, 3  # exit codes of spall
+
+
+def values_of(text):
+    """'1,10,100N' -> ['1N', '10N', '100N']; a unit or name behind the last number is that of all."""
+    if found := re.fullmatch(r"(-?\d+)\.\.(-?\d+)", text):
+        first, last = int(found[1]), int(found[2])
+        if first > last:
+            sys.exit(f"spall sweep: {text}: the first number is larger than the last")
+        return [str(k) for k in range(first, last + 1)]
+    parts = [part.strip() for part in re.split(r",(?![^\[]*\])", text)]
+    if "" in parts:
+        sys.exit(f"spall sweep: {text}: a value is missing")
+    number = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+    unit = re.fullmatch(rf"{number}\s*([^\d.\s].*)", parts[-1])
+    if unit and not re.fullmatch(number, parts[-1]):
+        parts = [part + unit[1] if re.fullmatch(number, part) else part for part in parts]
+    return parts
+
+
+class Run:
+    """One combination: what is changed, and the folder of its results."""
+
+    def __init__(self, out, changes, swept):
+        self.changes = changes  # key -> value, all
+        short = {key: key.split(".")[-1] for key in swept}
+        names = [f"{short[k] if list(short.values()).count(short[k]) == 1 else k}={changes[k]}" for k in swept]
+        self.name = "_".join(re.sub(r"[^\w.=+-]+", "-", name) for name in names) or "run"
+        self.folder = out / self.name
+
+    def command(self, spall, case, ranks):
+        """What begins this run, or goes on with it; None where it is done."""
+        if (self.folder / "results.toml").is_file():
+            return None
+        if (self.folder / "restart.h5").is_file():
+            words = [spall, "resume", str(self.folder / "restart.h5")]
+        else:
+            words = [spall, "run", case, "--out", str(self.folder), "--overwrite"]
+            for key, value in self.changes.items():
+                words += ["--set", f"{key}={value}"]
+        return ["mpirun", "-n", str(ranks), *words] if ranks > 1 else words
+
+    def results(self):
+        """section.key -> number, of results.toml."""
+        path = self.folder / "results.toml"
+        if not path.is_file():
+            return {}
+        flat = {}
+        for section, rows in tomllib.loads(path.read_text()).items():
+            for key, value in rows.items():
+                if isinstance(value, (int, float)):
+                    flat[f"{section}.{key}"] = value
+        return flat
+
+
+def claim(out, case, fixed, overwrite):
+    """Runs of another case, or with other fixed keys, must not stand in the same table."""
+    own = {"case": str(case), "sha256": hashlib.sha256(case.read_bytes()).hexdigest(), "fixed": fixed}
+    path = out / "sweep.json"
+    if path.is_file() and json.loads(path.read_text()) != own:
+        if not overwrite:
+            sys.exit(f"spall sweep: {out} holds runs of another case or with other fixed keys ({path}); "
+                     "--overwrite forgets them, --out names another folder")
+        for old in [*out.glob("*/results.toml"), *out.glob("*/restart*.h5")]:
+            old.unlink()
+    out.mkdir(parents=True, exist_ok=True)
+    path.write_text(json.dumps(own, indent=1) + "\n")
+
+
+def write_tables(out, runs, states):
+    rows = [{"run": run.name, "state": states[run.name], **run.changes, **run.results()} for run in runs]
+    columns = list(dict.fromkeys(key for row in rows for key in row))
+    with open(out / "table.csv", "w", newline="") as file:
+        writer = csv.DictWriter(file, columns)
+        writer.writeheader()
+        writer.writerows(rows)
+    (out / "table.json").write_text(json.dumps(rows, indent=1) + "\n")
+    return rows
+
+
+def leading_number(text):
+    found = re.match(r"[-+]?[\d.]+(?:[eE][-+]?\d+)?", str(text))
+    return float(found[0]) if found else None
+
+
+def draw(out, rows, swept, show):
+    """Each result of `show` over the first key that is swept; the scatter is that of all others."""
+    import matplotlib
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+    figure, axes = pyplot.subplots(len(show), 1, figsize=(7, 3.2 * len(show)), squeeze=False, layout="constrained")
+    for axis, name in zip(axes[:, 0], show):
+        points = {}
+        for row in rows:
+            if name in row:
+                points.setdefault(row[swept[0]], []).append(row[name])
+        numbers = [leading_number(value) for value in points]
+        is_number = all(number is not None for number in numbers)
+        places = numbers if is_number else list(range(len(points)))
+        for place, found in zip(places, points.values()):
+            axis.plot([place] * len(found), found, "o", color="#9bb4d4", ms=4)
+        axis.plot(places, [sum(found) / len(found) for found in points.values()], "-s", color="#1f4e8c", ms=5,
+                  label="mean")
+        if is_number and min(places) > 0 and max(places) >= 30 * min(places):
+            axis.set_xscale("log")
+        axis.set_xticks(places, list(points))
+        axis.minorticks_off()
+        axis.set_xlabel(swept[0])
+        axis.set_ylabel(name)
+        axis.legend(frameon=False)
+    figure.savefig(out / "sweep.png", dpi=120)
+    print(f"picture: {out / 'sweep.png'}")
+
+
+def main():
+    parser = argparse.ArgumentParser(prog="spall sweep", description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("case", help="case file (TOML)")
+    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUES", help="change a key; once for each")
+    parser.add_argument("--out", type=Path, help="folder of all runs; default: out/<case>-sweep")
+    parser.add_argument("--jobs", type=int, default=1, help="runs at a time")
+    parser.add_argument("--ranks", type=int, default=1, help="of each run")
+    parser.add_argument("--show", action="append", default=[], metavar="SECTION.KEY",
+                        help="a number of results.toml to print and draw, as deflection.beta; once for each")
+    parser.add_argument("--overwrite", action="store_true", help="forget what --out holds of another sweep")
+    parser.add_argument("--commands", action="store_true",
+                        help="run nothing: print a line for each run that is not done, such as for a job array")
+    options = parser.parse_args()
+    if options.show:
+        need("spall sweep --show", "matplotlib")
+    spall = os.environ.get("SPALL_PROGRAM", "spall")
+    case = Path(options.case)
+    out = options.out or Path("out") / f"{case.parent.name if case.stem == 'case' else case.stem}-sweep"
+
+    keys = {}
+    for text in options.set:
+        key, equals, value = text.partition("=")
+        if not equals or key in keys:
+            sys.exit(f"spall sweep: --set {text}: {'told twice' if equals else 'KEY=VALUES is wanted'}")
+        keys[key] = values_of(value)
+    swept = [key for key, values in keys.items() if len(values) > 1]
+    runs = [Run(out, dict(zip(keys, values)), swept) for values in itertools.product(*keys.values())]
+    if len({run.name for run in runs}) < len(runs):
+        sys.exit("spall sweep: two combinations are the same")
+    if options.commands:
+        for run in runs:
+            if command := run.command(spall, options.case, options.ranks):
+                print(shlex.join(command))
+        return
+
+    # What the first refuses would be refused by all: nothing is begun then.
+    changes = [word for key, value in runs[0].changes.items() for word in ("--set", f"{key}={value}")]
+    checked = subprocess.run([spall, "check", options.case, *changes], stdout=subprocess.DEVNULL)
+    if checked.returncode != 0:
+        sys.exit(checked.returncode)
+    claim(out, case, {key: values[0] for key, values in keys.items() if len(values) == 1}, options.overwrite)
+    states = {run.name: "waits" for run in runs}
+
+    def carry_out(run):
+        command = run.command(spall, options.case, options.ranks)
+        code = DONE
+        if command:
+            with open(out / f"{run.name}.log", "w") as log:
+                code = subprocess.run(command, stdout=log, stderr=subprocess.STDOUT).returncode
+        states[run.name] = "done" if code == DONE else "stopped" if code == STOPPED else "failed"
+        count = sum(state != "waits" for state in states.values())
+        found = run.results()
+        shown = "".join(f"  {name} = {found[name]:.6g}" for name in options.show if name in found)
+        print(f"{count} of {len(runs)}  {run.name}: {states[run.name]}{shown}", flush=True)
+
+    with ThreadPoolExecutor(options.jobs) as pool:
+        list(pool.map(carry_out, runs))
+    rows = write_tables(out, runs, states)
+    print(f"table: {out / 'table.csv'}, {out / 'table.json'}")
+    for name in options.show:
+        if not any(name in row for row in rows):
+            sys.exit(f"spall sweep: no run has a result {name}; table.csv names all there are")
+    if options.show and swept:
+        draw(out, rows, swept, options.show)
+    if "failed" in states.values():
+        for run in runs:
+            if states[run.name] == "failed":
+                print(f"failed: {run.name}, see {out / run.name}.log", file=sys.stderr)
+        sys.exit(1)
+    if "stopped" in states.values():
+        sys.exit(STOPPED)
+
+
+if __name__ == "__main__":
+    main()

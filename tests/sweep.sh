@@ -1,0 +1,69 @@
+#!/bin/bash
+# `spall sweep`: one run for each combination, one table; what is done stays, what cannot be is refused.
+# SPDX-License-Identifier: BSD-3-Clause
+# usage: sweep.sh SPALL, in a folder to write in
+set -u
+spall=$1
+rm -rf sweep
+mkdir sweep && cd sweep || exit 1
+failures=0
+fail() {
+  echo "FAILED: $*"
+  failures=$((failures + 1))
+}
+cat >fall.toml <<'END'
+title = "a sphere falls"
+[materials.rock]
+density = "1600 kg/m^3"
+[contact]
+[[groups]]
+name = "ball"
+material = "rock"
+volume = {shape = "sphere", radius = "1 m"}
+[gravity]
+uniform = [0, 0, "-1 m/s^2"]
+[[phases]]
+name = "fall"
+step = "1 s"
+duration = "10 s"
+END
+
+"$spall" sweep fall.toml --set groups.ball.volume.radius=1,2m --set seed=1..2 --jobs 2 \
+  --show pile.mass >out.txt 2>&1 || fail "a sweep"
+[ "$(wc -l <out/fall-sweep/table.csv)" = 5 ] || fail "one row for each of four combinations"
+[ -s out/fall-sweep/sweep.png ] || fail "no picture"
+python3 - <<'END' || fail "the table's numbers"
+import json
+rows = json.load(open("out/fall-sweep/table.json"))
+masses = {row["groups.ball.volume.radius"]: row["pile.mass"] for row in rows}
+assert sorted(masses) == ["1m", "2m"], masses
+assert abs(masses["2m"] / masses["1m"] - 8) < 1e-12, masses
+assert all(row["state"] == "done" for row in rows)
+END
+
+before=$(stat -c %y out/fall-sweep/radius=1m_seed=1/results.toml)
+"$spall" sweep fall.toml --set groups.ball.volume.radius=1,2,3m --set seed=1..2 >out.txt 2>&1 || fail "more values"
+[ "$(wc -l <out/fall-sweep/table.csv)" = 7 ] || fail "rows of more values"
+[ "$before" = "$(stat -c %y out/fall-sweep/radius=1m_seed=1/results.toml)" ] || fail "what was done ran again"
+[ -z "$("$spall" sweep fall.toml --set groups.ball.volume.radius=1,2,3m --set seed=1..2 --commands)" ] ||
+  fail "commands of runs that are done"
+[ "$("$spall" sweep fall.toml --set groups.ball.volume.radius=1,2,3,4m --commands --ranks 2 | grep -c 'mpirun -n 2')" = 4 ] ||
+  fail "commands of what is not done"
+
+refused() { # text that must be said, arguments
+  local text=$1
+  shift
+  "$spall" sweep "$@" >out.txt 2>&1 && fail "accepted: $*"
+  grep -q -- "$text" out.txt || fail "$*: no '$text' in: $(cat out.txt)"
+}
+refused "friktion" fall.toml --set contact.friktion=0.1,0.2 --out never
+[ ! -e never ] || fail "a refused sweep left a folder"
+refused "another case" fall.toml --set seed=1..2 --set contact.friction=0.3 --out out/fall-sweep
+refused "a value is missing" fall.toml --set seed=1,,2
+refused "told twice" fall.toml --set seed=1 --set seed=2
+refused "larger than the last" fall.toml --set seed=5..1
+refused "no run has a result" fall.toml --set seed=1..2 --out shown --show pile.mas
+refused "no_such.toml" no_such.toml --set seed=1..2
+
+[ $failures = 0 ] && echo "all passed"
+exit $failures
