@@ -1,8 +1,9 @@
 #!/bin/bash
-# A silo's saturated load (Janssen) and the profile of a flow down a slope (Silbert), by Spall and by LAMMPS from the
-# same start files; writes README.md's table.
+# A silo's saturated load (Janssen) and the profile of LAMMPS's chute flow (Silbert), by Spall and by LAMMPS from the same
+# start files; writes README.md's table.
 # SPDX-License-Identifier: BSD-3-Clause
-# usage: run_flows.sh [BUILD [SEEDS [FOLDER]]]; FOLDER keeps the runs, whose results are not made anew. Half an hour.
+# usage: run_flows.sh [BUILD [SEEDS [FOLDER]]]; FOLDER keeps the runs, whose results are not made anew; LAMMPS_FOLDER as of
+# run_untuned.sh. Half an hour.
 set -eu
 . "$(dirname "$(realpath "$0")")/beside_peers.sh"
 spall=$(realpath "${1:-build/release}")/spall
@@ -11,23 +12,27 @@ work=${3:-$(mktemp -d)}
 mkdir -p "$work"
 [ $# -ge 3 ] || trap 'rm -rf "$work"' EXIT
 cd "$work"
-cp "$here"/flows/*.toml .
-for scene in silo slope; do
-  steps=200000
-  [ $scene = silo ] || steps=1400000
-  for seed in $(seq "$seeds"); do
-    of=$scene$seed
-    /usr/bin/python3 "$here/flows/make_flow.py" $scene "$seed" $scene.data
-    if [ ! -f "$of.log" ]; then
-      "$lmp" -in "$here/flows/$scene.in" -var data $scene.data -var steps $steps -log part.log >/dev/null
-      [ $scene = silo ] || mv slope.dump "$of.dump"
-      mv part.log "$of.log"
-    fi
-    [ ! -f "$of/results.toml" ] || continue
-    words=()
-    while read -r option; do words+=(--set "${option#--set }"); done \
-      < <(/usr/bin/python3 "$here/untuned/data_to_restart.py" $scene.data $scene)
-    "$spall" run $scene.toml --out "$of" --overwrite "${words[@]}" >/dev/null
-  done
+native=$("$here/peers/build_lammps.sh" "${LAMMPS_FOLDER:-$work/lammps}")
+cp "$(dirname "$native")"/../bench/{data.chute,in.chute} "$here"/flows/*.toml "$here"/untuned/chute.toml .
+
+# case, data file, folder, more options of spall
+run_case() {
+  local words=()
+  while read -r option; do words+=(--set "${option#--set }"); done \
+    < <(/usr/bin/python3 "$here/untuned/data_to_restart.py" "$2" "$1")
+  "$spall" run "$1.toml" --out "$3" --overwrite "${words[@]}" "${@:4}" >/dev/null
+}
+
+for seed in $(seq "$seeds"); do
+  /usr/bin/python3 "$here/flows/make_silo.py" "$seed" silo.data
+  [ -f "silo$seed.log" ] || { "$native" -in "$here/flows/silo.in" -var data silo.data -log part.log >/dev/null && mv part.log "silo$seed.log"; }
+  [ -f "silo$seed/results.toml" ] || run_case silo silo.data "silo$seed"
 done
+steps=50000
+if [ ! -f chute.log ]; then
+  sed -e "s/^run.*/dump flow active custom 2500 chute.dump id z vx\nrun $steps/" in.chute >chute.in
+  "$native" -in chute.in -log part.log >/dev/null
+  mv part.log chute.log
+fi
+[ -f chute/results.toml ] || run_case chute data.chute chute --set phases.0.duration=5 --set output.snapshot_every=0.25
 /usr/bin/python3 "$here/flows/compare.py" "$seeds"

@@ -14,7 +14,7 @@ from textwrap import dedent
 
 MARK = re.compile(r"^<!-- from (\S+) -->\n+```(\w+)\n(.*?)^```$", re.M | re.S)
 PATH = re.compile(r"`\"?((?:\w+/)+\w+\.(?:cpp|hpp|py|sh|toml|csv))\"?`")
-BLOCK = re.compile(r"^```(cpp|cmake)$", re.M)
+BLOCK = re.compile(r"^```(cpp|cmake|python)$", re.M)
 
 
 def stands_in(block, text):

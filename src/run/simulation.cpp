@@ -187,9 +187,12 @@ StepSummary Simulation::step(int most) {
   return summary;
 }
 
-void Simulation::run_until(double time) {
+void Simulation::run_until(double time, const std::function<void()>& each) {
   // Half a step early counts as reached: sums of steps are not exact.
-  while (!over() && this->time() + phase().step / 2 < time) step();
+  while (!over() && this->time() + phase().step / 2 < time) {
+    step();
+    if (each) each();
+  }
 }
 
 void Simulation::change_bodies(const std::function<void(Bodies&)>& change) {

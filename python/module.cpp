@@ -1,0 +1,188 @@
+// The Python module spall._spall: the library's API with bodies as NumPy arrays.
+// python/spall/__init__.py wraps it. SPDX-License-Identifier: BSD-3-Clause
+#include <pybind11/functional.h>
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <optional>
+#include <set>
+
+#include "base/kernels.hpp"
+#include "run/run.hpp"
+#include "spall/spall.hpp"
+
+namespace py = pybind11;
+
+namespace {
+
+using namespace spall;
+
+std::optional<Session>& session() {
+  static std::optional<Session> the_session;
+  return the_session;
+}
+
+/// Begins MPI where the program, such as mpi4py, has not.
+Comm world() {
+  if (!session()) {
+    int argc = 0;
+    char** argv = nullptr;
+    session().emplace(argc, argv);
+  }
+  return session()->world();
+}
+
+/// A simulation that can end before its Python object does: before MPI ends at the latest.
+class Running {
+ public:
+  explicit Running(const Scene& scene) : simulation_(std::in_place, world(), scene) {
+    all().insert(this);
+  }
+  Running(const Running&) = delete;
+  Running& operator=(const Running&) = delete;
+  ~Running() { all().erase(this); }
+
+  Simulation& get() {
+    if (!simulation_) throw Error("the simulation has ended with MPI");
+    return *simulation_;
+  }
+  static void end_all() {
+    for (Running* one : all()) one->simulation_.reset();
+    session().reset();
+  }
+
+ private:
+  static std::set<Running*>& all() {
+    static std::set<Running*> alive;
+    return alive;
+  }
+  std::optional<Simulation> simulation_;
+};
+
+template <class T>
+constexpr py::ssize_t columns = 1;
+template <>
+constexpr py::ssize_t columns<Vec3> = 3;
+
+/// A view of the first `rows` rows, of which `owner` keeps the memory; to be written where asked.
+template <class T>
+py::array view(const T* data, py::ssize_t rows, py::handle owner, bool writable) {
+  py::array array;
+  if constexpr (columns<T> == 3)
+    array = py::array_t<double>({rows, columns<T>}, reinterpret_cast<const double*>(data), owner);
+  else
+    array = py::array_t<T>({rows}, data, owner);
+  if (!writable) array.attr("setflags")(py::arg("write") = false);
+  return array;
+}
+
+/// Name -> view of the owned rows, of every field that the bodies have.
+py::dict views(const Bodies& bodies, py::handle owner, bool writable) {
+  py::dict fields;
+  for_each_field(bodies, [&](const auto& info, const auto& field) {
+    const bool changeable = writable && info.field != Field::id;
+    fields[info.name] = view(field.data(), bodies.owned, owner, changeable);
+  });
+  return fields;
+}
+
+py::dict energies_of(const Energies& e) {
+  py::dict all;
+  all["kinetic"] = e.kinetic;
+  all["pairs"] = e.pairs;
+  all["gravitational"] = e.gravitational;
+  all["dissipated"] = e.dissipated;
+  all["own_work"] = e.own_work;
+  all["prescribed_work"] = e.prescribed_work;
+  return all;
+}
+
+py::dict summary_of(const StepSummary& s) {
+  py::dict all;
+  all["steps"] = s.steps;
+  all["contacts"] = s.contacts;
+  all["residual"] = s.residual;
+  all["converged"] = s.converged;
+  all["overlap"] = s.overlap;
+  return all;
+}
+
+/// Array of the ids i, j of each pair on this rank.
+py::array_t<BodyId> pairs_of(const Simulation& simulation) {
+  const std::vector<BodyPair> pairs = simulation.pairs();
+  py::array_t<BodyId> ids({static_cast<py::ssize_t>(pairs.size()), py::ssize_t{2}});
+  auto at = ids.mutable_unchecked<2>();
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    at(static_cast<py::ssize_t>(k), 0) = pairs[k].i;
+    at(static_cast<py::ssize_t>(k), 1) = pairs[k].j;
+  }
+  return ids;
+}
+
+}  // namespace
+
+PYBIND11_MODULE(_spall, module) {
+  module.doc() = "Spall's library; see the package spall";
+  module.attr("version") = SPALL_VERSION;
+  py::register_exception<Error>(module, "Error", PyExc_ValueError);
+  module.def("rank", [] { return world().rank; });
+  module.def("ranks", [] { return world().size; });
+  module.def("end", &Running::end_all);
+
+  py::class_<Scene>(module, "Scene")
+      .def_static("from_file", &Scene::from_file)
+      .def_static("from_text", &Scene::from_text)
+      .def("add",
+           [](Scene& scene, const std::string& material, double radius, double mass,
+              const std::array<double, 3>& position, const std::array<double, 3>& velocity,
+              const std::array<double, 3>& spin, bool fixed) {
+             const auto vector = [](const std::array<double, 3>& v) {
+               return Vec3(v[0], v[1], v[2]);
+             };
+             scene.add({.material = material,
+                        .radius = radius,
+                        .mass = mass,
+                        .position = vector(position),
+                        .velocity = vector(velocity),
+                        .spin = vector(spin),
+                        .fixed = fixed});
+           })
+      .def("check", [](const Scene& scene) { return check_case(world(), *scene.parts()); })
+      .def("run", [](const Scene& scene, const std::string& folder, bool overwrite) {
+        return run_case(world(), *scene.parts(), folder,
+                        overwrite ? Former::overwrite : Former::refuse);
+      });
+  module.def("resume", [](const std::string& file, const std::string& folder, bool overwrite,
+                          const std::vector<std::string>& overrides) {
+    return resume_case(world(), file,
+                       {folder, overwrite ? Former::overwrite : Former::refuse, overrides, false});
+  });
+
+  py::class_<Running>(module, "Simulation")
+      .def(py::init<const Scene&>())
+      .def_property_readonly("time", [](Running& r) { return r.get().time(); })
+      .def_property_readonly("steps", [](Running& r) { return r.get().steps(); })
+      .def_property_readonly("phase", [](Running& r) { return r.get().phase_name(); })
+      .def_property_readonly("over", [](Running& r) { return r.get().over(); })
+      .def("step", [](Running& r, int most) { return summary_of(r.get().step(most)); })
+      .def("run_until", [](Running& r, double time,
+                           const std::function<void()>& each) { r.get().run_until(time, each); })
+      .def("energies", [](Running& r) { return energies_of(r.get().energies()); })
+      .def("pairs", [](Running& r) { return pairs_of(r.get()); })
+      .def("bodies",
+           [](py::object self) { return views(self.cast<Running&>().get().bodies(), self, false); })
+      .def("change_bodies",
+           [](py::object self, const py::function& change) {
+             self.cast<Running&>().get().change_bodies(
+                 [&](Bodies& bodies) { change(views(bodies, self, true)); });
+           })
+      .def("add_force", [](py::object self, py::function force) {
+        // `self` lives longer than its simulation; a reference to it would keep both for ever.
+        const py::handle owner = self;
+        self.cast<Running&>().get().add_force(
+            [force, owner](const Bodies& bodies, std::span<Vec3> forces) {
+              force(views(bodies, owner, false), view(forces.data(), bodies.owned, owner, true));
+            });
+      });
+}
