@@ -379,6 +379,13 @@ std::string check_case(const Comm& comm, const Case& scene, Foretold foretold) {
   return text;
 }
 
+std::string check_restart(const Comm& comm, const std::string& file) {
+  const RestartState state = read_restart(comm, file);
+  return fmt::format("a whole restart file of {}: step {}, {} from the start, {} bodies\n",
+                     state.case_file, state.clock.step, readable_time(state.clock.time),
+                     comm.sum(std::int64_t{state.bodies.owned}));
+}
+
 bool run_case(const Comm& comm, const Case& scene, const std::string& folder, Former former) {
   const RunFolder held(comm, folder, former);
   return Run(comm, Scene(std::make_shared<Case>(with_stored_bodies(scene))), held, nullptr).go();

@@ -65,7 +65,7 @@ class Runs:
 
     def start(self, *words, **faults):
         """A program of all ranks, in a session of its own."""
-        environment = {**os.environ, **{key: str(value) for key, value in faults.items()}}
+        environment = {**os.environ, "OMPI_MCA_mpi_yield_when_idle": "1", **{key: str(value) for key, value in faults.items()}}
         command = [self.given.mpiexec, "--oversubscribe", "-n", str(self.given.ranks), self.given.spall]
         return subprocess.Popen([*command, *map(str, words)], cwd=self.work, env=environment, text=True,
                                 stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, start_new_session=True)
@@ -100,7 +100,7 @@ class Runs:
         if restart is None:
             self.seen["without a file yet"] += 1
             return
-        code, said = self.end(self.start("resume", restart), 5 * seconds + 30)
+        code, said = self.end(self.start("resume", restart), 20 * seconds + 100)
         if code == 0 and physics(self.out) == wanted:
             self.seen["gone on"] += 1
         else:
@@ -155,7 +155,7 @@ class Runs:
         """A run that must end by itself and say the reason; the file `failed()` tells since when."""
         wanted, seconds = self.run_whole(method)
         process = self.start(*self.words(method, "out"), "--set", "output.restart_every=50 ms", **faults)
-        code, said = self.end(process, 5 * seconds + 20)
+        code, said = self.end(process, 20 * seconds + 100)  # machines may have more to do
         lives = ["pgrep", "-s", str(process.pid), "-r", "D,R,S,T"]
         deadline = time.time() + MOST_SECONDS
         while time.time() < deadline and subprocess.run(lives, stdout=subprocess.DEVNULL, check=False).returncode == 0:
@@ -165,6 +165,9 @@ class Runs:
             self.seen["not met"] += 1
             if physics(self.out) != wanted:
                 self.wrong.append(f"{label}: nobody noticed, and the results differ")
+            return
+        if not failed().exists():
+            self.wrong.append(f"{label}: ended before any call failed: {code} {said[:2]}")
             return
         self.seen["hangs" if code is None else "ended"] += 1
         if code is None:
