@@ -9,6 +9,7 @@ work=program_$ranks
 rm -rf "$work"
 mkdir "$work" && cd "$work" || exit 1
 failures=0
+export OMPI_MCA_mpi_yield_when_idle=1 # a rank that waits would keep a busy machine from the others
 
 fail() {
   echo "FAILED: $*"

@@ -71,6 +71,7 @@ same() {  # name, folder, folder
 
 small='s/count = 300/count = 40/; s/radius = "10 m"/radius = "6 m"/'
 sed "$small; "'s/step = "10 s"/step = "2 s"/' "$hello" >case.toml
+sed "$small; "'s/step = "10 s"/step = "0.5 s"/' "$hello" >longer.toml
 
 name="a run that is left alone"
 id=$(submit "$job" case.toml alone)
@@ -118,7 +119,7 @@ sleep 5
 is "$id" CANCELLED && passed "$name stays so" || fail "$name: $(state_of "$id")"
 
 name="an array"
-id=$(submit --array=1-2 --ntasks-per-node=1 "$job" case.toml seeds)
+id=$(submit --array=1-2 --ntasks-per-node=1 "$job" longer.toml seeds)
 wait_for runs seeds_1 && wait_for runs seeds_2
 scancel --signal=TERM "$id"
 begin_again "${id}_1" && begin_again "${id}_2" || fail "$name: $(state_of "$id")"
@@ -135,7 +136,6 @@ same "$name" alone chain
 
 # Time that is over: a minute is the shortest that Slurm knows.
 name="a time limit"
-sed "$small; "'s/step = "10 s"/step = "0.5 s"/' "$hello" >longer.toml
 id=$(submit --time=1 --signal=TERM@20 "$job" longer.toml limit)
 wait_for runs limit
 wait_for 150 is "$id" PENDING && passed "$name: requeued" ||
