@@ -38,7 +38,7 @@ def main():
     parser.add_argument("spall")
     parser.add_argument("never_keeps", nargs="?")
     parser.add_argument("--bodies", type=int, default=2000)
-    parser.add_argument("--turns", type=int, default=5)
+    parser.add_argument("--turns", type=int, default=9)
     given = parser.parse_args()
     kinds = {"no files but at the ends of phases": (given.spall, NONE),
              "the case's output": (given.spall, []),
