@@ -273,7 +273,8 @@ on_ranks "$ranks" run grains.toml --out periodic || fail "a periodic run: $(cat 
 grep -q "whole/trajectory.h5: .* 4 frames, 41 particles" stdout || fail "no frame at the start: $(cat stdout)"
 
 # Whatever asks a run to stop leaves a restart file. mpirun hands on some signals; at others it warns its
-# ranks, asks them a second later to stop, and kills them a second after that.
+# ranks, asks them a second later to stop, and kills them a second after that; here after five each.
+export OMPI_MCA_odls_base_sigkill_timeout=5
 write_case 's/duration = "2 s"/duration = "1e9 s"/' endless.toml
 stop_by() {  # signal, "launcher" or "rank", exit code
   local target launcher code
