@@ -133,7 +133,8 @@ int dispatch(const Comm& comm, int argc, char** argv) {
                    "go on with the case as it was, though its file has changed");
   auto* check =
       app.add_subcommand("check", "read a case, print bodies, memory, steps; write nothing");
-  check->add_option("case", options.file, "case file (TOML)")->required();
+  check->add_option("case", options.file, "case file (TOML), or a restart file: is it whole?")
+      ->required();
   check->add_option("--set", options.overrides, "change keys")->take_all();
   check->add_flag("--time", options.time,
                   "foretell the time of the first phase from two seconds of its steps");
@@ -182,8 +183,11 @@ int dispatch(const Comm& comm, int argc, char** argv) {
     return 0;
   }
   if (*check) {
-    const std::string text = check_case(comm, read_case(options.file, options.overrides),
-                                        options.time ? Foretold::time_too : Foretold::memory);
+    const bool restart = std::filesystem::path(options.file).extension() == ".h5";
+    const Foretold foretold = options.time ? Foretold::time_too : Foretold::memory;
+    const std::string text =
+        restart ? check_restart(comm, options.file)
+                : check_case(comm, read_case(options.file, options.overrides), foretold);
     if (comm.rank == 0) fmt::print("{}", text);
   }
   if (comm.rank != 0) return 0;  // what follows needs no second rank

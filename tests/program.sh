@@ -9,6 +9,7 @@ work=program_$ranks
 rm -rf "$work"
 mkdir "$work" && cd "$work" || exit 1
 failures=0
+export OMPI_MCA_mpi_yield_when_idle=1 # a rank that waits would keep a busy machine from the others
 
 fail() {
   echo "FAILED: $*"
@@ -271,15 +272,34 @@ on_ranks "$ranks" run grains.toml --out periodic || fail "a periodic run: $(cat 
   fail "not H5MD: $(cat stdout)"
 grep -q "whole/trajectory.h5: .* 4 frames, 41 particles" stdout || fail "no frame at the start: $(cat stdout)"
 
-# A signal stops a run; it goes on from where it was.
+# Whatever asks a run to stop leaves a restart file. mpirun hands on some signals; at others it warns its
+# ranks, asks them a second later to stop, and kills them a second after that; here after five each.
+export OMPI_MCA_odls_base_sigkill_timeout=5
 write_case 's/duration = "2 s"/duration = "1e9 s"/' endless.toml
-"$mpiexec" --oversubscribe -n "$ranks" "$spall" run endless.toml --out endless >stdout 2>stderr &
-launcher=$!
-wait_for grep -q "^meet" stdout || fail "no progress line: $(cat stdout stderr)"
-kill -USR1 $launcher
-wait $launcher
-[ $? = 3 ] || fail "a stopped run ends with another code than 3"
-grep -q "spall resume endless/restart.h5" stdout || fail "does not say how to go on: $(tail -3 stdout)"
+stop_by() {  # signal, "launcher" or "rank", exit code
+  local target launcher code
+  "$mpiexec" --oversubscribe -n "$ranks" "$spall" run endless.toml --out endless --overwrite >stdout 2>stderr &
+  launcher=$!
+  wait_for grep -q "^meet" stdout || fail "no progress line: $(cat stdout stderr)"
+  target=$launcher
+  [ "$2" = launcher ] || target=$(pgrep -P $launcher -x "$(basename "$spall")" | tail -1)
+  kill "-$1" "$target"
+  if [ "$1" = CONT ]; then
+    wait_for test -f endless/restart.h5 || fail "SIGCONT writes no restart file"
+    kill -0 "$target" || fail "SIGCONT ends a run"
+    kill -USR1 $launcher
+  fi
+  wait $launcher
+  code=$?
+  [ $code = "$3" ] || fail "SIG$1 to the $2 ends a run with $code"
+  on_ranks "$ranks" check endless/restart.h5 || fail "SIG$1 to the $2 leaves no whole restart file: $(cat stderr)"
+}
+stop_by TERM launcher 1
+stop_by HUP launcher 1
+stop_by XCPU launcher 3
+stop_by INT rank 3
+stop_by CONT rank 3
+stop_by USR2 rank 3
 on_ranks "$ranks" resume endless/restart.h5 --set "phases.meet.duration=1 s" ||
   fail "a stopped run does not go on: $(cat stderr)"
 grep -q "phase meet is over: it has run for" stdout || fail "does not say that its phase is over"

@@ -7,8 +7,11 @@
 #include <petscsys.h>
 #include <unistd.h>
 
+#include <atomic>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <new>
 #include <numeric>
 
 #include "base/kernels.hpp"
@@ -74,6 +77,33 @@ std::vector<std::vector<T>> exchange_rows(const Comm& comm,
   check_mpi(MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE),
             "MPI_Waitall");
   return incoming;
+}
+
+constexpr int exit_error = 2;
+
+void leave(int) {
+  _exit(exit_error);
+}
+
+/// Of the ranks of a node: 1 as soon as one tells an error. Null without a session.
+std::atomic<int>* has_spoken = nullptr;
+MPI_Win shared_word = MPI_WIN_NULL;
+
+void share_word() {
+  MPI_Comm node = MPI_COMM_NULL;
+  check_mpi(MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &node),
+            "MPI_Comm_split_type");
+  int rank = 0, unit = 0;
+  MPI_Comm_rank(node, &rank);
+  MPI_Aint size = rank == 0 ? sizeof(std::atomic<int>) : 0;
+  void* word = nullptr;
+  check_mpi(MPI_Win_allocate_shared(size, 1, MPI_INFO_NULL, node, &word, &shared_word),
+            "MPI_Win_allocate_shared");
+  check_mpi(MPI_Win_shared_query(shared_word, 0, &size, &unit, &word), "MPI_Win_shared_query");
+  if (rank == 0) new (word) std::atomic<int>(0);
+  check_mpi(MPI_Barrier(node), "MPI_Barrier");
+  has_spoken = static_cast<std::atomic<int>*>(word);
+  MPI_Comm_free(&node);
 }
 
 int say_nothing(const char*, const char*, bool, ...) {
@@ -163,10 +193,13 @@ Session::Session(int& argc, char**& argv) {
   setenv("OMPI_MCA_io", "romio321", 0);
   if (PetscInitialize(nullptr, nullptr, nullptr, nullptr) != 0) std::abort();
   PetscPopSignalHandler();
+  share_word();
   use_instructions(static_cast<Instructions>(world().min(static_cast<double>(instructions()))));
 }
 
 Session::~Session() {
+  has_spoken = nullptr;
+  MPI_Win_free(&shared_word);
   PetscFinalize();
 }
 
@@ -175,12 +208,17 @@ Comm Session::world() const {
 }
 
 void Session::abort_all(const std::string& message, bool knows_cause) {
-  constexpr int exit_error = 2;
   const Comm comm(MPI_COMM_WORLD);
-  // The first to speak ends the others; these seconds are long beside what ranks differ by.
+  // The first to speak ends the others, whom the launcher tells by these signals; the seconds are
+  // long beside what ranks differ by.
+  std::signal(SIGCONT, leave);
+  std::signal(SIGTERM, leave);
   const int turn = (comm.rank > 0 ? 1 : 0) + (knows_cause ? 0 : 2);
   sleep(turn);
-  if (comm.rank == 0 || comm.size == 1)
+  constexpr int longest_end = 5;
+  if (has_spoken && has_spoken->exchange(1) != 0)
+    sleep(longest_end);
+  else if (comm.rank == 0 || comm.size == 1)
     fmt::print(stderr, "spall: {}\n", message);
   else
     fmt::print(stderr, "spall: rank {}: {}\n", comm.rank, message);

@@ -15,6 +15,8 @@ namespace spall::h5 {
 
 namespace {
 
+int cause_of_failed_write = 0;  // errno, of this rank alone
+
 Handle make(hid_t id, Handle::Close close, const char* call, const std::string& name) {
   return Handle(check(id, call, name), close);
 }
@@ -109,6 +111,7 @@ void fail(const char* call, const std::string& name) {
         return 0;
       },
       &reason);
+  if (const int cause = std::exchange(cause_of_failed_write, 0)) reason = std::strerror(cause);
   // Of a failed system call HDF5 tells time, addresses and sizes, on two lines.
   const std::string before = "error message = '";
   if (const std::size_t at = reason.find(before); at != std::string::npos)
@@ -126,9 +129,12 @@ void Handle::reset() {
 /// What MPI calls where a rank cannot write; the system has told this rank why, or another one.
 void File::end_all(MPI_File*, int* code, ...) {
   const std::string& path = Shared::written;
-  if (path.empty()) return;  // of other errors HDF5 tells
   constexpr int causes[] = {ENOSPC, EDQUOT, EFBIG, EIO};
   const int cause = std::ranges::find(causes, errno) == std::end(causes) ? 0 : errno;
+  if (path.empty()) {  // HDF5 tells of these errors, but not why
+    cause_of_failed_write = cause;
+    return;
+  }
   char text[MPI_MAX_ERROR_STRING] = "";
   int length = 0;
   MPI_Error_string(*code, text, &length);

@@ -25,7 +25,8 @@ Sample sample_steps(Simulation& simulation, double seconds) {
       evaluate_field(world);
       if (simulation.settled(diagnose(world))) break;
     }
-    const int most = first ? 1 : most_steps(scene, simulation.clock(), simulation.steps_left());
+    const int most =
+        first ? 1 : most_steps(scene, simulation.clock(), simulation.steps_left(), world);
     sample.steps += simulation.advance(most, row).steps;
     sample.seconds = world.comm.max(MPI_Wtime() - start);
     if (sample.seconds > seconds) break;

@@ -60,7 +60,7 @@ class Run {
   }
 
   bool go() {
-    const SignalGuard signals;
+    SignalGuard signals;
     progress_.say(describe_phases(scene_));
     say_what_is_over();
     if (begins_phase()) begin_phase();
@@ -86,6 +86,7 @@ class Run {
   const Phase& phase() const { return simulation_->phase(); }
   const Clock& clock() const { return simulation_->clock(); }
   World& world() { return simulation_->world(); }
+  const World& world() const { return simulation_->world(); }
 
   std::vector<Column> columns() const {
     std::vector<Column> all = Record::columns();
@@ -133,8 +134,19 @@ class Run {
     }
   }
 
+  /// What a rank knows that all must act upon, the most pressing last.
+  enum class News { none, warned, stop, lost };
+
+  News news_of_ranks(const SignalGuard& signals) const {
+    News own = News::none;
+    if (signals.warned()) own = News::warned;
+    if (signals.stops()) own = News::stop;
+    if (first_lost(world().bodies) < world().bodies.owned) own = News::lost;
+    return static_cast<News>(static_cast<int>(comm_.max(static_cast<double>(own))));
+  }
+
   /// False where a signal ended it.
-  bool run_phase(const SignalGuard& signals) {
+  bool run_phase(SignalGuard& signals) {
     while (simulation_->steps_left() > 0) {
       const bool row = simulation_->synchronous() && row_due(scene_, clock());
       Diagnostics sums;
@@ -150,26 +162,27 @@ class Run {
         received = reactions_.received(world());
       }
       const Clock start = clock();
-      const StepReport report =
-          simulation_->advance(most_steps(scene_, clock(), simulation_->steps_left()), row);
+      const StepReport report = simulation_->advance(
+          most_steps(scene_, clock(), simulation_->steps_left(), world()), row);
       record_.book(report);
       shown_.residual = report.solver.residual;
       if (row) write_row(start, sums, report, received);
       if (progress_.due()) progress_.show(clock(), shown_);
       if (simulation_->synchronous()) at_instant();
-      // One reduction for both.
-      const bool lost = first_lost(world().bodies) < world().bodies.owned;
-      const double news = comm_.max(lost ? 2.0 : signals.caught() ? 1.0 : 0.0);
-      if (news == 2) end_as_lost();
+      const News news = news_of_ranks(signals);
+      if (news == News::lost) end_as_lost();
       if (keep_due(scene_, clock())) keep();
-      if (news == 1) {
-        write(restart_file());
+      if (news == News::warned) {
+        signals.forget_warning();
+        write_newest();
+      }
+      if (news == News::stop) {
+        write_newest();
         progress_.say(
             fmt::format("stopped by a signal; go on with: spall resume {}", restart_file()));
         return false;
       }
-      if (comm_.any(MPI_Wtime() - last_restart_ > scene_.output.restart_every))
-        write(restart_file());
+      if (comm_.any(MPI_Wtime() - last_restart_ > scene_.output.restart_every)) write_newest();
     }
     return true;
   }
@@ -243,7 +256,7 @@ class Run {
     const Index first = first_lost(bodies);
     const double id =
         comm_.min(first < bodies.owned ? static_cast<double>(bodies.id[first]) : infinity);
-    write(restart_file());
+    write_newest();
     throw Error(fmt::format(
         "{}: body {} has no finite place, velocity or spin any more after step {} of phase {}: the "
         "step may be too long; '{}' is the state of step {}, before",
@@ -268,6 +281,12 @@ class Run {
   void write(const std::string& file) {
     StageTimer timer(world().times, "output");
     write_restart(comm_, file, kept_);
+  }
+
+  /// Both generations would be the same where nothing was kept since.
+  void write_newest() {
+    if (restart_holds_ != kept_.clock.step) write(restart_file());
+    restart_holds_ = kept_.clock.step;
     last_restart_ = MPI_Wtime();
   }
 
@@ -342,6 +361,7 @@ class Run {
   Record record_;
   Verdict verdict_;
   RestartState kept_;
+  std::int64_t restart_holds_ = -1;  // the step of the state that this run wrote into it last
   double seconds_before_ = 0, seconds_at_start_, last_restart_;
 };
 
@@ -357,6 +377,13 @@ std::string check_case(const Comm& comm, const Case& scene, Foretold foretold) {
   if (foretold == Foretold::time_too)
     text += describe_time(simulation, sample_steps(simulation, seconds_of_sample));
   return text;
+}
+
+std::string check_restart(const Comm& comm, const std::string& file) {
+  const RestartState state = read_restart(comm, file);
+  return fmt::format("a whole restart file of {}: step {}, {} from the start, {} bodies\n",
+                     state.case_file, state.clock.step, readable_time(state.clock.time),
+                     comm.sum(std::int64_t{state.bodies.owned}));
 }
 
 bool run_case(const Comm& comm, const Case& scene, const std::string& folder, Former former) {

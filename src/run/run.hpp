@@ -19,6 +19,10 @@ enum class Foretold { memory, time_too };
 /// beginning of that run itself: its bodies are made, and the first phase begins. Collective.
 std::string check_case(const Comm& comm, const Case& scene, Foretold foretold = Foretold::memory);
 
+/// What a restart file holds, in a line, after all of it was read; throws Error where it is not
+/// whole. Collective.
+std::string check_restart(const Comm& comm, const std::string& file);
+
 /// Runs a case from its start and writes snapshots, series, restarts and results into `folder`,
 /// which is made where it is missing; one with a former run is refused unless that is to be
 /// overwritten. Returns false where a signal ended the run early, after its restart file was

@@ -8,27 +8,39 @@
 namespace spall {
 namespace {
 
-constexpr int numbers[] = {SIGINT, SIGTERM, SIGUSR1};
+constexpr int numbers[] = {SIGCONT, SIGINT, SIGTERM, SIGHUP, SIGUSR1, SIGUSR2, SIGXCPU};
 
-volatile std::sig_atomic_t signal_caught = 0;
+volatile std::sig_atomic_t stop_asked = 0, warning_given = 0;
 void catch_signal(int number) {
-  signal_caught = number;
+  (number == SIGCONT ? warning_given : stop_asked) = 1;
 }
 
 }  // namespace
 
 SignalGuard::SignalGuard() {
   static_assert(std::size(numbers) == count_);
-  signal_caught = 0;
-  for (int k = 0; k < count_; ++k) before_[k] = std::signal(numbers[k], catch_signal);
+  stop_asked = 0;
+  warning_given = 0;
+  for (int k = 0; k < count_; ++k) {
+    before_[k] = std::signal(numbers[k], catch_signal);
+    if (before_[k] == SIG_IGN) std::signal(numbers[k], SIG_IGN);
+  }
 }
 
 SignalGuard::~SignalGuard() {
   for (int k = 0; k < count_; ++k) std::signal(numbers[k], before_[k]);
 }
 
-bool SignalGuard::caught() const {
-  return signal_caught != 0;
+bool SignalGuard::stops() const {
+  return stop_asked != 0;
+}
+
+bool SignalGuard::warned() const {
+  return warning_given != 0;
+}
+
+void SignalGuard::forget_warning() {
+  warning_given = 0;
 }
 
 }  // namespace spall

@@ -4,8 +4,11 @@
 
 namespace spall {
 
-/// Catches SIGINT, SIGTERM and SIGUSR1 while it lives. mpirun hands on SIGUSR1 as it is, but kills
-/// a second after it handed on SIGINT or SIGTERM.
+/// Catches signals while it lives, but for those that are ignored, as SIGHUP under nohup.
+///
+/// SIGINT, SIGTERM, SIGHUP, SIGUSR1, SIGUSR2 and SIGXCPU ask to stop. SIGCONT is a warning: mpirun
+/// and Slurm send it first to what they are about to end. Whether the end follows is not known, for
+/// a run that was suspended is woken by it too.
 class SignalGuard {
  public:
   SignalGuard();
@@ -13,10 +16,12 @@ class SignalGuard {
   SignalGuard(const SignalGuard&) = delete;
   SignalGuard& operator=(const SignalGuard&) = delete;
 
-  bool caught() const;  ///< on this rank
+  bool stops() const;   ///< on this rank
+  bool warned() const;  ///< on this rank, since the last `forget_warning`
+  void forget_warning();
 
  private:
-  static constexpr int count_ = 3;
+  static constexpr int count_ = 7;
   void (*before_[count_])(int);
 };
 

@@ -67,14 +67,27 @@ bool keep_due(const Case& scene, const Clock& clock) {
   return clock.step % steps_a_keep(scene, clock) == 0;
 }
 
-int most_steps(const Case& scene, const Clock& clock, std::int64_t left) {
-  constexpr std::int64_t most_at_once = 100;  // signals, progress and restarts wait no longer
+namespace {
+
+/// Signals, progress and restarts wait no longer: for less than a second, where mpirun gives two.
+/// Bodies are counted, not seconds, for a case must cut its steps alike whenever it runs.
+std::int64_t most_at_once(const World& world) {
+  constexpr double steps_of_bodies = 5e5, most = 100;
+  if (world.gravity.method != GravityMethod::none) return most;  // its field is held so long
+  const double bodies_a_rank =
+      static_cast<double>(world.comm.sum(std::int64_t{world.bodies.owned})) / world.comm.size;
+  return static_cast<std::int64_t>(std::clamp(steps_of_bodies / bodies_a_rank, 1.0, most));
+}
+
+}  // namespace
+
+int most_steps(const Case& scene, const Clock& clock, std::int64_t left, const World& world) {
   const Phase& phase = scene.phases[clock.phase];
   const std::int64_t a_keep = steps_a_keep(scene, clock);
   const std::int64_t steps =
       std::min({left, steps_to_event(scene, clock, phase.step), a_keep - clock.step % a_keep});
   if (phase.engine->solves) return static_cast<int>(std::min<std::int64_t>(steps, 1 << 30));
-  return static_cast<int>(std::min({steps, most_at_once, steps_to_row(scene, clock)}));
+  return static_cast<int>(std::min({steps, most_at_once(world), steps_to_row(scene, clock)}));
 }
 
 }  // namespace spall

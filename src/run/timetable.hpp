@@ -4,6 +4,7 @@
 
 #include "output/restart.hpp"
 #include "scene/case.hpp"
+#include "state/world.hpp"
 
 namespace spall {
 
@@ -19,8 +20,8 @@ bool row_due(const Case& scene, const Clock& clock);
 /// same. It costs one search in so many steps.
 bool keep_due(const Case& scene, const Clock& clock);
 
-/// Steps that may pass before something is asked for, of `left` in the phase.
-int most_steps(const Case& scene, const Clock& clock, std::int64_t left);
+/// Steps that may pass before something is asked for, of `left` in the phase. Collective.
+int most_steps(const Case& scene, const Clock& clock, std::int64_t left, const World& world);
 
 /// Whether the last step, of `h` (s), reached a multiple of `every` (s); never where that is 0.
 bool passed_multiple(const Clock& clock, double h, double every);

@@ -5,6 +5,7 @@
 // FAULT_AT     the call that fails first, from 1; of `write` the byte
 // FAULT_RANK   the rank whose calls fail; none: every rank's
 // FAULT_ERRNO  what they fail with
+// FAULT_MARK   a file that is made when the first call fails
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
@@ -13,6 +14,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <sys/uio.h>
 #include <unistd.h>
 
@@ -40,6 +42,8 @@ static int fails(const char* call, long long amount) {
   if (rank && own && strcmp(rank, own) != 0) return 0;
   done += amount;
   if (done < atoll(getenv("FAULT_AT"))) return 0;
+  const char* mark = getenv("FAULT_MARK");
+  if (mark && access(mark, F_OK) != 0) mknod(mark, S_IFREG | 0644, 0);
   errno = atoi(getenv("FAULT_ERRNO"));
   return 1;
 }

@@ -1,11 +1,14 @@
 #!/usr/bin/env python3
-# Kills runs, and lets their writes, syncs, renames and opens fail; looks at what is left behind.
+# Kills runs, fills their disks, and lets their writes, syncs, renames and opens fail; looks at what
+# is left behind.
 # SPDX-License-Identifier: BSD-3-Clause
-"""usage: faults.py errors|kills SPALL MPIEXEC CASES WORK [--disk SO] [--count 6] [--ranks 2] [--seed 1]
+"""usage: faults.py errors|kills|disks SPALL MPIEXEC CASES WORK [--disk SO] [--count 6] [--ranks 2] [--seed 1]
 
-errors  One call of one rank fails (failing_disk.c). All ranks must be gone in time, with one message
+errors  One call of one rank fails (failing_disk.c). All ranks must be gone within 10 s, with one message
         that tells the reason where rank 0 knows it. Errors that no call met do not count.
 kills   SIGKILL to all ranks at a random time after the first restart file, in three methods in turn.
+disks   A tmpfs for each run, of sizes from nearly nothing to all that a run needs: the message says
+        that no space is left. Mounting takes root.
 
 After each a run goes on from the newest restart file, where there is one, to the results of the run
 that was left alone: bit by bit, but for the seconds that it took."""
@@ -16,7 +19,6 @@ import itertools
 import os
 import random
 import shutil
-import signal
 import subprocess
 import sys
 import time
@@ -31,6 +33,7 @@ SCENES = {
 }
 FAULTS = {"fsync": 5, "rename": 6, "open": 8}  # calls of a short run, of which one fails
 REASONS = [errno.ENOSPC, errno.EDQUOT, errno.EIO]
+MOST_SECONDS = 10  # from an error until all ranks are gone
 
 
 def physics(folder):
@@ -38,9 +41,16 @@ def physics(folder):
     return [part for part in parts if not part.startswith("[time]")]
 
 
+def changed_at(file):
+    return file.stat().st_mtime
+
+
 def newest_restart(folder):
-    files = [*folder.glob("restart*.h5"), *folder.glob("after_*.h5")]
-    return max(files, key=lambda file: file.stat().st_mtime_ns, default=None)
+    return max([*folder.glob("restart*.h5"), *folder.glob("after_*.h5")], key=changed_at, default=None)
+
+
+def files_of(folder):
+    return [file for file in folder.rglob("*") if file.is_file()]
 
 
 class Runs:
@@ -51,11 +61,11 @@ class Runs:
         shutil.rmtree(self.work, ignore_errors=True)
         self.work.mkdir(parents=True)
         self.seen, self.wrong = collections.Counter(), []
-        self.whole = {}
+        self.whole, self.gone_after = {}, []
 
     def start(self, *words, **faults):
         """A program of all ranks, in a session of its own."""
-        environment = {**os.environ, **{key: str(value) for key, value in faults.items()}}
+        environment = {**os.environ, "OMPI_MCA_mpi_yield_when_idle": "1", **{key: str(value) for key, value in faults.items()}}
         command = [self.given.mpiexec, "--oversubscribe", "-n", str(self.given.ranks), self.given.spall]
         return subprocess.Popen([*command, *map(str, words)], cwd=self.work, env=environment, text=True,
                                 stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, start_new_session=True)
@@ -66,7 +76,7 @@ class Runs:
             said = process.communicate(timeout=limit)[1]
             code = process.returncode
         except subprocess.TimeoutExpired:
-            os.killpg(process.pid, signal.SIGKILL)
+            subprocess.run(["pkill", "-KILL", "-s", str(process.pid)], check=False)
             code, said = None, process.communicate()[1]
         return code, [line for line in said.splitlines() if line.strip()]
 
@@ -90,7 +100,7 @@ class Runs:
         if restart is None:
             self.seen["without a file yet"] += 1
             return
-        code, said = self.end(self.start("resume", restart), 5 * seconds + 30)
+        code, said = self.end(self.start("resume", restart), 20 * seconds + 100)
         if code == 0 and physics(self.out) == wanted:
             self.seen["gone on"] += 1
         else:
@@ -113,29 +123,64 @@ class Runs:
             self.goes_on(method, f"{method} killed {wait:.2f} s after its first file")
 
     def error(self, draw, method):
-        wanted, seconds = self.run_whole(method)
+        self.run_whole(method)
         written = sum(file.stat().st_size for file in (self.work / ("whole-" + method)).rglob("*.h5"))
-        fault = draw.choice(["write", *FAULTS])
-        at, rank = draw.randint(1, FAULTS.get(fault, written)), draw.randrange(self.given.ranks)
+        fault = draw.choice(["write", *FAULTS])  # rank 0 alone syncs and renames, and writes most
+        rank = draw.randrange(self.given.ranks) if fault in ("write", "open") else 0
+        at = draw.randint(1, FAULTS.get(fault, written if rank == 0 else written // 6))
         reason = errno.EMFILE if fault == "open" else draw.choice(REASONS)
-        label = f"{method}: {fault} {at} of rank {rank}, {os.strerror(reason)}"
+        mark = self.work / "failed"
+        mark.unlink(missing_ok=True)
         shutil.rmtree(self.out, ignore_errors=True)
-        process = self.start(*self.words(method, "out"), "--set", "output.restart_every=50 ms",
-                             LD_PRELOAD=self.given.disk, FAULT=fault, FAULT_AT=at, FAULT_RANK=rank,
-                             FAULT_ERRNO=reason, FAULT_FOLDER=self.out)
-        code, said = self.end(process, 5 * seconds + 20)
+        self.fail(method, f"{method}: {fault} {at} of rank {rank}, {os.strerror(reason)}",
+                  os.strerror(reason) if rank == 0 else "", lambda: mark, LD_PRELOAD=self.given.disk,
+                  FAULT=fault, FAULT_AT=at, FAULT_RANK=rank, FAULT_ERRNO=reason, FAULT_FOLDER=self.out,
+                  FAULT_MARK=mark)
+
+    def disk(self, draw, method):
+        """The run goes on after the disk has grown."""
+        self.run_whole(method)
+        needs = sum(file.stat().st_size for file in files_of(self.work / ("whole-" + method)))
+        page = 4096
+        size = draw.randint(1, needs // page) * page
+        self.out.mkdir(exist_ok=True)
+        subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={size}", "spall-faults", self.out], check=True)
+        try:
+            self.fail(method, f"{method}: a disk of {size} bytes", os.strerror(errno.ENOSPC),
+                      lambda: max(files_of(self.out), key=changed_at), grown=True)
+        finally:
+            subprocess.run(["umount", self.out], check=True)
+
+    def fail(self, method, label, reason, failed, grown=False, **faults):
+        """A run that must end by itself and say the reason; the file `failed()` tells since when."""
+        wanted, seconds = self.run_whole(method)
+        process = self.start(*self.words(method, "out"), "--set", "output.restart_every=50 ms", **faults)
+        code, said = self.end(process, 20 * seconds + 100)  # machines may have more to do
+        lives = ["pgrep", "-s", str(process.pid), "-r", "D,R,S,T"]
+        deadline = time.time() + MOST_SECONDS
+        while time.time() < deadline and subprocess.run(lives, stdout=subprocess.DEVNULL, check=False).returncode == 0:
+            time.sleep(0.05)
+        now = time.time()
         if code == 0:
             self.seen["not met"] += 1
             if physics(self.out) != wanted:
                 self.wrong.append(f"{label}: nobody noticed, and the results differ")
+            return
+        if not failed().exists():
+            self.wrong.append(f"{label}: ended before any call failed: {code} {said[:2]}")
             return
         self.seen["hangs" if code is None else "ended"] += 1
         if code is None:
             self.wrong.append(f"{label}: hangs: {said[:2]}")
         elif len(said) != 1 or not said[0].startswith("spall: "):
             self.wrong.append(f"{label}: not one message: {said[:3]}")
-        elif rank == 0 and os.strerror(reason) not in said[0]:
+        elif reason not in said[0]:
             self.wrong.append(f"{label}: no reason: {said[0]}")
+        self.gone_after.append(now - changed_at(failed()))
+        if self.gone_after[-1] > MOST_SECONDS:
+            self.wrong.append(f"{label}: gone only after {self.gone_after[-1]:.1f} s")
+        if grown:
+            subprocess.run(["mount", "-o", "remount,size=1g", self.out], check=True)
         self.goes_on(method, label)
 
 
@@ -149,13 +194,15 @@ def main():
     parser.add_argument("--seed", type=int, default=1)
     given = parser.parse_args()
     runs, draw = Runs(given), random.Random(given.seed)
-    one, met = (runs.kill, ["killed"]) if given.what == "kills" else (runs.error, ["ended", "hangs"])
+    one = {"kills": runs.kill, "errors": runs.error, "disks": runs.disk}[given.what]
+    met = ["killed"] if given.what == "kills" else ["ended", "hangs"]
     for drawn, method in enumerate(itertools.cycle(SCENES)):
         if sum(runs.seen[what] for what in met) >= given.count or drawn > 10 * given.count:
             break
         one(draw, method)
     print(f"{given.what}, {given.ranks} ranks, seed {given.seed}: "
-          + ", ".join(f"{count} {what}" for what, count in sorted(runs.seen.items())))
+          + ", ".join(f"{count} {what}" for what, count in sorted(runs.seen.items()))
+          + (f"; all ranks gone after {max(runs.gone_after):.1f} s at most" if runs.gone_after else ""))
     for line in runs.wrong:
         print("FAILED:", line)
     sys.exit(bool(runs.wrong))
