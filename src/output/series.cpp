@@ -17,7 +17,7 @@
 namespace spall {
 
 Series::Series(const Comm& comm, const std::string& folder, std::vector<Column> columns,
-               std::int64_t resume_step)
+               std::int64_t resume_step, std::int64_t rows)
     : path_(folder + "/series.csv"), columns_(std::move(columns)), writes_(comm.rank == 0) {
   make_folder(comm, folder);
   std::string heading = "step,time";
@@ -31,18 +31,25 @@ Series::Series(const Comm& comm, const std::string& folder, std::vector<Column> 
       for (std::size_t k = 1; k < lines.size(); ++k) {
         require(std::ranges::count(lines[k], ',') == std::ranges::count(heading, ','),
                 "'{}': line {} is not whole: move the file away to resume", path_, k + 1);
-        if (std::strtoll(lines[k].c_str(), nullptr, 10) <= resume_step) text += lines[k] + "\n";
+        if (std::strtoll(lines[k].c_str(), nullptr, 10) > resume_step) continue;
+        text += lines[k] + "\n";
+        ++rows_;
       }
+      require(rows_ == rows,
+              "'{}' has {} rows up to step {}, but {} were written: move the file away to resume",
+              path_, rows_, resume_step, rows);
     }
     write_whole(path_, text);
     file_.open(path_, std::ios::app);
     require(file_.good(), "cannot write '{}': {}", path_, std::strerror(errno));
   });
+  rows_ = comm.sum(rows_);  // rank 0's
 }
 
 void Series::append(std::int64_t step, double time, std::span<const double> values) {
   require(values.size() == columns_.size(), "a row of {} values for {} columns", values.size(),
           columns_.size());
+  ++rows_;
   if (!writes_) return;
   std::string line = fmt::format("{},{}", step, time);
   for (double value : values) line += fmt::format(",{}", value);

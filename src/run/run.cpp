@@ -80,6 +80,8 @@ class Run {
   template <class Self, class F>
   static void for_each_scalar(Self& self, F&& f) {
     f("run.seconds", self.seconds_before_);
+    f("run.rows", self.rows_);
+    f("run.snapshots", self.snapshots_written_);
   }
 
  private:
@@ -97,10 +99,18 @@ class Run {
   bool begins_phase() const { return !simulation_->over() && clock().step_in_phase == 0; }
 
   void open_files() {
-    folder_.begin(comm_);
-    series_.emplace(comm_, folder_.path(), columns(), resumes_at_ - 1);
-    snapshots_.emplace(comm_, folder_.path(), scene_, resumes_at_);
+    if (!folder_.goes_on()) folder_.begin(comm_);
+    series_.emplace(comm_, folder_.path(), columns(), resumes_at_ - 1, rows_);
+    snapshots_.emplace(comm_, folder_.path(), scene_, snapshots_written_);
+    if (folder_.goes_on()) folder_.begin(comm_);  // nothing that it needs is lost
+    count_files();
+    save_scalars(*this, kept_.scalars);  // another folder has others than those of the state
     keep_reference(comm_, folder_.path(), scene_.reference);
+  }
+
+  void count_files() {
+    rows_ = series_->rows();
+    snapshots_written_ = snapshots_->count();
   }
 
   void begin_phase() {
@@ -255,6 +265,7 @@ class Run {
     const double now = MPI_Wtime();
     seconds_before_ += now - seconds_at_start_;
     seconds_at_start_ = now;
+    if (series_) count_files();
     RestartState state = simulation_->save();
     save_scalars(*this, state.scalars);
     save_scalars(record_, state.scalars);
@@ -342,6 +353,7 @@ class Run {
   Record record_;
   Verdict verdict_;
   RestartState kept_;
+  std::int64_t rows_ = 0, snapshots_written_ = 0;  // that the folder has of this run
   double seconds_before_ = 0, seconds_at_start_, last_restart_;
 };
 

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "engine/between.hpp"
+#include "keys/toml_text.hpp"
 #include "scene/packing.hpp"
 #include "spall/error.hpp"
 
@@ -88,10 +89,10 @@ void insert_material_files(toml::table& root, const std::string& file,
                               error.source().begin.column, error.description()));
     }
     std::ostringstream line;
-    line << "materials." << name.str() << ".solid={";
+    line << "materials." << toml_string(name.str()) << ".solid={";
     bool first = true;
     for (auto&& [key, value] : *(*material)["solid"].as_table()) {
-      line << (first ? "" : ", ") << key.str() << " = ";
+      line << (first ? "" : ", ") << toml_string(key.str()) << " = ";
       value.visit([&](const auto& v) { line << v; });
       first = false;
     }
