@@ -48,6 +48,8 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 
 /// The nearest of `names`, unless more than a third of `given` would have to change.
 std::optional<std::string> nearest(std::string_view given, const std::vector<std::string>& names) {
+  constexpr std::size_t longest = 100;
+  if (given.size() > longest) return std::nullopt;
   const auto closer = [&](const std::string& a, const std::string& b) {
     return edit_distance(given, a) < edit_distance(given, b);
   };
@@ -55,6 +57,12 @@ std::optional<std::string> nearest(std::string_view given, const std::vector<std
   if (best == names.end() || 3 * edit_distance(given, *best) > given.size() + 2)
     return std::nullopt;
   return *best;
+}
+
+/// For messages: names of thousands of signs are no help.
+std::string shortened(const std::string& name) {
+  constexpr std::size_t most = 200;
+  return name.size() <= most ? name : name.substr(0, most) + "...";
 }
 
 std::string kind_of(const Quantity& quantity) {
@@ -201,7 +209,7 @@ void Section::finish() const {
     if (std::ranges::find(known_, key.str()) != known_.end()) continue;
     const auto meant = nearest(key.str(), known_);
     throw Error(fmt::format("{}: {} is not a key here; {}", place_of(key.source()),
-                            path_of(key.str()),
+                            shortened(path_of(key.str())),
                             meant ? fmt::format("did you mean {}?", path_of(*meant))
                                   : fmt::format("the keys here are {}", fmt::join(known_, ", "))));
   }
@@ -227,6 +235,10 @@ double Section::number(std::string_view key, const toml::node& node,
     fail(key, fmt::format("= {}{}{}: {} is wanted", value, unit.empty() ? "" : " ", unit, wanted));
   };
   if (!std::isfinite(value)) bad("a finite value");
+  // Products of several numbers, such as squares of speeds, stay finite and above zero.
+  constexpr double most = 1e50, least = 1e-50;
+  if (std::abs(value) > most || (value != 0 && std::abs(value) < least))
+    bad(fmt::format("a size from {} to {}, or 0,", least, most));
   if (value > quantity.high) bad(fmt::format("{} to {}", quantity.low, quantity.high));
   if (value < quantity.low || (value == quantity.low && !quantity.low_allowed))
     bad(std::isfinite(quantity.high) ? fmt::format("{} to {}", quantity.low, quantity.high)

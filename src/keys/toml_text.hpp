@@ -1,26 +1,22 @@
-// Texts as TOML has them, for what is written back and read again.
+// TOML as text: what is read, and what is written to be read again.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <fmt/format.h>
+#include <toml++/toml.h>
 
 #include <string>
 #include <string_view>
 
 namespace spall {
 
+/// Throws toml::parse_error where it is none, and Error at a key of more than a thousand parts:
+/// each part is a table in a table, and they would fill the stack.
+toml::table parse_toml(const std::string& text, const std::string& source);
+
+/// The same of a file.
+toml::table parse_toml_file(const std::string& path);
+
 /// In quotes, with escapes: as a value or as a key.
-inline std::string toml_string(std::string_view text) {
-  std::string quoted = "\"";
-  for (char c : text) {
-    if (c == '"' || c == '\\')
-      quoted += {'\\', c};
-    else if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f)
-      quoted += fmt::format("\\u{:04x}", c);
-    else
-      quoted += c;
-  }
-  return quoted + "\"";
-}
+std::string toml_string(std::string_view text);
 
 }  // namespace spall

@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <new>
 
 #include "base/first_rank.hpp"
 #include "base/resident.hpp"
@@ -359,21 +360,50 @@ class Run {
 
 }  // namespace
 
-std::string check_case(const Comm& comm, const Case& scene, Foretold foretold) {
+namespace {
+
+/// Calls `f`. Where memory ends, an Error says how much was wanted and what `spall check`
+/// foretells.
+template <class F>
+auto within_memory(const Comm& comm, const Case& scene, F&& f) {
   const double bytes_of_program = resident_bytes();
-  const auto whole = std::make_shared<Case>(with_stored_bodies(scene));
-  Simulation simulation(comm, Scene(whole));
-  simulation.begin_phase();
-  std::string text = describe_bodies(*whole, comm.size, bytes_of_program) + describe_phases(*whole);
-  constexpr double seconds_of_sample = 2;
-  if (foretold == Foretold::time_too)
-    text += describe_time(simulation, sample_steps(simulation, seconds_of_sample));
-  return text;
+  try {
+    return f();
+  } catch (const std::bad_alloc& error) {
+    std::string foretold = "more than there is";
+    try {
+      foretold = fmt::format(
+          "{:.3g} MB a rank",
+          1e-6 * bytes_of_a_rank(scene, measure_groups(scene), comm.size, bytes_of_program));
+    } catch (const std::exception&) {  // to draw its bodies alone takes more
+    }
+    throw Error(fmt::format("{}: {}; its bodies are foretold to take {}", scene.file, error.what(),
+                            foretold));
+  }
+}
+
+}  // namespace
+
+std::string check_case(const Comm& comm, const Case& scene, Foretold foretold) {
+  const Case whole = with_stored_bodies(scene);
+  return within_memory(comm, whole, [&] {
+    const double bytes_of_program = resident_bytes();
+    Simulation simulation(comm, Scene(std::make_shared<Case>(whole)));
+    simulation.begin_phase();
+    std::string text = describe_bodies(whole, comm.size, bytes_of_program) + describe_phases(whole);
+    constexpr double seconds_of_sample = 2;
+    if (foretold == Foretold::time_too)
+      text += describe_time(simulation, sample_steps(simulation, seconds_of_sample));
+    return text;
+  });
 }
 
 bool run_case(const Comm& comm, const Case& scene, const std::string& folder, Former former) {
   const RunFolder held(comm, folder, former);
-  return Run(comm, Scene(std::make_shared<Case>(with_stored_bodies(scene))), held, nullptr).go();
+  const Case whole = with_stored_bodies(scene);
+  return within_memory(comm, whole, [&] {
+    return Run(comm, Scene(std::make_shared<Case>(whole)), held, nullptr).go();
+  });
 }
 
 bool resume_case(const Comm& comm, const std::string& file, const ResumeOptions& options) {
@@ -398,7 +428,9 @@ bool resume_case(const Comm& comm, const std::string& file, const ResumeOptions&
   const std::string folder = options.folder.empty() ? own : options.folder;
   const bool same = fs::exists(folder) && fs::equivalent(folder, own);
   const RunFolder held(comm, folder, same ? Former::go_on : options.former);
-  return Run(comm, Scene(std::make_shared<Case>(scene)), held, &state).go();
+  return within_memory(comm, scene, [&] {
+    return Run(comm, Scene(std::make_shared<Case>(scene)), held, &state).go();
+  });
 }
 
 }  // namespace spall

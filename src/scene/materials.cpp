@@ -83,7 +83,7 @@ void insert_material_files(toml::table& root, const std::string& file,
             "{}:{}: materials.{}.file: there is no file '{}'", file,
             (*material)["file"].node()->source().begin.line, name.str(), path);
     try {
-      material->insert_or_assign("solid", toml::parse_file(path));
+      material->insert_or_assign("solid", parse_toml_file(path));
     } catch (const toml::parse_error& error) {
       throw Error(fmt::format("{}:{}:{}: {}", path, error.source().begin.line,
                               error.source().begin.column, error.description()));
