@@ -177,7 +177,10 @@ void Section::fail(std::string_view key, std::string_view what) const {
 }
 
 void Section::check(std::string_view key, bool ok, std::string_view what) const {
-  if (!ok && !reference_) fail(key, what);
+  if (ok || reference_) return;
+  // What is left out has no value that could be right.
+  if (!missing_.empty()) fail(missing_.front(), "is missing");
+  fail(key, what);
 }
 
 const toml::node* Section::find(const Key& key, const std::string& kind,

@@ -166,8 +166,8 @@ File::File(Handle file, const Comm* comm, std::string path)
   if (comm) check(H5Pset_dxpl_mpio(transfer_, H5FD_MPIO_COLLECTIVE), "H5Pset_dxpl_mpio", path_);
 }
 
-File File::create(const std::string& path) {
-  return {create_any(path, nullptr, 0), nullptr, path};
+File File::create(const std::string& path, hsize_t free) {
+  return {create_any(path, nullptr, free), nullptr, path};
 }
 File File::create(const std::string& path, const Comm& comm, hsize_t free) {
   File file(create_any(path, &comm, free), &comm, path);

@@ -96,8 +96,8 @@ using Names = std::vector<std::string>;
 /// cannot write, it says so and ends all: HDF5 would leave the others waiting.
 class File {
  public:
-  static File create(const std::string& path);
   /// `free` bytes stay free before HDF5's own: 0, or a power of two from 512 on.
+  static File create(const std::string& path, hsize_t free = 0);
   static File create(const std::string& path, const Comm& comm, hsize_t free = 0);
   static File open(const std::string& path);
   static File open(const std::string& path, const Comm& comm);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "output/restart.hpp"
 
+#include <algorithm>
 #include <array>
 #include <filesystem>
 
@@ -56,7 +57,10 @@ std::string joined(const std::vector<std::string>& lines) {
 /// This rank's rows, from the number of rows on every rank that wrote.
 h5::Rows rows_to_read(const Comm& comm, const std::vector<std::int64_t>& written) {
   h5::Rows rows;
-  for (std::int64_t count : written) rows.total += count;
+  for (std::int64_t count : written) {
+    require(count >= 0, "a rank has written {} rows", count);
+    rows.total += count;
+  }
   if (static_cast<int>(written.size()) != comm.size)
     return h5::equal_rows(comm.rank, comm.size, rows.total);
   for (int r = 0; r < comm.rank; ++r) rows.begin += written[r];
@@ -77,15 +81,23 @@ std::optional<Bonds> read_bonds(const h5::File& file, const Comm& comm, Index bo
   if (!file.exists("/bonds")) return {};
   const auto counts = file.read<std::int32_t>("/bonds/count", h5::rows_in_rank_order(comm, bodies));
   Bonds bonds;
+  const bool negative = std::ranges::any_of(counts, [](std::int32_t count) { return count < 0; });
+  require(!comm.any(negative), "a body has less than no bonds");
   for (std::int32_t count : counts) bonds.start.push_back(bonds.start.back() + count);
   bonds.other = file.read<BodyId>("/bonds/other", h5::rows_in_rank_order(comm, bonds.start.back()));
   return bonds;
 }
 
+/// A small array that is the same on all ranks.
+template <class T>
+std::vector<T> read_few(const h5::File& file, const std::string& name, std::size_t count) {
+  return file.read<T>(name, {0, count, count});
+}
+
 RestartState read_state(const Comm& comm, const std::string& path) {
   check_seal(comm, path);
   const auto file = h5::File::open(path, comm);
-  const auto version = file.read<std::int32_t>("/format").at(0);
+  const auto version = read_few<std::int32_t>(file, "/format", 1)[0];
   require(version == format_version, "its format is {}, not {}", version, format_version);
   RestartState state;
   state.case_file = file.read_text("/case/file");
@@ -93,12 +105,12 @@ RestartState read_state(const Comm& comm, const std::string& path) {
   for (std::string name = override_place(0); file.exists(name);
        name = override_place(state.overrides.size()))
     state.overrides.push_back(file.read_text(name));
-  const auto count = file.read<std::int64_t>("/clock/counts");
-  const auto time = file.read<double>("/clock/times");
-  state.clock = {count.at(0), count.at(1), count.at(2), time.at(0), time.at(1), time.at(2)};
+  const auto count = read_few<std::int64_t>(file, "/clock/counts", 3);
+  const auto time = read_few<double>(file, "/clock/times", 3);
+  state.clock = {count[0], count[1], count[2], time[0], time[1], time[2]};
   const auto names = complete_lines(file.read_text("/scalars/names"));
-  const auto values = file.read<double>("/scalars/values");
-  for (std::size_t k = 0; k < names.size(); ++k) state.scalars[names[k]] = values.at(k);
+  const auto values = read_few<double>(file, "/scalars/values", names.size());
+  for (std::size_t k = 0; k < names.size(); ++k) state.scalars[names[k]] = values[k];
 
   auto rows = rows_to_read(comm, file.read<std::int64_t>("/layout/bodies"));
   state.bodies.owned = static_cast<Index>(rows.count);
