@@ -4,12 +4,11 @@
 #include <filesystem>
 #include <sstream>
 
-#include "../src/output/h5.hpp"
 #include "base/first_rank.hpp"
+#include "described_hdf5.hpp"
 #include "output/fclib.hpp"
 #include "output/files.hpp"
 #include "output/restart.hpp"
-#include "output/seal.hpp"
 #include "run/run.hpp"
 #include "testing.hpp"
 
@@ -26,23 +25,6 @@ struct Input {
   std::string message = "";  ///< how what is said begins; of a base: nothing is said
   std::int64_t line = 0;     ///< of corpus.txt
 };
-
-/// \n and \x00 as the bytes that they stand for.
-std::string bytes_of(const std::string& text) {
-  std::string bytes;
-  for (std::size_t at = 0; at < text.size(); ++at) {
-    if (text.compare(at, 2, "\\n") == 0) {
-      bytes += '\n';
-      at += 1;
-    } else if (text.compare(at, 2, "\\x") == 0) {
-      bytes += static_cast<char>(std::stoi(text.substr(at + 2, 2), nullptr, 16));
-      at += 3;
-    } else {
-      bytes += text[at];
-    }
-  }
-  return bytes;
-}
 
 /// `base` with what a line says done to it.
 Input changed(Input base, const std::string& line) {
@@ -92,68 +74,6 @@ std::vector<Input> read_corpus() {
     }
   }
   return inputs;
-}
-
-/// Of the values of one dataset.
-void write_values(const std::string& name, const std::string& type, hid_t set,
-                  const std::string& values) {
-  std::istringstream in(values);
-  std::vector<std::int64_t> whole;
-  std::vector<double> real;
-  for (std::string word; type != "text" && in >> word;)
-    type == "double" ? real.push_back(std::stod(word)) : whole.push_back(std::stoll(word));
-  const auto write = [&](hid_t memory, const void* data) {
-    h5::check(H5Dwrite(set, memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, data), "H5Dwrite", name);
-  };
-  if (type == "text") {
-    const h5::Handle stored(H5Dget_type(set), H5Tclose);
-    std::string padded = bytes_of(values);
-    padded.resize(std::max(padded.size(), H5Tget_size(stored)));
-    write(stored, padded.data());
-  } else if (type == "double" && !real.empty()) {
-    write(H5T_NATIVE_DOUBLE, real.data());
-  } else if (!whole.empty()) {
-    write(H5T_NATIVE_INT64, whole.data());
-  }
-}
-
-/// A dataset a line: "/NAME TYPE SHAPE = VALUES", with TYPE int, long, double or text, whose SHAPE
-/// is its length; "claimed" in place of values: none are stored. "sealed" stands before all.
-void write_hdf5(const std::string& path, const std::string& content) {
-  const bool sealed = content.starts_with("sealed\n");
-  h5::File file = h5::File::create(path, sealed ? seal_size : 0);
-  std::istringstream lines(content);
-  for (std::string line; std::getline(lines, line);) {
-    if (line.empty() || line == "sealed") continue;
-    std::istringstream words(line);
-    std::string name, type, shape;
-    words >> name >> type >> shape;
-    std::vector<hsize_t> size;
-    std::istringstream numbers(shape);
-    for (std::string number; std::getline(numbers, number, 'x');)
-      size.push_back(std::stoull(number));
-    h5::Handle stored(H5Tcopy(type == "text"   ? H5T_C_S1
-                              : type == "int"  ? H5T_NATIVE_INT32
-                              : type == "long" ? H5T_NATIVE_INT64
-                                               : H5T_NATIVE_DOUBLE),
-                      H5Tclose);
-    if (type == "text") {
-      H5Tset_size(stored, size[0]);
-      size.clear();
-    }
-    const h5::Handle space(H5Screate_simple(static_cast<int>(size.size()), size.data(), nullptr),
-                           H5Sclose);
-    const h5::Handle parents(H5Pcreate(H5P_LINK_CREATE), H5Pclose);
-    H5Pset_create_intermediate_group(parents, 1);
-    const h5::Handle set(h5::check(H5Dcreate2(file.id(), name.c_str(), stored, space, parents,
-                                              H5P_DEFAULT, H5P_DEFAULT),
-                                   "H5Dcreate2", name),
-                         H5Dclose);
-    const std::size_t equals = line.find(" = ");
-    if (equals != line.npos) write_values(name, type, set, line.substr(equals + 3));
-  }
-  file.close();
-  if (sealed) seal(alone(), path);
 }
 
 void write_files(const std::string& folder, const Input& input) {

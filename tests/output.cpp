@@ -568,6 +568,16 @@ TEST(Series, that_has_lost_rows_is_refused_and_left_as_it_is) {
                         path));
   EXPECT_EQ(read_whole(path), torn);
   EXPECT_EQ(Series(comm, folder, {{"energy", "J"}}, 3, 3).rows(), 3);
+  MPI_Barrier(comm.raw);
+  for (const char* line :
+       {"1,0.1,x\n", "x,0.1,2\n", "1,0.1\n", "1,0.1,2,3\n", "1,,2\n", "1,0.1,2 3\n"}) {
+    on_first_rank(comm, [&] { write_whole(path, std::string("step,time,energy\n") + line); });
+    EXPECT_EQ(complaint_of([&] {
+                Series(comm, folder, {{"energy", "J"}}, 3, 1);
+              }),
+              fmt::format("'{}': line 2 is not whole: move the file away to resume", path))
+        << line;
+  }
 }
 
 TEST(Results, toml_keeps_every_digit) {
