@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Tests that take longer than those of jobs/test.sh: more faults, on more ranks. Hours on two cores.
-# usage: long_tests.sh [COUNT]    so many kills; sixteen times as many errors
+# Tests that take longer than those of jobs/test.sh: more faults, on more ranks, and fuzzing. Hours on two cores.
+# usage: long_tests.sh [COUNT]    so many kills; sixteen times as many errors, ten times as many seconds a fuzzer
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
 
@@ -14,3 +14,4 @@ for ranks in 1 2 4; do
       --disk "$PWD/$build/tests/libfailing_disk.so" --ranks $ranks --count $((draws / 3 + 1)) --seed $ranks
   done
 done
+/usr/bin/python3 tests/fuzz/fuzz.py "$build" $((count * 10))
