@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# Tests that take longer than those of jobs/test.sh: more faults, on more ranks. Hours on two cores.
+# Tests that take longer than those of jobs/test.sh: more faults, on more ranks, and fuzzing. Hours on two cores.
 # As root also full disks: filling one takes a mount.
-# usage: long_tests.sh [COUNT [RANKS…]]    so many kills over three numbers of ranks; seventeen times as
-#                                          many errors, half as many disks; default: 60 on 1 2 4
+# usage: long_tests.sh [COUNT [RANKS…]]    so many kills over three numbers of ranks; seventeen times as many errors, half as
+#                                          many disks, ten times as many seconds a fuzzer; default: 60 on 1 2 4
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
 
@@ -22,4 +22,5 @@ for ranks in "$@"; do
       failures=$((failures + 1))
   done
 done
+/usr/bin/python3 tests/fuzz/fuzz.py "$build" $((count * 10)) || failures=$((failures + 1))
 exit $((failures > 0))

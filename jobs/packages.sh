@@ -7,6 +7,7 @@ packages=(
   openmpi-bin libopenmpi-dev libpetsc-real-dev libhdf5-openmpi-dev libmetis-dev
   libeigen3-dev libfmt-dev libcli11-dev libtomlplusplus-dev
   libgtest-dev libbenchmark-dev clang-format-14
+  clang-14 libclang-rt-14-dev
   python3 python3-h5py python3-numpy python3-matplotlib
   pybind11-dev python3-dev python3-venv python3-pip python3-mpi4py python3-pandas
 )

@@ -8,6 +8,8 @@
 #include <cstdlib>
 #include <new>
 
+#include "base/out_of_memory.hpp"
+
 #if defined(__linux__) && !defined(__SANITIZE_ADDRESS__)
 #include <malloc.h>
 #include <sys/mman.h>
@@ -25,7 +27,7 @@ void* allocate(std::size_t size, std::size_t alignment) {
   const std::size_t whole = (size + alignment - 1) / alignment * alignment;
   void* const place = alignment <= alignof(std::max_align_t) ? std::malloc(size > 0 ? size : 1)
                                                              : std::aligned_alloc(alignment, whole);
-  if (place == nullptr) throw std::bad_alloc();
+  if (place == nullptr) throw spall::OutOfMemory(size);
   if (size >= huge_page) {
     // Whole small pages inside of it. Arrays that began at a huge page would waste up to one of
     // them each, and glibc could not put the next array of that size where a former one was.

@@ -258,6 +258,31 @@ TEST(Case, a_reference_lies_beside_the_case_and_must_be_there) {
   std::filesystem::remove_all(folder);
 }
 
+TEST(Case, a_material_s_file_goes_on_with_the_case_whatever_its_name_and_texts) {
+  const std::string file = fmt::format("material_{}.toml", getpid());
+  std::ofstream(file) << "title = \"\"\"say \"6061\"\nT6\"\"\"\ndensity = \"2.7 g/cm^3\"\n";
+  const std::string text = fmt::format(R"([materials."aluminium 6061"]
+file = "{}"
+[materials."a.b = \"c\""]
+file = "{}"
+[[groups]]
+name = "ball"
+material = "aluminium 6061"
+volume = {{radius = 1}}
+[[phases]]
+name = "fly"
+step = 1
+duration = 1
+)",
+                                       file, file);
+  const Case first = parse_case(text, "x.toml");
+  std::filesystem::remove(file);
+  const Case again = parse_case(text, "x.toml", first.overrides);  // as a restart file keeps it
+  EXPECT_EQ(again.overrides, first.overrides);
+  ASSERT_EQ(again.materials.size(), 2u);
+  for (const Material& material : again.materials) EXPECT_EQ(material.density, 2700);
+}
+
 TEST(Case, phases_by_a_pair_potential_need_one_and_nothing_else) {
   const std::string bodies = R"([materials.rock]
 density = 1600

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <random>
 
 #include "../src/output/files.hpp"
 #include "../src/output/h5.hpp"
@@ -15,8 +16,10 @@
 #include "output/diagnostics.hpp"
 #include "output/restart.hpp"
 #include "output/results.hpp"
+#include "output/seal.hpp"
 #include "output/series.hpp"
 #include "output/snapshot.hpp"
+#include "output/stored_bodies.hpp"
 #include "spall/error.hpp"
 #include "testing.hpp"
 
@@ -165,7 +168,7 @@ TEST(Snapshot, a_resumed_run_goes_on_and_a_new_one_starts_over) {
     // A run killed while it wrote the next one.
     std::ofstream(folder + "/snapshots/000003.h5.unfinished") << "half a file";
   }
-  SnapshotWriter writer(comm, folder, {}, 20);  // the restart was written before step 30
+  SnapshotWriter writer(comm, folder, {}, 2);  // the restart was written before the third
   writer.write(dealt(comm, 5), 25, 25);
   if (comm.rank == 0) {
     EXPECT_EQ(times(), (std::vector<double>{10, 20, 25}));
@@ -178,6 +181,27 @@ TEST(Snapshot, a_resumed_run_goes_on_and_a_new_one_starts_over) {
     EXPECT_EQ(times().size(), 27u);
     EXPECT_EQ(times().back(), 49);
   }
+}
+
+TEST(Snapshot, that_is_lost_or_damaged_is_named_and_none_is_removed) {
+  const Comm comm = testing_world();
+  const std::string folder = fresh_folder(comm);
+  {
+    SnapshotWriter writer(comm, folder, {});
+    for (int step : {10, 20, 30, 40}) writer.write(dealt(comm, 5), step, step);
+    EXPECT_EQ(writer.count(), 4);
+  }
+  const std::string second = folder + "/snapshots/000001.h5";
+  const auto resumed = [&](std::int64_t kept) {
+    return complaint_of([&] { SnapshotWriter(comm, folder, {}, kept); });
+  };
+  on_first_rank(comm, [&] { write_whole(second, "no snapshot"); });
+  EXPECT_NE(resumed(3).find("'" + second + "'"), std::string::npos) << resumed(3);
+  on_first_rank(comm, [&] { std::filesystem::remove(second); });
+  EXPECT_TRUE(resumed(3).starts_with("'" + second + "' is lost, one of 3 snapshots"));
+  EXPECT_TRUE(std::filesystem::exists(folder + "/snapshots/000003.h5"));
+  EXPECT_EQ(resumed(1), "");
+  EXPECT_FALSE(std::filesystem::exists(folder + "/snapshots/000003.h5"));
 }
 
 TEST(Snapshot, a_map_of_gravity_lies_in_it_point_by_point) {
@@ -219,7 +243,7 @@ RestartState some_state(const Comm& comm, BodyId bodies) {
   RestartState state;
   state.case_file = "cases/some.toml";
   state.case_text = "title = \"µ\"\n";
-  state.overrides = {"step.dt=1e-4", "seed=7"};
+  state.overrides = {"step.dt=1e-4", "title=\"\"\"two\nlines\"\"\"", "seed=7"};
   state.clock = {123456789012, 2, 345, 0.1 + 0.2, 1.0 / 3, -1};
   state.scalars = {{"dissipated", 1e-300}, {"work", -0.0}, {"unknown", std::nan("")}};
   state.bodies = dealt(comm, bodies);
@@ -395,12 +419,108 @@ TEST(Restart, a_damaged_file_is_one_clear_error) {
     MPI_Barrier(comm.raw);
     return error_of(comm, path);
   };
-  EXPECT_NE(damaged(turned).find("'/bodies/position' does not match its checksum"),
-            std::string::npos);
+  EXPECT_NE(damaged(turned).find("its bytes are not those that were written"), std::string::npos);
   EXPECT_NE(damaged(whole.substr(0, whole.size() / 2)).find("not a whole restart file"),
             std::string::npos);
   EXPECT_NE(damaged("").find("not a whole restart file"), std::string::npos);
   EXPECT_NE(damaged("title = 1").find("not a whole restart file"), std::string::npos);
+}
+
+TEST(Restart, any_bit_that_is_turned_is_refused_also_as_a_packing) {
+  const Comm comm = testing_world();
+  const std::string path = fresh_folder(comm) + "/restart.h5";
+  write_restart(comm, path, some_state(comm, 64));
+  const std::string whole = read_whole(path);
+  std::mt19937_64 random(5);
+  const auto refused = [&](std::size_t bit) {
+    MPI_Barrier(comm.raw);
+    std::string turned = whole;
+    turned[bit / 8] ^= static_cast<char>(1 << bit % 8);
+    on_first_rank(comm, [&] { std::ofstream(path, std::ios::binary) << turned; });
+    Case packed;
+    packed.groups.emplace_back().packing.file = path;
+    const std::string told = complaint_of([&] { with_stored_bodies(packed); });
+    return told.find("is not a restart file") != std::string::npos &&
+           error_of(comm, path).find("is not a whole restart file") != std::string::npos;
+  };
+  for (std::size_t bit = 0; bit < 8 * seal_size; bit += 97) EXPECT_TRUE(refused(bit)) << bit;
+  for (int draw = 0; draw < 500; ++draw) {
+    const std::size_t bit = random() % (8 * whole.size());
+    EXPECT_TRUE(refused(bit)) << bit;
+  }
+}
+
+/// A file of two bodies that another program wrote, one field of which is another.
+template <class T>
+std::string complaint_about(const std::string& name, const std::vector<T>& other) {
+  const std::string path = fresh_folder(alone()) + "/others.h5";
+  h5::File file = h5::File::create(path);
+  const auto write = [&]<class U>(const std::string& field, const std::vector<U>& usual) {
+    if (field != name)
+      file.write<U>("/bodies/" + field, usual);
+    else if (!other.empty())
+      file.write<T>("/bodies/" + field, other);
+  };
+  write("id", std::vector<BodyId>{0, 1});
+  for (const char* field : {"position", "velocity", "angular_velocity"})
+    write(field, std::vector<Vec3>{Vec3::Zero(), Vec3::UnitX()});
+  for (const char* field : {"radius", "mass"}) write(field, std::vector<double>{0.1, 0.2});
+  file.close();
+  Case packed;
+  packed.groups.emplace_back().packing.file = path;
+  return complaint_of([&] { with_stored_bodies(packed); });
+}
+
+TEST(StoredBodies, of_another_program_are_checked_field_by_field) {
+  if (testing_world().rank != 0) return;
+  const double no_number = std::nan("");
+  const auto expect = [](const std::string& words, const std::string& told) {
+    EXPECT_NE(told.find(words), std::string::npos) << told << "\n  instead of\n" << words;
+  };
+  EXPECT_EQ(complaint_about<double>("", {}), "");
+  for (const char* field : {"id", "position", "velocity", "radius", "mass"})
+    expect(field, complaint_about<double>(field, {}));
+  expect("does not hold whole numbers", complaint_about<double>("id", {0, 1}));
+  expect("two bodies have the id 7", complaint_about<BodyId>("id", {7, 7}));
+  expect("2 bodies, but one of their fields has 3 rows",
+         complaint_about<double>("radius", {1, 1, 1}));
+  expect("does not hold rows of 3 values", complaint_about<double>("position", {1, 2, 3, 4}));
+  expect("2 bodies, but one of their fields has 1 rows",
+         complaint_about<Vec3>("angular_velocity", {Vec3::Zero()}));
+  expect("body 1 has the radius -1 m", complaint_about<double>("radius", {1, -1}));
+  expect("body 0 has the radius inf m", complaint_about<double>("radius", {infinity, 1}));
+  expect("body 1 has the mass nan kg", complaint_about<double>("mass", {1, no_number}));
+  expect("body 0 has the mass 0 kg", complaint_about<double>("mass", {0, 1}));
+  expect("body 1 has no finite place",
+         complaint_about<Vec3>("velocity", {Vec3::Zero(), Vec3::Constant(no_number)}));
+}
+
+TEST(File, that_claims_more_than_it_holds_is_refused) {
+  if (testing_world().rank != 0) return;
+  const std::string path = fresh_folder(alone()) + "/claims.h5";
+  {
+    // No value was written, so none is stored.
+    h5::File file = h5::File::create(path);
+    const hsize_t many = hsize_t{1} << 50;
+    const h5::Handle space(H5Screate_simple(1, &many, nullptr), H5Sclose);
+    const h5::Handle set(H5Dcreate2(file.id(), "/many", H5T_NATIVE_DOUBLE, space, H5P_DEFAULT,
+                                    H5P_DEFAULT, H5P_DEFAULT),
+                         H5Dclose);
+    const hsize_t three = 3;
+    const h5::Handle row(H5Screate_simple(1, &three, nullptr), H5Sclose);
+    const h5::Handle texts(
+        H5Dcreate2(file.id(), "/texts", H5T_C_S1, row, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+        H5Dclose);
+    file.close();
+  }
+  const auto file = h5::File::open(path);
+  EXPECT_EQ(
+      complaint_of([&] { file.read<double>("/many"); }),
+      fmt::format("'{}:/many' says that it holds 9007199254740992 bytes, but 0 are there", path));
+  EXPECT_EQ(complaint_of([&] { file.read_text("/texts"); }),
+            fmt::format("'{}:/texts' is not one text of fixed length", path));
+  EXPECT_EQ(complaint_of([&] { file.read_text("/many"); }),
+            fmt::format("'{}:/many' is not one text of fixed length", path));
 }
 
 TEST(Series, resuming_drops_rows_after_the_restart_and_a_torn_line) {
@@ -412,7 +532,7 @@ TEST(Series, resuming_drops_rows_after_the_restart_and_a_torn_line) {
   }
   if (comm.rank == 0) std::ofstream(path, std::ios::app) << "6,0.6,0.3";
   MPI_Barrier(comm.raw);
-  Series series(comm, folder, {{"energy", "J"}, {"contacts", ""}}, 3);
+  Series series(comm, folder, {{"energy", "J"}, {"contacts", ""}}, 3, 3);
   series.append(4, 0.5, std::array{-1e-300, std::nan("")});
   series.write_hdf5();
   if (comm.rank == 0) {
@@ -424,7 +544,39 @@ TEST(Series, resuming_drops_rows_after_the_restart_and_a_torn_line) {
               (std::vector<double>{1.0 / 3, 1.0 / 3, 1.0 / 3, -1e-300}));
     EXPECT_EQ(file.read<std::int64_t>("/observables/contacts/step"),
               (std::vector<std::int64_t>{1, 2, 3, 4}));
-    EXPECT_THROW(Series(Comm(MPI_COMM_SELF), folder, {{"energy", "J"}}, 3), Error);
+    EXPECT_THROW(Series(alone(), folder, {{"energy", "J"}}, 3, 3), Error);
+  }
+}
+
+TEST(Series, that_has_lost_rows_is_refused_and_left_as_it_is) {
+  const Comm comm = testing_world();
+  const std::string folder = fresh_folder(comm), path = folder + "/series.csv";
+  {
+    Series series(comm, folder, {{"energy", "J"}});
+    for (int step = 1; step <= 5; ++step) series.append(step, 0.1 * step, std::array{2.0});
+    EXPECT_EQ(series.rows(), 5);
+  }
+  MPI_Barrier(comm.raw);
+  const std::string whole = read_whole(path), torn = whole.substr(0, whole.find("\n4,") + 3);
+  MPI_Barrier(comm.raw);
+  if (comm.rank == 0) write_whole(path, torn);
+  EXPECT_EQ(complaint_of([&] {
+              Series(comm, folder, {{"energy", "J"}}, 4, 4);
+            }),
+            fmt::format("'{}' has 3 rows up to step 4, but 4 were written: move the file away to "
+                        "resume",
+                        path));
+  EXPECT_EQ(read_whole(path), torn);
+  EXPECT_EQ(Series(comm, folder, {{"energy", "J"}}, 3, 3).rows(), 3);
+  MPI_Barrier(comm.raw);
+  for (const char* line :
+       {"1,0.1,x\n", "x,0.1,2\n", "1,0.1\n", "1,0.1,2,3\n", "1,,2\n", "1,0.1,2 3\n"}) {
+    on_first_rank(comm, [&] { write_whole(path, std::string("step,time,energy\n") + line); });
+    EXPECT_EQ(complaint_of([&] {
+                Series(comm, folder, {{"energy", "J"}}, 3, 1);
+              }),
+              fmt::format("'{}': line 2 is not whole: move the file away to resume", path))
+        << line;
   }
 }
 

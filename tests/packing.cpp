@@ -256,7 +256,7 @@ struct Boulder {
 
 std::vector<Boulder> graded_boulders(const Volume& volume, double largest, const Grading& grading) {
   std::vector<Boulder> boulders;
-  place_graded(volume, largest, grading, 5, [&](const Vec3& center, double radius) {
+  place_graded(volume, largest, grading, 5, "", [&](const Vec3& center, double radius) {
     boulders.push_back({center, radius});
   });
   return boulders;

@@ -145,6 +145,17 @@ sed 's/^name = "fall"/&\nmethod = "potential"/; /^\[\[planes/d
   s/^\[penalty\]/[pair_potential]/; s/^model = .*/law = "morse"\ndepth = 1\ndistance = 0.01\nsteepness = 6\ncutoff = 0.015/
   s/"20 us"/"1 us"/; s/"80 us"/"5 us"/' lattice.toml >bound.toml
 
+# Memory that ends is told with what was wanted and what was foretold.
+write_case '0,/^volume.*/s//volume = {shape = "box", size = [1, 1, 1], center = [0, 9, 0]}\npacking = {kind = "fcc", radius = 2e-3}/' many.toml
+if ! grep -q __asan_init "$spall"; then  # it takes its own way
+  for command in "check many.toml" "run many.toml --out many"; do
+    # shellcheck disable=SC2086
+    (ulimit -v 2000000; on_ranks 1 $command) && fail "more memory than there is: exit code is 0"
+    grep -q "^spall: many.toml: out of memory: .* MB more were wanted at once; its bodies are foretold to take .* MB a rank" stderr ||
+      fail "memory that ends: $(cat stderr)"
+  done
+fi
+
 # The largest rank takes what was foretold, within a third.
 foretells_memory() {  # case
   local told peak

@@ -50,6 +50,13 @@ std::string with_group(const std::string& keys) {
   return bodies + "[[groups]]\nname = \"c\"\nmaterial = \"rock\"\n" + keys + phase;
 }
 
+/// "a.a.a..."
+std::string nested(int parts) {
+  std::string key = "a";
+  while (--parts > 0) key += ".a";
+  return key;
+}
+
 struct Refused {
   std::string text;     ///< of the case
   std::string message;  ///< from its beginning on
@@ -210,6 +217,38 @@ const std::vector<Refused> table = {
      "x.toml:22:1: phases.later: body "},
     {bodies + shaken + law + "cutoff = 3\n" + phase + by_law,
      "x.toml:17:1: phases.only: in a step = 0.001 s two bodies come 6.28 m nearer"},
+    // Numbers that are none.
+    {bodies + "[[phases]]\nname = \"only\"\nstep = 1e-300\nduration = 1\n",
+     "x.toml:13:8: phases.only.step = 1e-300 s: a size from 1e-50 to 1e+50, or 0, is wanted"},
+    {bodies + "[[phases]]\nname = \"only\"\nstep = 1e-12\nduration = \"1 h\"\n",
+     "x.toml:13:8: phases.only.step = 1e-12 s makes 3.6e+15 steps of the duration; "},
+    {bodies + "velocity = [1e160, 0, 0]\n" + phase,
+     "x.toml:11:12: groups.b.velocity = 1e+160 m/s: a size from 1e-50 to 1e+50, or 0, is wanted"},
+    {with_group("volume = {radius = \"1e308 km\"}\n"),
+     "x.toml:14:20: groups.c.volume.radius = \"1e308 km\" is beyond the numbers that are reckoned "
+     "with"},
+    {with_group("volume = {shape = \"box\", size = [1, 1, 1], center = [9, 0, 0]}\n"
+                "packing = {kind = \"fcc\", radius = \"1 nm\"}\n"),
+     "x.toml:11:1: groups.c: a lattice of 2e-09 m in its volume has about 1.3e+26 sites; at most "
+     "2147483647 can be"},
+    {with_group("volume = {radius = 1, center = [9, 0, 0]}\n"
+                "packing = {kind = \"random\", radius = \"1 um\", count = 1000000000000}\n"),
+     "x.toml:15:54: groups.c.packing.count = 1000000000000: a group has at most 2147483647"},
+    {with_group("volume = {radius = 1, center = [9, 0, 0]}\npacking = {kind = \"graded\", radius = "
+                "\"1 um\", smallest = \"1 um\", growth = 1}\n"),
+     "x.toml:11:1: groups.c: about 8.4e+16 spheres of radius 1e-06 m are wanted; at most "
+     "2147483647 can be"},
+    {bodies + "[gravity]\nmethod = \"direct\"\nmap = {size = [1, 1, 1], spacing = 1e-5}\n" + phase,
+     "x.toml:13:7: gravity.map has 1e+15 points; at most 1000000000 are written"},
+    {bodies + "[[phases]]\nname = \"..\"\nstep = 1\nduration = 1\n",
+     "x.toml:12:8: phases....name cannot be part of a file's name"},
+    {bodies + "[[phases]]\nname = \"" + std::string(101, 'n') + "\"\nstep = 1\nduration = 1\n",
+     "x.toml:12:8: phases." + std::string(101, 'n') + ".name cannot be part of a file's name"},
+    {"title = \"deep\"\n" + nested(50'000) + " = 1\n" + bodies + phase,
+     "x.toml:2: a key has more than 1000 parts"},
+    {"[" + nested(50'000) + "]\n", "x.toml:1: a key has more than 1000 parts"},
+    {"a = " + std::string(50'000, '['),
+     "x.toml:1:261: Error while parsing value: exceeded maximum"},
 };
 
 TEST(Refusals, are_those_of_check_and_of_run_alike_with_file_line_and_key) {
@@ -220,11 +259,24 @@ TEST(Refusals, are_those_of_check_and_of_run_alike_with_file_line_and_key) {
   for (const auto& [text, message] : table) {
     const std::string checked = complaint_of([&] { check_case(comm, parse_case(text, "x.toml")); });
     EXPECT_TRUE(checked.starts_with(message)) << checked << "\n  instead of\n" << message;
+    EXPECT_LT(checked.size(), 600u);
     EXPECT_EQ(complaint_of([&] { run_case(comm, parse_case(text, "x.toml"), folder); }), checked);
     comm.any(false);  // rank 0 has taken it away
     EXPECT_FALSE(std::filesystem::exists(folder)) << message << "\n  left files";
+    comm.any(false);  // rank 0 may make the next one
   }
   EXPECT_GE(table.size(), 40u);
+}
+
+TEST(Refusals, name_a_folder_whose_path_leaves_no_room_for_files) {
+  const Comm comm = testing_world();
+  std::string folder = "out";
+  while (folder.size() < 4000) folder += "/" + std::string(40, 'd');
+  const std::string told =
+      complaint_of([&] { run_case(comm, parse_case(bodies + phase, "x.toml"), folder); });
+  EXPECT_TRUE(told.starts_with("the path of the folder for results has 4021 signs, more than"))
+      << told;
+  EXPECT_FALSE(std::filesystem::exists("out"));
 }
 
 TEST(Refusals, are_not_of_what_is_modelled) {

@@ -48,6 +48,8 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 
 /// The nearest of `names`, unless more than a third of `given` would have to change.
 std::optional<std::string> nearest(std::string_view given, const std::vector<std::string>& names) {
+  constexpr std::size_t longest = 100;
+  if (given.size() > longest) return std::nullopt;
   const auto closer = [&](const std::string& a, const std::string& b) {
     return edit_distance(given, a) < edit_distance(given, b);
   };
@@ -55,6 +57,12 @@ std::optional<std::string> nearest(std::string_view given, const std::vector<std
   if (best == names.end() || 3 * edit_distance(given, *best) > given.size() + 2)
     return std::nullopt;
   return *best;
+}
+
+/// For messages: names of thousands of signs are no help.
+std::string shortened(const std::string& name) {
+  constexpr std::size_t most = 200;
+  return name.size() <= most ? name : name.substr(0, most) + "...";
 }
 
 std::string kind_of(const Quantity& quantity) {
@@ -111,9 +119,10 @@ void Section::named_tables(std::string_view key, std::string_view meaning,
   table(key, meaning, [&](Section& section) {
     if (reference_) return read(section, "");
     for (auto&& [name, node] : *section.table_) {
-      section.known_.emplace_back(name.str());
-      section.read_below(name.str(), &node, {section.path_of(name.str()), section.path_.of_keys},
-                         [&](Section& one) { read(one, std::string(name.str())); });
+      const std::string key(name.str());  // clang 14 keeps structured bindings out of lambdas
+      section.known_.push_back(key);
+      section.read_below(key, &node, {section.path_of(key), section.path_.of_keys},
+                         [&](Section& one) { read(one, key); });
     }
   });
 }
@@ -169,7 +178,10 @@ void Section::fail(std::string_view key, std::string_view what) const {
 }
 
 void Section::check(std::string_view key, bool ok, std::string_view what) const {
-  if (!ok && !reference_) fail(key, what);
+  if (ok || reference_) return;
+  // What is left out has no value that could be right.
+  if (!missing_.empty()) fail(missing_.front(), "is missing");
+  fail(key, what);
 }
 
 const toml::node* Section::find(const Key& key, const std::string& kind,
@@ -201,7 +213,7 @@ void Section::finish() const {
     if (std::ranges::find(known_, key.str()) != known_.end()) continue;
     const auto meant = nearest(key.str(), known_);
     throw Error(fmt::format("{}: {} is not a key here; {}", place_of(key.source()),
-                            path_of(key.str()),
+                            shortened(path_of(key.str())),
                             meant ? fmt::format("did you mean {}?", path_of(*meant))
                                   : fmt::format("the keys here are {}", fmt::join(known_, ", "))));
   }
@@ -227,6 +239,10 @@ double Section::number(std::string_view key, const toml::node& node,
     fail(key, fmt::format("= {}{}{}: {} is wanted", value, unit.empty() ? "" : " ", unit, wanted));
   };
   if (!std::isfinite(value)) bad("a finite value");
+  // Products of several numbers, such as squares of speeds, stay finite and above zero.
+  constexpr double most = 1e50, least = 1e-50;
+  if (std::abs(value) > most || (value != 0 && std::abs(value) < least))
+    bad(fmt::format("a size from {} to {}, or 0,", least, most));
   if (value > quantity.high) bad(fmt::format("{} to {}", quantity.low, quantity.high));
   if (value < quantity.low || (value == quantity.low && !quantity.low_allowed))
     bad(std::isfinite(quantity.high) ? fmt::format("{} to {}", quantity.low, quantity.high)

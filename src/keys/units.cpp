@@ -167,7 +167,8 @@ double parse_quantity(std::string_view text, Dimension wanted) {
   const bool has_exponent = e != number.npos && value != 0;
   const int exponent = has_exponent ? std::stoi(std::string(number.substr(e + 1))) : 0;
   const std::string decimal = fmt::format("{}e{}", number.substr(0, e), exponent + unit.exponent);
-  std::from_chars(decimal.data(), decimal.data() + decimal.size(), value);
+  const auto scaled = std::from_chars(decimal.data(), decimal.data() + decimal.size(), value);
+  require(scaled.ec == std::errc(), "\"{}\" is beyond the numbers that are reckoned with", text);
   return value * unit.factor;
 }
 

@@ -44,10 +44,11 @@ Handle access(const Comm* comm, const std::string& path) {
   return list;
 }
 
-Handle create_any(const std::string& path, const Comm* comm) {
+Handle create_any(const std::string& path, const Comm* comm, hsize_t free) {
   Handle list = access(comm, path);
-  return make(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, list), H5Fclose, "H5Fcreate",
-              path);
+  Handle how = make(H5Pcreate(H5P_FILE_CREATE), H5Pclose, "H5Pcreate", path);
+  check(H5Pset_userblock(how, free), "H5Pset_userblock", path);
+  return make(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, how, list), H5Fclose, "H5Fcreate", path);
 }
 
 Handle open_any(const std::string& path, const Comm* comm) {
@@ -98,6 +99,17 @@ void select(hid_t memory, hid_t file, const Rows& rows, bool as_frame, hsize_t w
 Handle memory_space(const Rows& rows, hsize_t width, const std::string& name) {
   const hsize_t size = std::max<hsize_t>(rows.count * width, 1);
   return make(H5Screate_simple(1, &size, nullptr), H5Sclose, "H5Screate_simple", name);
+}
+
+/// Throws Error where a dataset claims more bytes than it can have in the file: the claim alone
+/// would take all memory.
+void check_stored(hid_t set, hsize_t claimed, const std::string& name) {
+  Handle how = make(H5Dget_create_plist(set), H5Pclose, "H5Dget_create_plist", name);
+  if (claimed == 0 || H5Pget_layout(how) == H5D_VIRTUAL) return;  // its bytes are in other files
+  constexpr double most_compressed = 1032;                        // by deflate
+  const auto stored = static_cast<double>(H5Dget_storage_size(set));
+  require(static_cast<double>(claimed) <= most_compressed * stored,
+          "'{}' says that it holds {} bytes, but {:.0f} are there", name, claimed, stored);
 }
 
 }  // namespace
@@ -160,11 +172,11 @@ File::File(Handle file, const Comm* comm, std::string path)
   if (comm) check(H5Pset_dxpl_mpio(transfer_, H5FD_MPIO_COLLECTIVE), "H5Pset_dxpl_mpio", path_);
 }
 
-File File::create(const std::string& path) {
-  return {create_any(path, nullptr), nullptr, path};
+File File::create(const std::string& path, hsize_t free) {
+  return {create_any(path, nullptr, free), nullptr, path};
 }
-File File::create(const std::string& path, const Comm& comm) {
-  File file(create_any(path, &comm), &comm, path);
+File File::create(const std::string& path, const Comm& comm, hsize_t free) {
+  File file(create_any(path, &comm, free), &comm, path);
   if (comm.size > 1) Shared::written = path;
   return file;
 }
@@ -244,6 +256,11 @@ void File::write_text(const std::string& name, const std::string& text) {
 std::string File::read_text(const std::string& name) const {
   Handle set = make(H5Dopen2(file_, name.c_str(), H5P_DEFAULT), H5Dclose, "H5Dopen2", place(name));
   Handle type = make(H5Dget_type(set), H5Tclose, "H5Dget_type", place(name));
+  Handle space = make(H5Dget_space(set), H5Sclose, "H5Dget_space", place(name));
+  require(H5Tget_class(type) == H5T_STRING && H5Tis_variable_str(type) == 0 &&
+              H5Sget_simple_extent_npoints(space) == 1,
+          "'{}' is not one text of fixed length", place(name));
+  check_stored(set, H5Tget_size(type), place(name));
   std::string text(H5Tget_size(type), '\0');
   check(H5Dread(set, type, H5S_ALL, H5S_ALL, transfer_, text.data()), "H5Dread", place(name));
   text.resize(std::min(text.find('\0'), text.size()));
@@ -336,18 +353,31 @@ hsize_t File::total_rows(const std::string& name) const {
   return dimensions[0];
 }
 
-hsize_t File::total_values(const std::string& name) const {
+hsize_t File::check_values(const std::string& name, hid_t type, hsize_t width,
+                           const std::optional<Rows>& rows) const {
   Handle set = make(H5Dopen2(file_, name.c_str(), H5P_DEFAULT), H5Dclose, "H5Dopen2", place(name));
   Handle space = make(H5Dget_space(set), H5Sclose, "H5Dget_space", place(name));
-  return check(H5Sget_simple_extent_npoints(space), "H5Sget_simple_extent_npoints", place(name));
+  Handle stored = make(H5Dget_type(set), H5Tclose, "H5Dget_type", place(name));
+  const H5T_class_t kind = H5Tget_class(stored);
+  const bool whole = kind == H5T_INTEGER || kind == H5T_ENUM;
+  require(whole || (kind == H5T_FLOAT && H5Tget_class(type) == H5T_FLOAT), "'{}' does not hold {}",
+          place(name), H5Tget_class(type) == H5T_FLOAT ? "numbers" : "whole numbers");
+  const auto count = static_cast<hsize_t>(
+      check(H5Sget_simple_extent_npoints(space), "H5Sget_simple_extent_npoints", place(name)));
+  require(!rows || count == rows->total * width, "'{}' holds {} values, not {} rows of {}",
+          place(name), count, rows ? rows->total : 0, width);
+  const int rank = H5Sget_simple_extent_ndims(space);
+  std::array<hsize_t, H5S_MAX_RANK> dimensions{};
+  check(H5Sget_simple_extent_dims(space, dimensions.data(), nullptr), "H5Sget_simple_extent_dims",
+        place(name));
+  require(width == 1 || (rank > 0 && dimensions[rank - 1] == width),
+          "'{}' does not hold rows of {} values", place(name), width);
+  check_stored(set, count * H5Tget_size(stored), place(name));
+  return count;
 }
 
 void File::read_raw(const std::string& name, hid_t type, hsize_t width, void* values,
                     const std::optional<Rows>& rows) const {
-  const hsize_t stored = total_values(name);
-  require(!rows || stored == rows->total * width, "'{}' holds {} values, not {} rows of {}",
-          place(name), stored, rows ? rows->total : 0, width);
-  if (stored == 0) return;
   Handle set = make(H5Dopen2(file_, name.c_str(), H5P_DEFAULT), H5Dclose, "H5Dopen2", place(name));
   Handle space = make(H5Dget_space(set), H5Sclose, "H5Dget_space", place(name));
   Handle memory;

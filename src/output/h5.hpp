@@ -96,8 +96,9 @@ using Names = std::vector<std::string>;
 /// cannot write, it says so and ends all: HDF5 would leave the others waiting.
 class File {
  public:
-  static File create(const std::string& path);
-  static File create(const std::string& path, const Comm& comm);
+  /// `free` bytes stay free before HDF5's own: 0, or a power of two from 512 on.
+  static File create(const std::string& path, hsize_t free = 0);
+  static File create(const std::string& path, const Comm& comm, hsize_t free = 0);
   static File open(const std::string& path);
   static File open(const std::string& path, const Comm& comm);
   void close();  ///< reports what the destructor would swallow
@@ -118,6 +119,7 @@ class File {
   void link_outside(const std::string& file, const std::string& object, const std::string& name);
   /// A scalar string; the same on all ranks.
   void write_text(const std::string& name, const std::string& text);
+  /// Where the dataset holds something else than one text of fixed length, an Error.
   std::string read_text(const std::string& name) const;
 
   /// Writes this rank's rows; the dataset is (total) or (total, 3), with `as_frame` (1, total, …).
@@ -141,17 +143,21 @@ class File {
   }
   bool exists(const std::string& name) const;
   hsize_t total_rows(const std::string& name) const;
+  /// Reading throws Error where the dataset holds another kind of values, another number of them,
+  /// or fewer bytes than it says.
   template <class T>
   std::vector<T> read(const std::string& name, const Rows& rows) const {
+    check_values(name, Layout<T>::type(), Layout<T>::width, rows);
     std::vector<T> values(rows.count);
-    read_raw(name, Layout<T>::type(), Layout<T>::width, values.data(), rows);
+    if (rows.total > 0) read_raw(name, Layout<T>::type(), Layout<T>::width, values.data(), rows);
     return values;
   }
   /// All values in a row, on every rank.
   template <class T>
   std::vector<T> read(const std::string& name) const {
-    std::vector<T> values(total_values(name) / Layout<T>::width);
-    read_raw(name, Layout<T>::type(), Layout<T>::width, values.data(), {});
+    std::vector<T> values(check_values(name, Layout<T>::type(), Layout<T>::width, {}) /
+                          Layout<T>::width);
+    if (!values.empty()) read_raw(name, Layout<T>::type(), Layout<T>::width, values.data(), {});
     return values;
   }
 
@@ -182,7 +188,9 @@ class File {
                       const Names& names);
   void read_raw(const std::string& name, hid_t type, hsize_t width, void* values,
                 const std::optional<Rows>& rows) const;
-  hsize_t total_values(const std::string& name) const;
+  /// How many values there are, all of a kind and number that can be asked for.
+  hsize_t check_values(const std::string& name, hid_t type, hsize_t width,
+                       const std::optional<Rows>& rows) const;
   std::string place(const std::string& name) const { return path_ + ":" + name; }
 
   std::optional<Shared> shared_;  // outlives the handles

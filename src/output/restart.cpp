@@ -1,56 +1,34 @@
-// One HDF5 file of all ranks: rows as they are distributed, with a checksum for each dataset.
+// One HDF5 file of all ranks: rows as they are distributed, under one seal.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "output/restart.hpp"
 
+#include <algorithm>
 #include <array>
-#include <bit>
-#include <cstring>
 #include <filesystem>
 
 #include "base/first_rank.hpp"
-#include "base/hash.hpp"
 #include "output/files.hpp"
 #include "output/h5.hpp"
+#include "output/seal.hpp"
 #include "spall/error.hpp"
-#include "state/pack.hpp"
 
 namespace spall {
 
 namespace {
 
-constexpr int format_version = 4;
+constexpr int format_version = 5;
 
 std::string place_of(const FieldInfo& info) {
   return std::string("/bodies/") + info.name;
 }
 
-/// A sum over all values of their mixed bits and places: the same for any distribution of rows.
-template <class T>
-std::int64_t checksum(const Comm& comm, std::span<const T> values, const h5::Rows& rows) {
-  std::uint64_t sum = 0;
-  for (std::size_t k = 0; k < values.size(); ++k) {
-    std::uint64_t bits = mix(rows.begin + k + 1);
-    std::array<std::uint64_t, packed_width<T>> words{};
-    std::memcpy(words.data(), &values[k], sizeof(T));
-    for (std::uint64_t word : words) bits = mix(bits ^ word);
-    sum += bits;
-  }
-  return comm.sum(std::bit_cast<std::int64_t>(sum));
+std::string place_of_contacts(const char* field) {
+  return std::string("/contacts/") + field;
 }
 
-template <class T>
-void write_checked(h5::File& file, const Comm& comm, const std::string& name,
-                   const std::vector<T>& values, const h5::Rows& rows) {
-  file.write<T>(name, values, rows);
-  file.write<std::int64_t>("/checksum" + name, std::array{checksum<T>(comm, values, rows)});
-}
-
-template <class T>
-void read_checked(const h5::File& file, const Comm& comm, const std::string& name,
-                  std::vector<T>& values, const h5::Rows& rows) {
-  values = file.read<T>(name, rows);
-  require(file.read<std::int64_t>("/checksum" + name).at(0) == checksum<T>(comm, values, rows),
-          "'{}' does not match its checksum", name);
+/// One text each: they may hold any sign, also the ends of lines.
+std::string override_place(std::size_t k) {
+  return fmt::format("/case/overrides/{}", k);
 }
 
 /// `f(name, field)` for every field of the contacts.
@@ -79,7 +57,10 @@ std::string joined(const std::vector<std::string>& lines) {
 /// This rank's rows, from the number of rows on every rank that wrote.
 h5::Rows rows_to_read(const Comm& comm, const std::vector<std::int64_t>& written) {
   h5::Rows rows;
-  for (std::int64_t count : written) rows.total += count;
+  for (std::int64_t count : written) {
+    require(count >= 0, "a rank has written {} rows", count);
+    rows.total += count;
+  }
   if (static_cast<int>(written.size()) != comm.size)
     return h5::equal_rows(comm.rank, comm.size, rows.total);
   for (int r = 0; r < comm.rank; ++r) rows.begin += written[r];
@@ -91,49 +72,58 @@ h5::Rows rows_to_read(const Comm& comm, const std::vector<std::int64_t>& written
 void write_bonds(h5::File& file, const Comm& comm, const Bonds& bonds, Index bodies) {
   std::vector<std::int32_t> counts;
   for (Index b = 0; b < bodies; ++b) counts.push_back(bonds.count(b));
-  write_checked(file, comm, "/bonds/count", counts, h5::rows_in_rank_order(comm, bodies));
-  write_checked(file, comm, "/bonds/other", bonds.other,
-                h5::rows_in_rank_order(comm, std::ssize(bonds.other)));
+  file.write<std::int32_t>("/bonds/count", counts, h5::rows_in_rank_order(comm, bodies));
+  file.write<BodyId>("/bonds/other", bonds.other,
+                     h5::rows_in_rank_order(comm, std::ssize(bonds.other)));
 }
 
 std::optional<Bonds> read_bonds(const h5::File& file, const Comm& comm, Index bodies) {
   if (!file.exists("/bonds")) return {};
-  std::vector<std::int32_t> counts;
-  read_checked(file, comm, "/bonds/count", counts, h5::rows_in_rank_order(comm, bodies));
+  const auto counts = file.read<std::int32_t>("/bonds/count", h5::rows_in_rank_order(comm, bodies));
   Bonds bonds;
+  const bool negative = std::ranges::any_of(counts, [](std::int32_t count) { return count < 0; });
+  require(!comm.any(negative), "a body has less than no bonds");
   for (std::int32_t count : counts) bonds.start.push_back(bonds.start.back() + count);
-  read_checked(file, comm, "/bonds/other", bonds.other,
-               h5::rows_in_rank_order(comm, bonds.start.back()));
+  bonds.other = file.read<BodyId>("/bonds/other", h5::rows_in_rank_order(comm, bonds.start.back()));
   return bonds;
 }
 
+/// A small array that is the same on all ranks.
+template <class T>
+std::vector<T> read_few(const h5::File& file, const std::string& name, std::size_t count) {
+  return file.read<T>(name, {0, count, count});
+}
+
 RestartState read_state(const Comm& comm, const std::string& path) {
+  check_seal(comm, path);
   const auto file = h5::File::open(path, comm);
-  const auto version = file.read<std::int32_t>("/format").at(0);
+  const auto version = read_few<std::int32_t>(file, "/format", 1)[0];
   require(version == format_version, "its format is {}, not {}", version, format_version);
   RestartState state;
   state.case_file = file.read_text("/case/file");
   state.case_text = file.read_text("/case/text");
-  state.overrides = complete_lines(file.read_text("/case/overrides"));
-  const auto count = file.read<std::int64_t>("/clock/counts");
-  const auto time = file.read<double>("/clock/times");
-  state.clock = {count.at(0), count.at(1), count.at(2), time.at(0), time.at(1), time.at(2)};
+  for (std::string name = override_place(0); file.exists(name);
+       name = override_place(state.overrides.size()))
+    state.overrides.push_back(file.read_text(name));
+  const auto count = read_few<std::int64_t>(file, "/clock/counts", 3);
+  const auto time = read_few<double>(file, "/clock/times", 3);
+  state.clock = {count[0], count[1], count[2], time[0], time[1], time[2]};
   const auto names = complete_lines(file.read_text("/scalars/names"));
-  const auto values = file.read<double>("/scalars/values");
-  for (std::size_t k = 0; k < names.size(); ++k) state.scalars[names[k]] = values.at(k);
+  const auto values = read_few<double>(file, "/scalars/values", names.size());
+  for (std::size_t k = 0; k < names.size(); ++k) state.scalars[names[k]] = values[k];
 
   auto rows = rows_to_read(comm, file.read<std::int64_t>("/layout/bodies"));
   state.bodies.owned = static_cast<Index>(rows.count);
   state.bodies.fields = {};
   for (const FieldInfo& info : field_table)
     if (file.exists(place_of(info))) state.bodies.fields |= {info.field};
-  for_each_field(state.bodies, [&](const auto& info, auto& field) {
-    if (info.is(trait::restarted)) read_checked(file, comm, place_of(info), field, rows);
+  for_each_field(state.bodies, [&]<class T>(const TypedField<T>& info, auto& field) {
+    if (info.is(trait::restarted)) field = file.read<T>(place_of(info), rows);
   });
   fill_fields(state.bodies);
   rows = rows_to_read(comm, file.read<std::int64_t>("/layout/contacts"));
-  for_each_contact_field(state.contacts, [&](const std::string& name, auto& field) {
-    read_checked(file, comm, "/contacts/" + name, field, rows);
+  for_each_contact_field(state.contacts, [&]<class T>(const char* name, std::vector<T>& field) {
+    field = file.read<T>(place_of_contacts(name), rows);
   });
   state.bonds = read_bonds(file, comm, state.bodies.owned);
   return state;
@@ -148,12 +138,13 @@ double find_scalar(const Scalars& scalars, const std::string& name) {
 }
 
 void write_restart(const Comm& comm, const std::string& path, const RestartState& state) {
-  auto file = h5::File::create(unfinished(path), comm);
+  auto file = h5::File::create(unfinished(path), comm, seal_size);
   file.write<std::int32_t>("/format", std::array{format_version});
   file.write_text("/version", SPALL_VERSION);
   file.write_text("/case/file", state.case_file);
   file.write_text("/case/text", state.case_text);
-  file.write_text("/case/overrides", joined(state.overrides));
+  for (std::size_t k = 0; k < state.overrides.size(); ++k)
+    file.write_text(override_place(k), state.overrides[k]);
   file.write<std::int64_t>("/clock/counts", counts(state.clock));
   file.write<double>("/clock/times", times(state.clock));
   std::vector<std::string> names;
@@ -173,17 +164,19 @@ void write_restart(const Comm& comm, const std::string& path, const RestartState
   for_each_field(state.bodies, [&]<class T>(const TypedField<T>& info, const auto& field) {
     if (!info.is(trait::restarted)) return;
     const std::vector<T> owned(field.begin(), field.begin() + state.bodies.owned);
-    write_checked(file, comm, place_of(info), owned, rows);
+    file.write<T>(place_of(info), owned, rows);
     if (*info.unit) file.attribute(place_of(info), "unit", info.unit);
   });
   rows = layout("/layout/contacts", std::ssize(state.contacts.i));
   ContactMemory contacts = state.contacts;
   contacts.rolling.resize(contacts.size(), Vec3::Zero());
-  for_each_contact_field(contacts, [&](const std::string& name, const auto& field) {
-    write_checked(file, comm, "/contacts/" + name, field, rows);
+  for_each_contact_field(contacts, [&]<class T>(const char* name, const std::vector<T>& field) {
+    file.write<T>(place_of_contacts(name), field, rows);
   });
   if (state.bonds) write_bonds(file, comm, *state.bonds, state.bodies.owned);
   file.close();
+  check_mpi(MPI_Barrier(comm.raw), "MPI_Barrier");  // every rank has closed the file
+  seal(comm, unfinished(path));
   on_first_rank(comm, [&] {
     std::error_code none;  // a file system without links keeps one generation
     std::filesystem::remove(former_restart(path), none);

@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "base/first_rank.hpp"
+#include "keys/toml_text.hpp"
 #include "output/files.hpp"
 #include "spall/error.hpp"
 
@@ -19,19 +20,6 @@ std::string toml_number(double value) {
   std::string text = fmt::format("{}", value);
   if (text.find_first_of(".en") == std::string::npos) text += ".0";
   return text;
-}
-
-std::string toml_string(const std::string& text) {
-  std::string quoted = "\"";
-  for (char c : text) {
-    if (c == '"' || c == '\\')
-      quoted += {'\\', c};
-    else if (static_cast<unsigned char>(c) < 0x20)
-      quoted += fmt::format("\\u{:04x}", c);
-    else
-      quoted += c;
-  }
-  return quoted + "\"";
 }
 
 template <class Number>

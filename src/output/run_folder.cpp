@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cerrno>
+#include <climits>
 #include <csignal>
 #include <cstdio>
 #include <cstring>
@@ -39,6 +40,15 @@ bool has_ended(int process) {
   std::getline(file, text);
   const std::size_t at = text.rfind(") ");
   return at != std::string::npos && text[at + 2] == 'Z';
+}
+
+/// The longest name that a run adds is after_NAME.h5.unfinished, of a phase's name.
+void check_length(const std::string& folder) {
+  constexpr std::size_t most_added = 140;
+  require(fs::absolute(folder).string().size() + most_added < PATH_MAX,
+          "the path of the folder for results has {} signs, more than the system's {} leave room "
+          "for: '{}...'",
+          folder.size(), PATH_MAX, folder.substr(0, 100));
 }
 
 void lock(const std::string& folder) {
@@ -96,7 +106,9 @@ std::vector<fs::path> files_of_runs(const fs::path& folder) {
 }  // namespace
 
 RunFolder::RunFolder(const Comm& comm, const std::string& path, Former former)
-    : path_(path), former_(former), is_new_(!fs::exists(path)) {
+    : path_(path), former_(former), is_new_(false) {
+  check_length(path);
+  is_new_ = !fs::exists(path);
   make_folder(comm, path);
   on_first_rank(comm, [&] {
     if (former == Former::refuse) {

@@ -28,6 +28,7 @@ class RunFolder {
   RunFolder& operator=(const RunFolder&) = delete;
 
   const std::string& path() const { return path_; }
+  bool goes_on() const { return former_ == Former::go_on; }
 
   /// Removes what would be told of another run: its results and, where this run is no sequel, all
   /// that runs write. Files of other names stay. Collective.

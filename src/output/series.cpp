@@ -2,12 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "output/series.hpp"
 
-#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <optional>
 
 #include "base/first_rank.hpp"
 #include "output/files.hpp"
@@ -16,8 +16,31 @@
 
 namespace spall {
 
+namespace {
+
+/// A line of the file: the step, the time and the values; none where it is not whole.
+struct Row {
+  std::int64_t step = 0;
+  std::vector<double> numbers;
+};
+std::optional<Row> parse_row(const std::string& line, std::size_t columns) {
+  Row row;
+  char* at = nullptr;
+  row.step = std::strtoll(line.c_str(), &at, 10);
+  if (at == line.c_str()) return std::nullopt;
+  while (*at == ',') {
+    const char* begin = at + 1;
+    row.numbers.push_back(std::strtod(begin, &at));
+    if (at == begin) return std::nullopt;
+  }
+  const bool whole = at == line.c_str() + line.size() && row.numbers.size() == columns + 1;
+  return whole ? std::optional(std::move(row)) : std::nullopt;
+}
+
+}  // namespace
+
 Series::Series(const Comm& comm, const std::string& folder, std::vector<Column> columns,
-               std::int64_t resume_step)
+               std::int64_t resume_step, std::int64_t rows)
     : path_(folder + "/series.csv"), columns_(std::move(columns)), writes_(comm.rank == 0) {
   make_folder(comm, folder);
   std::string heading = "step,time";
@@ -29,20 +52,28 @@ Series::Series(const Comm& comm, const std::string& folder, std::vector<Column> 
       require(!lines.empty() && lines[0] == heading,
               "'{}' has other columns than this run: move it away to resume", path_);
       for (std::size_t k = 1; k < lines.size(); ++k) {
-        require(std::ranges::count(lines[k], ',') == std::ranges::count(heading, ','),
-                "'{}': line {} is not whole: move the file away to resume", path_, k + 1);
-        if (std::strtoll(lines[k].c_str(), nullptr, 10) <= resume_step) text += lines[k] + "\n";
+        const auto row = parse_row(lines[k], columns_.size());
+        require(row.has_value(), "'{}': line {} is not whole: move the file away to resume", path_,
+                k + 1);
+        if (row->step > resume_step) continue;
+        text += lines[k] + "\n";
+        ++rows_;
       }
+      require(rows_ == rows,
+              "'{}' has {} rows up to step {}, but {} were written: move the file away to resume",
+              path_, rows_, resume_step, rows);
     }
     write_whole(path_, text);
     file_.open(path_, std::ios::app);
     require(file_.good(), "cannot write '{}': {}", path_, std::strerror(errno));
   });
+  rows_ = comm.sum(rows_);  // rank 0's
 }
 
 void Series::append(std::int64_t step, double time, std::span<const double> values) {
   require(values.size() == columns_.size(), "a row of {} values for {} columns", values.size(),
           columns_.size());
+  ++rows_;
   if (!writes_) return;
   std::string line = fmt::format("{},{}", step, time);
   for (double value : values) line += fmt::format(",{}", value);
@@ -59,10 +90,11 @@ void Series::write_hdf5() const {
   std::vector<double> times;
   std::vector<std::vector<double>> values(columns_.size());
   for (std::size_t k = 1; k < lines.size(); ++k) {
-    char* at = nullptr;
-    steps.push_back(std::strtoll(lines[k].c_str(), &at, 10));
-    times.push_back(std::strtod(at + 1, &at));
-    for (auto& column : values) column.push_back(std::strtod(at + 1, &at));
+    const auto row = parse_row(lines[k], columns_.size());
+    require(row.has_value(), "'{}': line {} is not whole", path_, k + 1);
+    steps.push_back(row->step);
+    times.push_back(row->numbers[0]);
+    for (std::size_t c = 0; c < values.size(); ++c) values[c].push_back(row->numbers[c + 1]);
   }
   const std::string path = std::filesystem::path(path_).replace_extension(".h5").string();
   auto file = h5::File::create(unfinished(path));

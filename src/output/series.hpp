@@ -23,17 +23,20 @@ struct Column {
 class Series {
  public:
   /// `columns` without step and time. On resuming, rows after `resume_step` (and a torn last line)
-  /// are dropped; the columns must be the same. Collective.
+  /// are dropped; an Error where the columns differ, or another number of rows than `rows` is left:
+  /// some are lost. A file that is not there begins anew. Collective.
   Series(const Comm& comm, const std::string& folder, std::vector<Column> columns,
-         std::int64_t resume_step = -1);
+         std::int64_t resume_step = -1, std::int64_t rows = 0);
 
   void append(std::int64_t step, double time, std::span<const double> values);
   void write_hdf5() const;
+  std::int64_t rows() const { return rows_; }  ///< that the file has
 
  private:
   std::string path_;
   std::vector<Column> columns_;
   bool writes_;
+  std::int64_t rows_ = 0;
   std::ofstream file_;
 };
 

@@ -10,6 +10,7 @@
 #include <set>
 #include <type_traits>
 
+#include "base/first_rank.hpp"
 #include "output/files.hpp"
 #include "output/h5.hpp"
 #include "scene/scene.hpp"
@@ -114,8 +115,7 @@ std::string describe_output_fields() {
   return text;
 }
 
-SnapshotWriter::SnapshotWriter(Comm comm, std::string folder, const Case& scene,
-                               std::int64_t resume_step)
+SnapshotWriter::SnapshotWriter(Comm comm, std::string folder, const Case& scene, std::int64_t kept)
     : comm_(comm),
       folder_(std::move(folder)),
       case_text_(scene.text),
@@ -127,7 +127,7 @@ SnapshotWriter::SnapshotWriter(Comm comm, std::string folder, const Case& scene,
       map_(scene.gravity_map),
       fields_(fields_of(scene)) {
   make_folder(comm_, folder_ + "/snapshots");
-  find_written(resume_step);
+  find_written(kept);
 }
 
 void SnapshotWriter::write_metadata(h5::File& file) const {
@@ -150,29 +150,33 @@ void SnapshotWriter::write_metadata(h5::File& file) const {
   file.write<int>("/parameters/ranks", std::array{comm_.size});
 }
 
-void SnapshotWriter::find_written(std::int64_t resume_step) {
+void SnapshotWriter::find_written(std::int64_t kept) {
+  namespace fs = std::filesystem;
   std::vector<double> found;  // step, time, rows of each, on rank 0
-  if (comm_.rank == 0) {
-    std::set<std::filesystem::path> files;
-    for (const auto& entry : std::filesystem::directory_iterator(folder_ + "/snapshots"))
-      files.insert(entry.path());
-    bool keep = resume_step >= 0;
-    for (const auto& path : files) {
-      if (keep && path == std::filesystem::path(folder_) / snapshot_name(found.size() / 3)) {
-        const auto file = h5::File::open(path.string());
-        const auto step = file.read<std::int64_t>("/particles/all/position/step").at(0);
-        keep = step <= resume_step;
-        if (keep) {
-          found.push_back(static_cast<double>(step));
-          found.push_back(file.read<double>("/particles/all/position/time").at(0));
-          found.push_back(static_cast<double>(file.total_rows("/particles/all/radius")));
-          continue;
-        }
-      }
-      const auto extension = path.extension();
-      if (extension == ".h5" || extension == ".unfinished") std::filesystem::remove(path);
+  on_first_rank(comm_, [&] {
+    std::set<fs::path> files;
+    for (const auto& entry : fs::directory_iterator(folder_ + "/snapshots")) {
+      const auto extension = entry.path().extension();
+      if (extension == ".h5" || extension == ".unfinished") files.insert(entry.path());
     }
-  }
+    for (std::int64_t k = 0; k < kept && !files.empty(); ++k) {
+      const std::string path = folder_ + "/" + snapshot_name(k);
+      require(fs::exists(path),
+              "'{}' is lost, one of {} snapshots before the step from which the run goes on: move "
+              "the others away to resume",
+              path, kept);
+      const auto file = h5::File::open(path);
+      const auto one = [&]<class T>(T, const char* name) {
+        return file.read<T>(std::string("/particles/all/") + name, {0, 1, 1}).at(0);
+      };
+      found.push_back(static_cast<double>(one(std::int64_t{}, "position/step")));
+      found.push_back(one(double{}, "position/time"));
+      found.push_back(static_cast<double>(file.total_rows("/particles/all/radius")));
+    }
+    for (std::size_t k = 0; k < found.size() / 3; ++k)
+      files.erase(fs::path(folder_) / snapshot_name(k));
+    for (const auto& path : files) fs::remove(path);
+  });
   found = comm_.all_gather(found);  // only rank 0 has any
   for (std::size_t k = 0; k < found.size(); k += 3)
     written_.push_back({static_cast<std::int64_t>(found[k]), found[k + 1],

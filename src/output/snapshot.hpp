@@ -38,9 +38,10 @@ using FieldNames = std::array<std::vector<std::string>, field_table.size()>;
 /// end.
 class SnapshotWriter {
  public:
-  /// Removes snapshots of an earlier run in the same folder, on resuming only those that follow
-  /// `resume_step`. Collective.
-  SnapshotWriter(Comm comm, std::string folder, const Case& scene, std::int64_t resume_step = -1);
+  /// Removes snapshots of an earlier run in the same folder, on resuming only those that follow the
+  /// first `kept`: where one of these is lost or cannot be read, an Error names it, and nothing is
+  /// removed. A folder without snapshots begins anew. Collective.
+  SnapshotWriter(Comm comm, std::string folder, const Case& scene, std::int64_t kept = 0);
 
   /// Ids of the owned bodies of all ranks are 0 … N-1, in any distribution. Where the case asks for
   /// a map of gravity, the file holds it as /fields/gravity: potential and acceleration, row k at
@@ -48,6 +49,7 @@ class SnapshotWriter {
   void write(const Bodies& bodies, std::int64_t step, double time);
   /// Brings the trajectory up to the last snapshot: for the end of a run.
   void write_index();
+  std::int64_t count() const { return std::ssize(written_); }
 
  private:
   struct Written {
@@ -58,7 +60,7 @@ class SnapshotWriter {
   /// The fields of the bodies, and the temperature of those whose material has a specific heat.
   template <class F>
   void for_each_output(const Bodies& bodies, F&& f) const;
-  void find_written(std::int64_t resume_step);
+  void find_written(std::int64_t kept);
   void write_metadata(h5::File& file) const;
   void write_gravity(h5::File& file, const Bodies& bodies) const;
   void write_trajectory() const;

@@ -8,13 +8,36 @@
 #include <numeric>
 
 #include "output/h5.hpp"
+#include "output/seal.hpp"
 #include "scene/shape.hpp"
 #include "spall/error.hpp"
 
 namespace spall {
 namespace {
 
+/// What no file of bodies may hold, whoever wrote it; `id` in any order.
+void check_bodies(std::vector<BodyId> id, const std::vector<Vec3>& position,
+                  const std::vector<Vec3>& velocity, const std::vector<Vec3>& spin,
+                  const std::vector<double>& radius, const std::vector<double>& mass) {
+  require(!id.empty(), "it holds no bodies");
+  for (std::size_t rows :
+       {position.size(), velocity.size(), spin.size(), radius.size(), mass.size()})
+    require(rows == id.size(), "it has {} bodies, but one of their fields has {} rows", id.size(),
+            rows);
+  for (std::size_t row = 0; row < id.size(); ++row) {
+    require(position[row].allFinite() && velocity[row].allFinite() && spin[row].allFinite(),
+            "body {} has no finite place, velocity or spin", id[row]);
+    require(std::isfinite(radius[row]) && radius[row] > 0, "body {} has the radius {} m", id[row],
+            radius[row]);
+    require(mass[row] > 0, "body {} has the mass {} kg", id[row], mass[row]);
+  }
+  std::ranges::sort(id);
+  const auto twice = std::ranges::adjacent_find(id);
+  require(twice == id.end(), "two bodies have the id {}", twice == id.end() ? 0 : *twice);
+}
+
 std::vector<StoredBody> read_bodies(const std::string& path) {
+  if (!begins_as_hdf5(path)) check_seal(Comm(MPI_COMM_SELF), path);
   const auto file = h5::File::open(path);
   const auto id = file.read<BodyId>("/bodies/id");
   const auto position = file.read<Vec3>("/bodies/position");
@@ -22,6 +45,7 @@ std::vector<StoredBody> read_bodies(const std::string& path) {
   const auto radius = file.read<double>("/bodies/radius"), mass = file.read<double>("/bodies/mass");
   std::vector<Vec3> spin(id.size(), Vec3::Zero());
   if (file.exists("/bodies/angular_velocity")) spin = file.read<Vec3>("/bodies/angular_velocity");
+  check_bodies(id, position, velocity, spin, radius, mass);
   // Rows lie as they were distributed over ranks; ids are the same for any number of them.
   std::vector<std::size_t> order(id.size());
   std::iota(order.begin(), order.end(), 0);

@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <new>
 
 #include "base/first_rank.hpp"
 #include "base/resident.hpp"
@@ -80,6 +81,8 @@ class Run {
   template <class Self, class F>
   static void for_each_scalar(Self& self, F&& f) {
     f("run.seconds", self.seconds_before_);
+    f("run.rows", self.rows_);
+    f("run.snapshots", self.snapshots_written_);
   }
 
  private:
@@ -98,10 +101,18 @@ class Run {
   bool begins_phase() const { return !simulation_->over() && clock().step_in_phase == 0; }
 
   void open_files() {
-    folder_.begin(comm_);
-    series_.emplace(comm_, folder_.path(), columns(), resumes_at_ - 1);
-    snapshots_.emplace(comm_, folder_.path(), scene_, resumes_at_);
+    if (!folder_.goes_on()) folder_.begin(comm_);
+    series_.emplace(comm_, folder_.path(), columns(), resumes_at_ - 1, rows_);
+    snapshots_.emplace(comm_, folder_.path(), scene_, snapshots_written_);
+    if (folder_.goes_on()) folder_.begin(comm_);  // nothing that it needs is lost
+    count_files();
+    save_scalars(*this, kept_.scalars);  // another folder has others than those of the state
     keep_reference(comm_, folder_.path(), scene_.reference);
+  }
+
+  void count_files() {
+    rows_ = series_->rows();
+    snapshots_written_ = snapshots_->count();
   }
 
   void begin_phase() {
@@ -268,6 +279,7 @@ class Run {
     const double now = MPI_Wtime();
     seconds_before_ += now - seconds_at_start_;
     seconds_at_start_ = now;
+    if (series_) count_files();
     RestartState state = simulation_->save();
     save_scalars(*this, state.scalars);
     save_scalars(record_, state.scalars);
@@ -362,21 +374,49 @@ class Run {
   Verdict verdict_;
   RestartState kept_;
   std::int64_t restart_holds_ = -1;  // the step of the state that this run wrote into it last
+  std::int64_t rows_ = 0, snapshots_written_ = 0;  // that the folder has of this run
   double seconds_before_ = 0, seconds_at_start_, last_restart_;
 };
 
 }  // namespace
 
-std::string check_case(const Comm& comm, const Case& scene, Foretold foretold) {
+namespace {
+
+/// Calls `f`. Where memory ends, an Error says how much was wanted and what `spall check`
+/// foretells.
+template <class F>
+auto within_memory(const Comm& comm, const Case& scene, F&& f) {
   const double bytes_of_program = resident_bytes();
+  try {
+    return f();
+  } catch (const std::bad_alloc& error) {
+    std::string foretold = "more than there is";
+    try {
+      foretold = fmt::format(
+          "{:.3g} MB a rank",
+          1e-6 * bytes_of_a_rank(scene, measure_groups(scene), comm.size, bytes_of_program));
+    } catch (const std::exception&) {  // to draw its bodies alone takes more
+    }
+    throw Error(fmt::format("{}: {}; its bodies are foretold to take {}", scene.file, error.what(),
+                            foretold));
+  }
+}
+
+}  // namespace
+
+std::string check_case(const Comm& comm, const Case& scene, Foretold foretold) {
   const auto whole = std::make_shared<Case>(with_stored_bodies(scene));
-  Simulation simulation(comm, Scene(whole));
-  simulation.begin_phase();
-  std::string text = describe_bodies(*whole, comm.size, bytes_of_program) + describe_phases(*whole);
-  constexpr double seconds_of_sample = 2;
-  if (foretold == Foretold::time_too)
-    text += describe_time(simulation, sample_steps(simulation, seconds_of_sample));
-  return text;
+  return within_memory(comm, *whole, [&] {
+    const double bytes_of_program = resident_bytes();
+    Simulation simulation(comm, Scene(whole));
+    simulation.begin_phase();
+    std::string text =
+        describe_bodies(*whole, comm.size, bytes_of_program) + describe_phases(*whole);
+    constexpr double seconds_of_sample = 2;
+    if (foretold == Foretold::time_too)
+      text += describe_time(simulation, sample_steps(simulation, seconds_of_sample));
+    return text;
+  });
 }
 
 std::string check_restart(const Comm& comm, const std::string& file) {
@@ -388,7 +428,8 @@ std::string check_restart(const Comm& comm, const std::string& file) {
 
 bool run_case(const Comm& comm, const Case& scene, const std::string& folder, Former former) {
   const RunFolder held(comm, folder, former);
-  return Run(comm, Scene(std::make_shared<Case>(with_stored_bodies(scene))), held, nullptr).go();
+  const auto whole = std::make_shared<Case>(with_stored_bodies(scene));
+  return within_memory(comm, *whole, [&] { return Run(comm, Scene(whole), held, nullptr).go(); });
 }
 
 bool resume_case(const Comm& comm, const std::string& file, const ResumeOptions& options) {
@@ -413,7 +454,9 @@ bool resume_case(const Comm& comm, const std::string& file, const ResumeOptions&
   const std::string folder = options.folder.empty() ? own : options.folder;
   const bool same = fs::exists(folder) && fs::equivalent(folder, own);
   const RunFolder held(comm, folder, same ? Former::go_on : options.former);
-  return Run(comm, Scene(std::make_shared<Case>(scene)), held, &state).go();
+  return within_memory(comm, scene, [&] {
+    return Run(comm, Scene(std::make_shared<Case>(scene)), held, &state).go();
+  });
 }
 
 }  // namespace spall

@@ -3,6 +3,7 @@
 #include "scene/case.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
@@ -11,6 +12,7 @@
 #include <iterator>
 
 #include "keys/section.hpp"
+#include "keys/toml_text.hpp"
 #include "scene/consistency.hpp"
 #include "scene/debris.hpp"
 #include "scene/engines.hpp"
@@ -91,13 +93,22 @@ void read_engine(Section& in, Phase& phase) {
 
 void read_phase(Section& in, Phase& phase, const EngineSettings& engines) {
   in.need("name", "of files after_NAME.h5, too", phase.name);
-  in.check("name", !phase.name.empty() && phase.name.find('/') == std::string::npos,
-           "cannot be part of a file's name");
+  constexpr std::size_t longest_name = 100;
+  in.check("name",
+           !phase.name.empty() && phase.name.size() <= longest_name && phase.name[0] != '.' &&
+               std::ranges::none_of(phase.name, [](char c) { return c == '/' || std::iscntrl(c); }),
+           fmt::format("cannot be part of a file's name: no / or sign without a picture, no dot "
+                       "at its beginning, and {} signs at most are wanted",
+                       longest_name));
   phase.place = in.place();
   read_engine(in, phase);
   in.need("step", "", phase.step, positive(time));
   in.need("duration", "with until = \"settled\" the longest", phase.duration, positive(time));
   in.check("step", phase.step <= phase.duration, "is longer than the duration");
+  constexpr double most_steps = 1e15;  // that a double counts exactly, and a time tells apart
+  in.check("step", phase.duration <= most_steps * phase.step,
+           fmt::format("= {} s makes {:.3g} steps of the duration; {} can be counted", phase.step,
+                       phase.duration / phase.step, most_steps));
   in.take("until", "", phase.until, ends);
   if (in.reads(phase.until == PhaseEnd::settled))
     in.need("settled_speed", "rms speed below which bodies are settled", phase.settled_speed,
@@ -123,7 +134,13 @@ std::optional<Grid> read_gravity_map(Section& in) {
     s.check("spacing", size.maxCoeff() <= 1e5 * spacing, "is less than a 1e5th of size");
   };
   if (!in.table("map", "gravity's field on a grid of points, in each snapshot", read)) return {};
-  return Grid::in_box(center, size, spacing);
+  if (spacing == 0) return {};  // while the reference is written
+  const Grid grid = Grid::in_box(center, size, spacing);
+  constexpr double most_points = 1e9;  // 32 GB a snapshot
+  in.check(
+      "map", static_cast<double>(grid.total()) <= most_points,
+      fmt::format("has {:.3g} points; at most {} are written", double(grid.total()), most_points));
+  return grid;
 }
 
 void read_case_keys(Section& in, Case& scene) {
@@ -282,11 +299,11 @@ toml::table parse_override(const std::string& text) {
   const std::size_t equals = text.find('=');
   require(equals != text.npos && equals > 0, "{}: key.path=value is wanted", option);
   try {
-    return toml::parse(text, option);
+    return parse_toml(text, option);
   } catch (const toml::parse_error&) {
     try {
-      return toml::parse(fmt::format("{}='{}'", text.substr(0, equals), text.substr(equals + 1)),
-                         option);
+      return parse_toml(fmt::format("{}='{}'", text.substr(0, equals), text.substr(equals + 1)),
+                        option);
     } catch (const toml::parse_error& error) {
       throw Error(fmt::format("{}: {}", option, error.description()));
     }
@@ -308,7 +325,7 @@ Case parse_case(const std::string& text, const std::string& file,
                 const std::vector<std::string>& overrides, Groups groups) {
   toml::table root;
   try {
-    root = toml::parse(text, file);
+    root = parse_toml(text, file);
   } catch (const toml::parse_error& error) {
     throw Error(fmt::format("{}:{}:{}: {}", file, error.source().begin.line,
                             error.source().begin.column, error.description()));

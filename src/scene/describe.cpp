@@ -56,23 +56,29 @@ std::string describe_phase(const Phase& phase, double start) {
 
 }  // namespace
 
+double bytes_of_a_rank(const Case& scene, const std::vector<GroupContent>& contents, int ranks,
+                       double bytes_of_program) {
+  double bytes = 0;  // of bodies
+  for (std::size_t g = 0; g < contents.size(); ++g)
+    bytes += bytes_of(scene, scene.groups[g], contents[g]);
+  // Libraries take more once they are used: measured beside 36 MB at the start.
+  constexpr double bytes_of_use = 6e6;
+  return bytes_of_program + bytes_of_use + bytes / ranks;
+}
+
 std::string describe_bodies(const Case& scene, int ranks, double bytes_of_program) {
   std::string text = fmt::format("{}\n\n", scene.title.empty() ? scene.file : scene.title);
   text += fmt::format("  {:<16}{:>10}{:>14}{:>14}{:>14}{:>10}\n", "group", "bodies", "radius (m)",
                       "mean (kg)", "all (kg)", "filled");
   const std::vector<GroupContent> contents = measure_groups(scene);
   std::int64_t all = 0;
-  double bytes = 0;  // of bodies
   for (std::size_t g = 0; g < contents.size(); ++g) {
-    bytes += bytes_of(scene, scene.groups[g], contents[g]);
     text += describe_group(scene.groups[g], contents[g]);
     all += contents[g].count;
   }
-  // Libraries take more once they are used: measured beside 36 MB at the start.
-  constexpr double bytes_of_use = 6e6;
-  const double of_a_rank = bytes_of_program + bytes_of_use + bytes / ranks;
   return text + fmt::format("\n  {} bodies, at most about {:.3g} MB a rank on {} rank{}\n", all,
-                            1e-6 * of_a_rank, ranks, ranks == 1 ? "" : "s");
+                            1e-6 * bytes_of_a_rank(scene, contents, ranks, bytes_of_program), ranks,
+                            ranks == 1 ? "" : "s");
 }
 
 std::string describe_phases(const Case& scene) {

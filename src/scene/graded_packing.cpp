@@ -6,6 +6,7 @@
 #include "base/random.hpp"
 #include "scene/packing.hpp"
 #include "scene/shape.hpp"
+#include "spall/error.hpp"
 
 namespace spall {
 namespace {
@@ -57,7 +58,7 @@ void read(Section& in, Packing& packing) {
 
 void place(const PackingRequest& request) {
   place_graded(request.volume, request.packing.radius,
-               std::any_cast<const Grading&>(request.packing.own), request.seed,
+               std::any_cast<const Grading&>(request.packing.own), request.seed, request.place,
                [&](const Vec3& center, double radius) {
                  request.put({.center = center, .radius = radius});
                });
@@ -69,6 +70,7 @@ extern const PackingType graded_packing;
 const PackingType graded_packing{.name = "graded", .read = read, .place = place};
 
 void place_graded(const Volume& volume, double largest, const Grading& grading, std::uint64_t seed,
+                  std::string_view asked_at,
                   const std::function<void(const Vec3&, double)>& place) {
   const Wanted wanted(grading, largest);
   const Vec3 half = half_widths(volume), site = grading.site;
@@ -97,7 +99,13 @@ void place_graded(const Volume& volume, double largest, const Grading& grading, 
       mean += fill / samples;
       highest = std::max(highest, fill);
     }
-    auto missing = static_cast<std::int64_t>(std::llround(mean * room.prod() / ball_volume(r)));
+    const double wanted_here = mean * room.prod() / ball_volume(r);
+    require(
+        wanted_here <= most_spheres,
+        "{}: about {:.2g} spheres of radius {:.3g} m are wanted; at most {:.0f} can be: enlarge "
+        "packing.smallest",
+        asked_at, wanted_here, r, most_spheres);
+    auto missing = static_cast<std::int64_t>(std::llround(wanted_here));
     constexpr std::int64_t most_tries_in_vain = 100'000;
     for (std::int64_t in_vain = 0; missing > 0 && in_vain < most_tries_in_vain; ++in_vain) {
       const Vec3 center = draw();

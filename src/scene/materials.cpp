@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "engine/between.hpp"
+#include "keys/toml_text.hpp"
 #include "scene/packing.hpp"
 #include "spall/error.hpp"
 
@@ -82,16 +83,16 @@ void insert_material_files(toml::table& root, const std::string& file,
             "{}:{}: materials.{}.file: there is no file '{}'", file,
             (*material)["file"].node()->source().begin.line, name.str(), path);
     try {
-      material->insert_or_assign("solid", toml::parse_file(path));
+      material->insert_or_assign("solid", parse_toml_file(path));
     } catch (const toml::parse_error& error) {
       throw Error(fmt::format("{}:{}:{}: {}", path, error.source().begin.line,
                               error.source().begin.column, error.description()));
     }
     std::ostringstream line;
-    line << "materials." << name.str() << ".solid={";
+    line << "materials." << toml_string(name.str()) << ".solid={";
     bool first = true;
     for (auto&& [key, value] : *(*material)["solid"].as_table()) {
-      line << (first ? "" : ", ") << key.str() << " = ";
+      line << (first ? "" : ", ") << toml_string(key.str()) << " = ";
       value.visit([&](const auto& v) { line << v; });
       first = false;
     }

@@ -55,6 +55,8 @@ void place_single(const PackingRequest& request) {
 void read_random(Section& in, Packing& packing) {
   std::int64_t count = 0;
   in.need("count", "of random: spheres wholly inside the volume", count, 1);
+  in.check("count", static_cast<double>(count) <= most_spheres,
+           fmt::format("= {}: a group has at most {:.0f} spheres", count, most_spheres));
   packing.count = count;
   for (const char* one : {"radius", "diameter"})
     in.check(one, !in.has(one) || !in.has("sizes"), "is given beside sizes: give one of them");
@@ -121,6 +123,12 @@ Lattice close_packed(const Packing& packing) {
 
 template <LatticeKind kind>
 void place_sites(const PackingRequest& request) {
+  const Vec3 sides = 2 * half_widths(request.volume) / spacing_of(request.packing);
+  const double sites = (sides.array() + 1).prod();
+  require(sites <= most_spheres,
+          "{}: a lattice of {} m in its volume has about {:.2g} sites; at most {:.0f} can be: "
+          "enlarge the spheres",
+          request.place, spacing_of(request.packing), sites, most_spheres);
   place_lattice(kind, request.volume, request.packing, [&](const Vec3& center) {
     request.put({.center = center, .radius = request.packing.radius});
   });
@@ -205,7 +213,10 @@ SphereGrid::SphereGrid(const Vec3& center, const Vec3& half, double radius, std:
   // Not smaller than a sphere, nor so small that most cells of a thin cloud are empty.
   const double volume = 8 * half.prod();
   cell_ = std::max(2 * radius, std::cbrt(volume / (2.0 * static_cast<double>(expected))));
-  cells_ = (2 * half / cell_).array().floor().cast<int>() + 1;
+  // A volume that is far longer than wide would have more of them than spheres.
+  const auto cells = [&]() -> Eigen::Array3d { return (2 * half / cell_).array().floor() + 1; };
+  while (cells().prod() > 1000 + 8 * static_cast<double>(expected)) cell_ *= 2;
+  cells_ = cells().cast<int>();
   first_.assign(static_cast<std::size_t>(cells_.cast<std::int64_t>().prod()), -1);
 }
 

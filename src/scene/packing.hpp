@@ -82,6 +82,9 @@ class SphereGrid {
   std::vector<Vec3> centers_;
 };
 
+/// Spheres of a group, at most: they are numbered by 32 bits while they are placed.
+inline constexpr double most_spheres = 2147483647;
+
 /// The lattice of a packing's spheres; a sphere's cell where the packing is none is the sphere.
 Lattice lattice_of(const Packing& packing);
 
@@ -171,8 +174,9 @@ struct Grading {
 
 /// Boulders as `grading` wants them, up to the radius `largest` (m), wholly inside the volume and
 /// clear of each other: added at random from the largest size down, so that small ones find the
-/// gaps. The same on every machine.
+/// gaps. The same on every machine. An Error, which begins with `asked_at`, where they are too
+/// many.
 void place_graded(const Volume& volume, double largest, const Grading& grading, std::uint64_t seed,
-                  const std::function<void(const Vec3&, double)>& place);
+                  std::string_view asked_at, const std::function<void(const Vec3&, double)>& place);
 
 }  // namespace spall

@@ -45,6 +45,10 @@ inline std::int32_t group_of_spheres(const Case& scene) {
 /// Every rank runs through the whole recipe, so nothing is sent.
 Bodies make_bodies(const Case& scene, const Comm& comm);
 
+/// Bytes that a rank of so many needs at most, on top of what the program takes before it has
+/// bodies.
+double bytes_of_a_rank(const Case& scene, const std::vector<GroupContent>& contents, int ranks,
+                       double bytes_of_program);
 /// What a case will make: bodies, masses, packings, and the memory that a rank of so many needs,
 /// on top of what the program takes before it has bodies.
 std::string describe_bodies(const Case& scene, int ranks, double bytes_of_program);

@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <map>
 #include <numeric>
@@ -47,12 +48,14 @@ SurfaceMesh::SurfaceMesh(std::vector<Vec3> vertices, std::vector<Triangle> trian
     measure();
   }
   weigh_normals(name);
+  require(volume_ > 0, "{}: the surface encloses no volume", name);
   order_.resize(triangles_.size());
   std::iota(order_.begin(), order_.end(), 0);
   build(0, static_cast<std::int32_t>(order_.size()));
 }
 
 SurfaceMesh SurfaceMesh::read_obj(const std::string& file, double unit) {
+  require(std::filesystem::is_regular_file(file), "there is no file '{}'", file);
   std::ifstream in(file);
   require(in.good(), "{}: cannot be opened", file);
   std::vector<Vec3> vertices;
@@ -66,8 +69,9 @@ SurfaceMesh SurfaceMesh::read_obj(const std::string& file, double unit) {
     if (kind == "v") {
       Vec3 vertex;
       words_of_line >> vertex.x() >> vertex.y() >> vertex.z();
-      require(!words_of_line.fail() && vertex.allFinite(), "{}: three coordinates are wanted",
-              place());
+      constexpr double most = 1e50;  // as of the numbers of a case
+      require(!words_of_line.fail() && vertex.cwiseAbs().maxCoeff() <= most,
+              "{}: three coordinates up to {} are wanted", place(), most);
       vertices.push_back(unit * vertex);
     } else if (kind == "f") {
       std::vector<std::int32_t> corners;

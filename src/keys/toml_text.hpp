@@ -1,0 +1,22 @@
+// TOML as text: what is read, and what is written to be read again.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <toml++/toml.h>
+
+#include <string>
+#include <string_view>
+
+namespace spall {
+
+/// Throws toml::parse_error where it is none, and Error at a key of more than a thousand parts:
+/// each part is a table in a table, and they would fill the stack.
+toml::table parse_toml(const std::string& text, const std::string& source);
+
+/// The same of a file.
+toml::table parse_toml_file(const std::string& path);
+
+/// In quotes, with escapes: as a value or as a key.
+std::string toml_string(std::string_view text);
+
+}  // namespace spall
