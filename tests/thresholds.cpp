@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cmath>
 
+#include "analysis/clumps.hpp"
 #include "analysis/deflection.hpp"
 #include "contact_problems.hpp"
 #include "pair_potentials.hpp"
@@ -137,6 +138,21 @@ TEST(Threshold, longest_step_of_pairs_is_set_by_their_stiffness_or_by_their_damp
     const double speed = 0.1 * p.distance / h;  // a tenth of the distance, flown in a step
     EXPECT_EQ(complaint_of([&] { check_step(p, h * 0.999, m, speed, "here"); }), "");
     EXPECT_NE(complaint_of([&] { check_step(p, h * 0.999, m, 1.002 * speed, "here"); }), "");
+  }
+}
+
+TEST(Threshold, what_is_slower_than_the_escape_speed_is_bound_wherever_the_clump_is) {
+  Clump clump{.mass = 1e9, .velocity = {0, 3, 0}};
+  const double mass = 2e8, distance = 50, constant = 6.7e-11;
+  const double escape = std::sqrt(2 * constant * (clump.mass + mass) / distance);
+  for (double away : {0.0, 400.0}) {
+    clump.position = {away, -2 * away, 0};
+    const Vec3 place = clump.position + Vec3(0, 0, distance);
+    const auto bound = [&](double share) {
+      return is_bound(place, clump.velocity + Vec3(share * escape, 0, 0), mass, clump, constant);
+    };
+    EXPECT_TRUE(bound(0.999));
+    EXPECT_FALSE(bound(1.001));
   }
 }
 
