@@ -119,10 +119,10 @@ void Section::named_tables(std::string_view key, std::string_view meaning,
   table(key, meaning, [&](Section& section) {
     if (reference_) return read(section, "");
     for (auto&& [name, node] : *section.table_) {
-      const std::string key(name.str());  // clang 14 keeps structured bindings out of lambdas
-      section.known_.push_back(key);
-      section.read_below(key, &node, {section.path_of(key), section.path_.of_keys},
-                         [&](Section& one) { read(one, key); });
+      const std::string own(name.str());  // clang 14 keeps structured bindings out of lambdas
+      section.known_.push_back(own);
+      section.read_below(own, &node, {section.path_of(own), section.path_.of_keys},
+                         [&](Section& one) { read(one, own); });
     }
   });
 }
