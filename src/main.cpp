@@ -153,13 +153,10 @@ int dispatch(const Comm& comm, int argc, char** argv) {
                    "default: coulomb; apgd and bb need convex")
       ->transform(choice_of(friction_models));
   solve->add_option("--tol", options.solver.tolerance, "on E, the residual relative to no impulses")
-      ->check(CLI::PositiveNumber)
       ->capture_default_str();
   solve->add_option("--max-products", options.solver.max_products, "with the Delassus operator")
-      ->check(CLI::PositiveNumber)
       ->capture_default_str();
   solve->add_option("--prox", options.solver.prox, "eps of the proximal problem; 0: none")
-      ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   solve->add_flag("--evaluate", options.evaluate, "solve nothing: E of the file's own /solution/r");
   auto* list = app.add_subcommand("list", "list the cases under ./cases");
@@ -182,6 +179,10 @@ int dispatch(const Comm& comm, int argc, char** argv) {
     return resume_case(comm, options.file, how) ? 0 : exit_interrupted;
   }
   if (*solve) {
+    const SolverSettings& how = options.solver;
+    require(how.tolerance > 0, "--tol = {}: more than 0 is wanted", how.tolerance);
+    require(how.max_products > 0, "--max-products = {}: more than 0 is wanted", how.max_products);
+    require(how.prox >= 0, "--prox = {}: 0 or more is wanted", how.prox);
     solve_file(comm, options.file, options.solver, options.evaluate);
     return 0;
   }

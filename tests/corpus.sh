@@ -21,7 +21,7 @@ refuses() {  # message; arguments of the program
   local message=$1 code
   shift
   count=$((count + 1))
-  timeout -k 2 30 "$mpiexec" --oversubscribe -n "$ranks" "$spall" "$@" >"$work/stdout" 2>"$work/stderr"
+  timeout -k 2 30 "$mpiexec" --oversubscribe -n "$ranks" "$spall" "$@" </dev/null >"$work/stdout" 2>"$work/stderr"
   code=$?
   [ $code -ne 0 ] || fail "$*: exit code is 0"
   [ $code -ne 124 ] && [ $code -ne 137 ] || fail "$*: hangs"
@@ -57,8 +57,10 @@ solve|problem is required
 solve gone.h5|spall: H5Fopen of 'gone.h5' failed
 solve x.toml|spall: H5Fopen of 'x.toml' failed: file signature not found
 solve x.toml --tol little|Could not convert: --tol = little
-solve x.toml --tol -1|--tol: Number less or equal to 0
-solve x.toml --max-products 0|--max-products: Number less or equal to 0
+solve x.toml --tol -1|spall: --tol = -1: more than 0 is wanted
+solve x.toml --tol nan|spall: --tol = nan: more than 0 is wanted
+solve x.toml --prox -1|spall: --prox = -1: 0 or more is wanted
+solve x.toml --max-products 0|spall: --max-products = 0: more than 0 is wanted
 solve x.toml --method newton|--method: Check newton value
 report gone|spall report: 'gone/trajectory.h5' is missing
 list|spall: there is no folder 'cases' here
@@ -66,4 +68,5 @@ keys now|The following argument was not expected: now
 END
 
 echo "$count broken inputs, $failures not as they should be"
+[ $count -ge 50 ] || exit 1  # mpirun reads what is left of a list that it is given
 exit $((failures > 0))
