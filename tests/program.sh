@@ -306,7 +306,6 @@ stop_by() {  # signal, "launcher" or "rank", exit code
   on_ranks "$ranks" check endless/restart.h5 || fail "SIG$1 to the $2 leaves no whole restart file: $(cat stderr)"
 }
 stop_by TERM launcher 1
-stop_by HUP launcher 1
 stop_by XCPU launcher 3
 stop_by INT rank 3
 stop_by CONT rank 3
