@@ -3,7 +3,6 @@
 #include "domain/halo.hpp"
 
 #include <algorithm>
-#include <array>
 
 #include "base/morton.hpp"
 #include "base/sort_by_key.hpp"
@@ -70,6 +69,8 @@ RoundBox ball(const Bodies& bodies, std::span<const double> reach, Index b) {
 /// and are wrapped: the order in memory is no such curve for long.
 std::vector<Index> along_curve(const Bodies& bodies, double edge) {
   KeyOrder order;
+  order.key.reserve(bodies.owned);
+  order.row.reserve(bodies.owned);
   for (Index b = 0; b < bodies.owned; ++b) {
     order.key.push_back(morton_key(bodies.position[b], edge));
     order.row.push_back(b);
@@ -122,9 +123,17 @@ double mean_radius(const Bodies& bodies, std::span<const double> reach) {
   return sum / std::max<Index>(bodies.owned, 1);
 }
 
+/// A box without roundness that holds all owned bodies; empty without any.
+RoundBox whole_of(const Bodies& bodies, std::span<const double> reach) {
+  RoundBox whole;
+  for (Index b = 0; b < bodies.owned; ++b) whole.hold(ball(bodies, reach, b));
+  return whole;
+}
+
 /// Boxes of clusters, boxes of those, and so on up to one that holds all.
 class ClusterTree {
  public:
+  ClusterTree() : levels_(1) {}
   ClusterTree(const Bodies& bodies, std::span<const double> reach) : levels_(1) {
     const double mean = mean_radius(bodies, reach);
     rows_ = along_curve(bodies, mean);
@@ -136,11 +145,7 @@ class ClusterTree {
         above[k / fan].hold(levels_.back()[k]);
       levels_.push_back(std::move(above));
     }
-    if (!clusters_.empty()) whole_.hold(levels_.back()[0]);
   }
-
-  /// Without roundness; empty without bodies.
-  const RoundBox& whole() const { return whole_; }
 
   /// Calls `f(cluster, those that it meets)` with each that meets any of `boxes`, in order.
   template <class F>
@@ -168,7 +173,6 @@ class ClusterTree {
   std::vector<Index> rows_;  // along the curve
   std::vector<Cluster> clusters_;
   std::vector<std::vector<RoundBox>> levels_;
-  RoundBox whole_;
 };
 
 void append(std::vector<double>& row, const RoundBox& box) {
@@ -180,23 +184,39 @@ RoundBox box_from(const double* row) {
   return {Vec3(row[0], row[1], row[2]), Vec3(row[3], row[4], row[5]), row[6]};
 }
 
-/// Row r: boxes of rank r's clusters that bodies of this rank may meet, each after the number of
-/// the shift by which they are moved then; shift by shift. Collective.
-std::vector<std::vector<double>> boxes_of_neighbours(const Comm& comm, const ClusterTree& tree,
-                                                     const std::vector<Vec3>& shifts) {
+/// An image of a rank that bodies of this one may meet.
+struct Neighbour {
+  int rank;
+  std::size_t shift;  // its number
+  RoundBox whole;     // moved by the shift
+};
+
+/// Collective.
+std::vector<Neighbour> neighbours_of(const Comm& comm, const RoundBox& whole,
+                                     const std::vector<Vec3>& shifts) {
   std::vector<double> own;
-  append(own, tree.whole());
+  append(own, whole);
   const std::vector<double> wholes = comm.all_gather(std::span<const double>(own));
-  std::vector<std::vector<double>> outgoing(comm.size);
+  std::vector<Neighbour> neighbours;
   for (int rank = 0; rank < comm.size; ++rank)
     for (std::size_t s = 0; s < shifts.size(); ++s) {
       if (rank == comm.rank && s == 0) continue;
       const RoundBox theirs = box_from(wholes.data() + rank * doubles_a_box).moved(shifts[s]);
-      tree.for_each_meeting(std::span(&theirs, 1), [&](const Cluster& cluster, const auto&) {
-        outgoing[rank].push_back(static_cast<double>(s));
-        append(outgoing[rank], cluster.box);
-      });
+      if (theirs.meets(whole)) neighbours.push_back({rank, s, theirs});
     }
+  return neighbours;
+}
+
+/// Row r: boxes of rank r's clusters that bodies of this rank may meet, each after the number of
+/// the shift by which they are moved then; shift by shift. Collective.
+std::vector<std::vector<double>> boxes_of_neighbours(const Comm& comm, const ClusterTree& tree,
+                                                     const std::vector<Neighbour>& neighbours) {
+  std::vector<std::vector<double>> outgoing(comm.size);
+  for (const Neighbour& beside : neighbours)
+    tree.for_each_meeting(std::span(&beside.whole, 1), [&](const Cluster& cluster, const auto&) {
+      outgoing[beside.rank].push_back(static_cast<double>(beside.shift));
+      append(outgoing[beside.rank], cluster.box);
+    });
   return comm.exchange(outgoing);
 }
 
@@ -206,9 +226,11 @@ Ghosts make_halo(const Comm& comm, Bodies& bodies, std::vector<double>& reach, c
                  std::vector<Vec3>& shifts) {
   resize(bodies, bodies.owned);
   reach.resize(bodies.owned);
-  const ClusterTree tree(bodies, reach);
   const std::vector<Vec3> moves = shifts_of(period);
-  const auto boxes = boxes_of_neighbours(comm, tree, moves);
+  const auto neighbours = neighbours_of(comm, whole_of(bodies, reach), moves);
+  // Without any, as on one rank without a period, neither curve nor clusters are needed.
+  const ClusterTree tree = neighbours.empty() ? ClusterTree() : ClusterTree(bodies, reach);
+  const auto boxes = boxes_of_neighbours(comm, tree, neighbours);
 
   std::vector<std::vector<double>> outgoing(comm.size);
   std::vector<RoundBox> beside;  // of one rank, as seen from bodies that are not moved
