@@ -1,4 +1,4 @@
-# What run_granular.sh and run_lennard_jones.sh share: programs in turns, one line of CSV a run.
+# What the benches beside LAMMPS share: a folder, start files, programs in turns, one line of CSV a run.
 # SPDX-License-Identifier: BSD-3-Clause
 here=$(dirname "$(realpath "${BASH_SOURCE[0]}")")
 lmp=$(command -v lmp || command -v lammps || true)
@@ -7,6 +7,21 @@ liggghts=$(command -v liggghts || true)
 [ -x /usr/bin/time ] || { echo "skipped: /usr/bin/time is not installed (apt-get install time)"; exit 0; }
 export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMP_NUM_THREADS=1
 
+# The folder that is given, or one that goes with the script.
+work_in() {
+  local folder=${1:-$(mktemp -d)}
+  mkdir -p "$folder"
+  cd "$folder"
+  # shellcheck disable=SC2064
+  [ -n "$1" ] || trap "rm -rf '$folder'" EXIT
+}
+# data file of LAMMPS, name of its groups -> files of bodies, and options of `spall run` in the array `start`
+start_from() {
+  local settings setting
+  mapfile -t settings < <(/usr/bin/python3 "$here/untuned/data_to_restart.py" "$1" "$2")
+  start=()
+  for setting in "${settings[@]}"; do start+=(--set "$setting"); done
+}
 # ranks, command … -> "million steps a second, share of a processor, bytes a body"
 run_spall() {
   mpirun --oversubscribe -n "$1" "${@:2}" >out

@@ -10,6 +10,7 @@ import sys
 
 import numpy as np
 
+from lammps_files import read_log
 from readme import origin, replace_section
 
 bodies = 32000
@@ -19,15 +20,6 @@ melted = 500  # steps in which the lattice melts: its energy is not yet that of 
 def of_spall(path):
     rows = list(csv.DictReader(open(path)))
     return np.array([[float(row["step"]), (float(row["kinetic"]) + float(row["bonds"])) / bodies] for row in rows])
-
-
-def of_lammps(path):
-    rows = []
-    for line in open(path):
-        words = line.split()
-        if len(words) == 2 and words[0].isdigit():
-            rows.append([float(word) for word in words])
-    return np.array(rows)
 
 
 def row(name, values):
@@ -47,9 +39,9 @@ text = [
     "| program | drift after melting | its standard error | scatter about it |",
     "|---|--:|--:|--:|",
     row("Spall", of_spall(sys.argv[1])),
-    row("LAMMPS, `in.lj` as it is", of_lammps(sys.argv[2])),
-    row("LAMMPS, `pair_modify shift yes`", of_lammps(sys.argv[3])),
-    row("LAMMPS, the same with `neigh_modify every 1 check yes`", of_lammps(sys.argv[4])),
+    row("LAMMPS, `in.lj` as it is", read_log(sys.argv[2])),
+    row("LAMMPS, `pair_modify shift yes`", read_log(sys.argv[3])),
+    row("LAMMPS, the same with `neigh_modify every 1 check yes`", read_log(sys.argv[4])),
 ]
 replace_section(pathlib.Path(__file__).resolve().parent / "README.md", "melt_energy", "\n".join(text))
 print("\n".join(text))

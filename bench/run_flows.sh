@@ -8,19 +8,14 @@ set -eu
 . "$(dirname "$(realpath "$0")")/beside_peers.sh"
 spall=$(realpath "${1:-build/release}")/spall
 seeds=${2:-3}
-work=${3:-$(mktemp -d)}
-mkdir -p "$work"
-[ $# -ge 3 ] || trap 'rm -rf "$work"' EXIT
-cd "$work"
-native=$("$here/peers/build_lammps.sh" "${LAMMPS_FOLDER:-$work/lammps}")
+work_in "${3:-}"
+native=$("$here/peers/build_lammps.sh" "${LAMMPS_FOLDER:-lammps}")
 cp "$(dirname "$native")"/../bench/{data.chute,in.chute} "$here"/flows/*.toml "$here"/untuned/chute.toml .
 
 # case, data file, folder, more options of spall
 run_case() {
-  local words=()
-  while read -r option; do words+=(--set "${option#--set }"); done \
-    < <(/usr/bin/python3 "$here/untuned/data_to_restart.py" "$2" "$1")
-  "$spall" run "$1.toml" --out "$3" --overwrite "${words[@]}" "${@:4}" >/dev/null
+  start_from "$2" "$1"
+  "$spall" run "$1.toml" --out "$3" --overwrite "${start[@]}" "${@:4}" >/dev/null
 }
 
 for seed in $(seq "$seeds"); do

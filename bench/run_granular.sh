@@ -9,17 +9,14 @@ bench=$(realpath "${1:-build/release}")/bench/bench_granular
 inputs=$here/granular
 repetitions=${2:-3} steps=${3:-50}
 [ -n "$liggghts" ] || echo "LIGGGHTS is not installed (apt-get install liggghts): without it"
-work=${4:-$(mktemp -d)}
-mkdir -p "$work"
-[ $# -ge 4 ] || trap 'rm -rf "$work"' EXIT
-cd "$work"
+work_in "${4:-}"
 if [ ! -f p780k.data ]; then
   "$lmp" -in "$inputs/make_packing.in" -var n 12190 -var phi 0.645 -var out packing.xyz >/dev/null
-  /usr/bin/python3 "$inputs/dump2data.py" packing.xyz start.data 1 1 1
+  /usr/bin/python3 "$inputs/replicate.py" packing.xyz start.data 1
   "$lmp" -in "$inputs/relax_packing.in" -var data start.data -var steps 3000 -var out relaxed.xyz >/dev/null
-  /usr/bin/python3 "$inputs/dump2data.py" relaxed.xyz p12k.data 1 1 1 0.001
-  /usr/bin/python3 "$inputs/dump2data.py" relaxed.xyz p97k.data 2 2 2 0.001
-  /usr/bin/python3 "$inputs/dump2data.py" relaxed.xyz p780k.data 4 4 4 0.001
+  /usr/bin/python3 "$inputs/replicate.py" relaxed.xyz p12k.data 1 0.001
+  /usr/bin/python3 "$inputs/replicate.py" relaxed.xyz p97k.data 2 0.001
+  /usr/bin/python3 "$inputs/replicate.py" relaxed.xyz p780k.data 4 0.001
 fi
 
 echo "largest difference of forces and torques from LAMMPS, of the largest of them"

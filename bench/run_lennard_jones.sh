@@ -7,9 +7,7 @@ set -eu
 . "$(dirname "$(realpath "$0")")/beside_peers.sh"
 bench=$(realpath "${1:-build/release}")/bench/bench_lennard_jones
 repetitions=${2:-3} steps=${3:-60} scale=${4:-1}
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-cd "$work"
+work_in ""
 "$bench" 1.5 1 1 "$scale" start.data
 cat >impact.in <<'END'
 units lj

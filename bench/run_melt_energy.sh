@@ -8,8 +8,8 @@ folder=$(realpath "$1")
 spall=$(realpath "${2:-build/release}")/spall
 steps=${3:-10000}
 cd "$folder"
-centre=$(/usr/bin/python3 "$here/untuned/data_to_restart.py" melt.data melt)
-"$spall" run melt.toml --out melt_energy.out --set "${centre#--set }" \
+start_from melt.data melt
+"$spall" run melt.toml --out melt_energy.out --overwrite "${start[@]}" \
   --set "phases.0.duration=$(awk -v n="$steps" 'BEGIN {print 0.005 * n}')" >/dev/null
 # Spall counts a pair's energy from where it is cut, LAMMPS only if asked: without, a pair that comes within the
 # cutoff changes the sum by what no force has done.

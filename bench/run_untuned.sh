@@ -8,11 +8,8 @@ set -eu
 spall=$(realpath "${1:-build/release}")/spall
 inputs=$here/untuned
 repetitions=${2:-3}
-work=${3:-$(mktemp -d)}
-mkdir -p "$work"
-[ $# -ge 3 ] || trap 'rm -rf "$work"' EXIT
-cd "$work"
-native=$("$here/peers/build_lammps.sh" "${LAMMPS_FOLDER:-$work/lammps}")
+work_in "${3:-}"
+native=$("$here/peers/build_lammps.sh" "${LAMMPS_FOLDER:-lammps}")
 cp "$(dirname "$native")"/../bench/{data.chute,in.chute,in.lj} .
 # The scenes as both programs start from: LAMMPS writes its own melt.
 if [ ! -f melt.data ]; then
@@ -22,25 +19,17 @@ if [ ! -f melt.data ]; then
 fi
 [ -f bed.data ] || /usr/bin/python3 "$inputs/make_bed.py" 50000 bed.data
 cp "$inputs"/*.toml .
-declare -A centres
-for scene in chute melt bed; do
-  data=$scene.data
-  [ $scene != chute ] || data=data.chute
-  centres[$scene]=$(/usr/bin/python3 "$inputs/data_to_restart.py" "$data" $scene)
-done
+cp data.chute chute.data
 edge=$(awk '/xlo xhi/ {print $2}' bed.data)
 
 # scene, bodies, steps, step, ranks -> "million steps a second, share of a processor, bytes a body"
 run_spall_case() {
   rm -rf "$1.out" time.*
-  mapfile -t options <<<"${centres[$1]}"
-  local more=()
-  [ "$1" != bed ] || more=(--set "periodic.size=[$edge, $edge, $edge]")
-  local words=()
-  for option in "${options[@]}"; do words+=(--set "${option#--set }"); done
+  start_from "$1.data" "$1"
+  [ "$1" != bed ] || start+=(--set "periodic.size=[$edge, $edge, $edge]")
   mpirun --oversubscribe -n "$5" /usr/bin/env bash -c \
     '/usr/bin/time -o "time.$OMPI_COMM_WORLD_RANK" -f "%M kB %U user %e s" "$@"' bash \
-    "$spall" run "$1.toml" --out "$1.out" --overwrite "${words[@]}" "${more[@]}" \
+    "$spall" run "$1.toml" --out "$1.out" --overwrite "${start[@]}" \
     --set "phases.0.duration=$(awk -v n="$3" -v h="$4" 'BEGIN {printf "%.17g", n * h}')" >out
   # What reading and writing take is not the steps'.
   awk -v n="$2" -v steps="$3" '/ kB / {share = $3 / $5; sum += $1} /^total_s/ {t += $3} /^(output|analysis)_s/ {t -= $3}

@@ -15,6 +15,7 @@ import numpy as np
 
 here = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(here.parent))
+from lammps_files import read_log  # noqa: E402
 from readme import origin, replace_section  # noqa: E402
 
 seeds = range(1, int(sys.argv[1]) + 1)
@@ -28,14 +29,9 @@ def load_of_spall(seed):
 
 
 def load_of_lammps(seed):
-    lines = open(f"silo{seed}.log").read().split("\n")
-    last = max(k for k, line in enumerate(lines) if line.startswith("Step"))  # the header of the last run
-    rows = []
-    for line in lines[last + 1:]:
-        if line.startswith("Loop"):
-            break
-        rows.append(float(line.split()[2]))
-    return -statistics.mean(rows[len(rows) // 2:]) / weight
+    """The same, of the second half of LAMMPS's second run."""
+    load = read_log(f"silo{seed}.log")[:, 2]
+    return -load[len(load) // 2:].mean() / weight
 
 
 def profile(frames):

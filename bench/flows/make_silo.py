@@ -5,9 +5,13 @@
 SPDX-License-Identifier: BSD-3-Clause
 usage: make_silo.py SEED DATA
 """
+import pathlib
 import sys
 
 import numpy as np
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent))
+from lammps_files import write_spheres  # noqa: E402
 
 random = np.random.default_rng(int(sys.argv[1]))
 
@@ -28,11 +32,4 @@ fall = np.column_stack([plane[rows % len(plane)], 1.3 + 1.2 * (rows // len(plane
 fall += random.uniform(-0.09, 0.09, fall.shape)
 place, kind = np.vstack([fall, base]), np.repeat([1, 2], [len(fall), len(base)])
 velocity = random.uniform(-0.5, 0.5, place.shape) * (kind == 1)[:, None]
-with open(sys.argv[2], "w") as file:
-    file.write(f"silo\n\n{len(place)} atoms\n2 atom types\n\n-6 6 xlo xhi\n-6 6 ylo yhi\n-5 {fall[:, 2].max() + 5:.17g} zlo zhi\n")
-    file.write("\nAtoms\n\n")
-    for k, x in enumerate(place):
-        file.write(f"{k + 1} {kind[k]} 1 1 " + " ".join(f"{c:.17g}" for c in x) + "\n")
-    file.write("\nVelocities\n\n")
-    for k, v in enumerate(velocity):
-        file.write(f"{k + 1} " + " ".join(f"{c:.17g}" for c in v) + " 0 0 0\n")
+write_spheres(sys.argv[2], "silo", (-6, -6, -5), (6, 6, fall[:, 2].max() + 5), 1, 1, place, velocity, kind)

@@ -2,8 +2,8 @@
 """Writes bodies of a LAMMPS data file as the files that `packing.kind = "file"` reads, one for each type.
 
 SPDX-License-Identifier: BSD-3-Clause
-usage: data_to_restart.py DATA STEM: writes STEM_1.h5, STEM_2.h5, ... and prints where their centres are, as options
-of `spall run`. Atoms are those of atom_style sphere (id type diameter density x y z), or of atomic (id type x y z),
+usage: data_to_restart.py DATA STEM: writes STEM_1.h5, STEM_2.h5, ... and prints where their centres are, a line for
+each `--set` of `spall run`. Atoms are those of atom_style sphere (id type diameter density x y z), or of atomic (id type x y z),
 which get a mass of 1 kg and a diameter of 1 m. Bodies of one type share the group STEM_TYPE.
 """
 import math
@@ -36,7 +36,7 @@ place = atoms[:, 4:7] if sphere else atoms[:, 2:5]
 radius = atoms[:, 2] / 2 if sphere else np.full(count, 0.5)
 mass = atoms[:, 3] * 4 / 3 * math.pi * radius**3 if sphere else np.ones(count)
 place = low + np.where(size > 0, np.mod(place - low, np.where(size > 0, size, 1)), place - low) if not sphere else place
-options = []
+settings = []
 for kind in np.unique(atoms[:, 1]).astype(int):
     of = atoms[:, 1] == kind
     with h5py.File(f"{stem}_{kind}.h5", "w") as file:
@@ -48,5 +48,5 @@ for kind in np.unique(atoms[:, 1]).astype(int):
             bodies["angular_velocity"] = motion[of, 4:7]
     # Fixed bodies have no mass: their centre is that of equal densities, which is the same here.
     centre = (mass[of, None] * place[of]).sum(0) / mass[of].sum()
-    options.append(f"--set groups.{stem}_{kind}.volume.center=[{', '.join(f'{c:.17g}' for c in centre)}]")
-print("\n".join(options))
+    settings.append(f"groups.{stem}_{kind}.volume.center=[{', '.join(f'{c:.17g}' for c in centre)}]")
+print("\n".join(settings))

@@ -5,10 +5,14 @@ SPDX-License-Identifier: BSD-3-Clause
 usage: make_bed.py COUNT DATA: a periodic box filled to 0.3, velocities of 1 m/s in each component, 2500 kg/m^3
 """
 import math
+import pathlib
 import sys
 
 import numpy as np
 from scipy.spatial import cKDTree
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent))
+from lammps_files import write_spheres  # noqa: E402
 
 count, path = int(sys.argv[1]), sys.argv[2]
 random = np.random.default_rng(1)
@@ -38,13 +42,4 @@ while begin < count:
     place = np.vstack([place, new])
     begin = end
 velocity = random.normal(size=(count, 3))
-with open(path, "w") as file:
-    file.write(f"spheres of 0.1 to 1 m\n\n{count} atoms\n1 atom types\n\n")
-    for axis in "xyz":
-        file.write(f"0 {edge:.17g} {axis}lo {axis}hi\n")
-    file.write("\nAtoms\n\n")
-    for k in range(count):
-        file.write(f"{k + 1} 1 {2 * radius[k]:.17g} 2500 " + " ".join(f"{c:.17g}" for c in place[k]) + "\n")
-    file.write("\nVelocities\n\n")
-    for k in range(count):
-        file.write(f"{k + 1} " + " ".join(f"{c:.17g}" for c in velocity[k]) + " 0 0 0\n")
+write_spheres(path, "spheres of 0.1 to 1 m", 3 * [0], 3 * [edge], 2 * radius, 2500, place, velocity)
