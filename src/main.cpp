@@ -170,7 +170,7 @@ int dispatch(const Comm& comm, int argc, char** argv) {
   }
   const Former former = options.overwrite ? Former::overwrite : Former::refuse;
   if (*run) {
-    const Case scene = read_case(options.file, options.overrides);
+    const Case scene = read_case(options.file, options.overrides, InputFiles(comm));
     const auto folder = options.out.empty() ? default_folder(options.file) : options.out;
     return run_case(comm, scene, folder, former) ? 0 : exit_interrupted;
   }
@@ -191,7 +191,8 @@ int dispatch(const Comm& comm, int argc, char** argv) {
     const Foretold foretold = options.time ? Foretold::time_too : Foretold::memory;
     const std::string text =
         restart ? check_restart(comm, options.file)
-                : check_case(comm, read_case(options.file, options.overrides), foretold);
+                : check_case(comm, read_case(options.file, options.overrides, InputFiles(comm)),
+                             foretold);
     if (comm.rank == 0) fmt::print("{}", text);
   }
   if (comm.rank != 0) return 0;  // what follows needs no second rank

@@ -44,8 +44,8 @@ done <<'END'
 fly|A subcommand is required
 run|case is required
 run a b|The following argument was not expected: b
-check gone.toml|spall: gone.toml: cannot be opened: No such file or directory
-check .|spall: .: is a folder; a case file is wanted
+check gone.toml|spall: there is no file 'gone.toml'
+check .|spall: '.' is a folder, not a file
 check x.toml|spall: x.toml:1:9: title is a number; a text in quotes is wanted
 check x.toml --speed 5|The following arguments were not expected: 5 --speed
 check x.toml --set|--set: 1 required TEXT missing

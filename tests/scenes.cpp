@@ -7,6 +7,8 @@
 #include <filesystem>
 
 #include "analysis/clumps.hpp"
+#include "base/first_rank.hpp"
+#include "output/files.hpp"
 #include "output/restart.hpp"
 #include "output/stored_bodies.hpp"
 #include "run/run.hpp"
@@ -166,6 +168,57 @@ TEST(StoredPile, is_placed_spun_carved_and_weighed_as_asked) {
   EXPECT_EQ(carved.owned, inside);
   EXPECT_GT(inside, 20);
   EXPECT_DOUBLE_EQ(carved.mass[0], 2000 * 4 * pi / 3);
+}
+
+TEST(InputFiles, are_those_of_rank_0_wherever_the_others_are) {
+  const std::string folder = folder_of("files"), pile = settled_pile();
+  const Comm comm = testing_world();
+  on_first_rank(comm, [&] {
+    std::filesystem::create_directories(folder);
+    std::filesystem::copy_file(pile, folder + "/pile.h5",
+                               std::filesystem::copy_options::overwrite_existing);
+    write_whole(folder + "/tetrahedron.obj",
+                "v 0 0 0\nv 9 0 0\nv 0 9 0\nv 0 0 9\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+    write_whole(folder + "/metal.toml",
+                "density = 2703\nsound_speed = 5350\nhugoniot_slope = 1.34\ngruneisen = 1.97\n"
+                "youngs_modulus = 68.9e9\npoisson_ratio = 0.33\n");
+    write_whole(folder + "/case.toml", R"(
+[materials.rock]
+density = 2000
+[materials.metal]
+file = "metal.toml"
+[[groups]]
+name = "shape"
+material = "metal"
+volume = {shape = "mesh", file = "tetrahedron.obj", center = [100, 0, 0]}
+packing = {kind = "simple_cubic", radius = 0.5}
+[[groups]]
+name = "pile"
+material = "rock"
+volume = {radius = 100}
+packing = {kind = "file", file = "pile.h5"}
+[[phases]]
+name = "x"
+step = 1
+duration = 1
+)");
+  });
+  const auto here = std::filesystem::current_path();
+  std::filesystem::current_path(comm.rank == 0 ? folder : "/");
+  const InputFiles files(comm);
+  const Bodies bodies =
+      make_bodies(with_stored_bodies(read_case("case.toml", {}, files), files), comm);
+  const std::string nowhere = complaint_of([&] { read_case("gone.toml", {}, files); });
+  std::filesystem::current_path(here);
+  EXPECT_EQ(nowhere, "there is no file 'gone.toml'");
+  const Case alone = read_case(folder + "/case.toml");
+  const Bodies expected = make_bodies(with_stored_bodies(alone), Comm(MPI_COMM_SELF));
+  EXPECT_GT(expected.owned, 200);
+  EXPECT_EQ(comm.sum(std::int64_t{bodies.owned}), expected.owned);
+  Vec3 sum = Vec3::Zero(), wanted = Vec3::Zero();
+  for (Index b = 0; b < bodies.owned; ++b) sum += bodies.mass[b] * bodies.position[b];
+  for (Index b = 0; b < expected.owned; ++b) wanted += expected.mass[b] * expected.position[b];
+  EXPECT_LT((comm.sum(sum) - wanted).norm(), 1e-12 * wanted.norm());
 }
 
 const std::string materials_of_triple = "[materials.rock]\ndensity = 1000\n";

@@ -4,8 +4,6 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <random>
 
 #include "scene/shape.hpp"
@@ -182,26 +180,20 @@ TEST(SurfaceMesh, what_has_no_inside_is_refused) {
 }
 
 TEST(SurfaceMesh, of_a_file_has_its_volume_around_the_origin) {
-  const std::string path = (std::filesystem::temp_directory_path() / "spall_box.obj").string();
-  std::ofstream(path) << "# a box, quads, kilometres\nv 1 1 1\nv 3 1 1\nv 3 2 1\nv 1 2 1\n"
-                         "v 1 1 4\nv 3 1 4\nv 3 2 4\nv 1 2 4\nvn 0 0 1\n"
-                         "f 4 3 2 1\nf 5//1 6//1 7//1 8//1\nf 1/1/1 2/2/1 6/3/1 5/4/1\n"
-                         "f -6 -5 -1 -2\nf 1 5 8 4\nf 2 3 7 6\n";
-  const SurfaceMesh mesh = SurfaceMesh::read_obj(path, 1000);
+  const std::string box =
+      "# a box, quads, kilometres\nv 1 1 1\nv 3 1 1\nv 3 2 1\nv 1 2 1\n"
+      "v 1 1 4\nv 3 1 4\nv 3 2 4\nv 1 2 4\nvn 0 0 1\n"
+      "f 4 3 2 1\nf 5//1 6//1 7//1 8//1\nf 1/1/1 2/2/1 6/3/1 5/4/1\n"
+      "f -6 -5 -1 -2\nf 1 5 8 4\nf 2 3 7 6\n";
+  const SurfaceMesh mesh = SurfaceMesh::from_obj(box, "x.obj", 1000);
   EXPECT_NEAR(mesh.volume(), 6e9, 1e-5);
   EXPECT_NEAR((mesh.half_widths() - Vec3(1000, 500, 1500)).norm(), 0, 1e-9);
   EXPECT_NEAR(mesh.depth({900, 0, 0}), 100, 1e-9);
   EXPECT_NEAR(mesh.depth({0, 0, 1700}), -200, 1e-9);
 
-  std::ofstream(path) << "v 0 0 0\nv 1 0 0\nf 1 2 7\n";
-  try {
-    SurfaceMesh::read_obj(path, 1);
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.what(),
-              path + ":3: the face's corner \"7\" is none of the 2 vertices above it");
-  }
-  std::filesystem::remove(path);
+  const std::string open = "v 0 0 0\nv 1 0 0\nf 1 2 7\n";
+  EXPECT_EQ(complaint_of([&] { SurfaceMesh::from_obj(open, "x.obj", 1); }),
+            "x.obj:3: the face's corner \"7\" is none of the 2 vertices above it");
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <exception>
+#include <limits>
 #include <string>
 #include <utility>
 
@@ -10,6 +11,16 @@
 #include "spall/error.hpp"
 
 namespace spall {
+
+/// Rank 0's text, on all ranks. Collective.
+inline void send_from_first(const Comm& comm, std::string& text) {
+  require(text.size() <= std::numeric_limits<int>::max(), "a text of {} bytes is not sent",
+          text.size());
+  auto length = static_cast<int>(text.size());
+  check_mpi(MPI_Bcast(&length, 1, MPI_INT, 0, comm.raw), "MPI_Bcast");
+  text.resize(length);
+  check_mpi(MPI_Bcast(text.data(), length, MPI_CHAR, 0, comm.raw), "MPI_Bcast");
+}
 
 /// Calls `f` on rank 0. What it throws is thrown on all ranks, as an Error with the same words: no
 /// rank waits for one that has left. Collective.
@@ -26,10 +37,7 @@ void on_first_rank(const Comm& comm, F&& f) {
     }
   }
   if (!comm.any(failed)) return;
-  auto length = static_cast<int>(reason.size());
-  check_mpi(MPI_Bcast(&length, 1, MPI_INT, 0, comm.raw), "MPI_Bcast");
-  reason.resize(length);
-  check_mpi(MPI_Bcast(reason.data(), length, MPI_CHAR, 0, comm.raw), "MPI_Bcast");
+  send_from_first(comm, reason);
   throw Error(reason);
 }
 

@@ -3,10 +3,6 @@
 #include "keys/toml_text.hpp"
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
-#include <fstream>
-#include <iterator>
 
 #include "spall/error.hpp"
 
@@ -31,13 +27,6 @@ void check_depth(const std::string& text, const std::string& source) {
 toml::table parse_toml(const std::string& text, const std::string& source) {
   check_depth(text, source);
   return toml::parse(text, source);
-}
-
-toml::table parse_toml_file(const std::string& path) {
-  errno = 0;
-  std::ifstream file(path, std::ios::binary);
-  require(file.good(), "{}: cannot be opened: {}", path, std::strerror(errno));
-  return parse_toml({std::istreambuf_iterator<char>(file), {}}, path);
 }
 
 std::string toml_string(std::string_view text) {

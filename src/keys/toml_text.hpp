@@ -13,9 +13,6 @@ namespace spall {
 /// each part is a table in a table, and they would fill the stack.
 toml::table parse_toml(const std::string& text, const std::string& source);
 
-/// The same of a file.
-toml::table parse_toml_file(const std::string& path);
-
 /// In quotes, with escapes: as a value or as a key.
 std::string toml_string(std::string_view text);
 

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <numeric>
 
 #include "output/h5.hpp"
@@ -73,16 +72,40 @@ std::vector<StoredBody> read_bodies(const std::string& path) {
   return bodies;
 }
 
+std::vector<double> rows_of(const std::vector<StoredBody>& bodies) {
+  std::vector<double> rows;
+  for (const StoredBody& body : bodies) {
+    for (const Vec3* vector : {&body.position, &body.velocity, &body.spin})
+      rows.insert(rows.end(), vector->data(), vector->data() + 3);
+    rows.insert(rows.end(), {body.radius, body.mass, body.fixed ? 1.0 : 0.0});
+  }
+  return rows;
+}
+
+std::vector<StoredBody> bodies_of(const std::vector<double>& rows) {
+  constexpr std::size_t width = 12;
+  std::vector<StoredBody> bodies;
+  for (std::size_t at = 0; at < rows.size(); at += width) {
+    const double* row = &rows[at];
+    bodies.push_back({.position = Vec3(row[0], row[1], row[2]),
+                      .radius = row[9],
+                      .mass = row[10],
+                      .velocity = Vec3(row[3], row[4], row[5]),
+                      .spin = Vec3(row[6], row[7], row[8]),
+                      .fixed = row[11] == 1});
+  }
+  return bodies;
+}
+
 }  // namespace
 
-Case with_stored_bodies(Case scene) {
+Case with_stored_bodies(Case scene, const InputFiles& files) {
   for (Group& group : scene.groups) {
     Packing& packing = group.packing;
     if (packing.file.empty() || !packing.stored.empty()) continue;
-    require(std::filesystem::is_regular_file(packing.file), "{}: there is no file '{}'",
-            group.place, packing.file);
+    require(files.exists(packing.file), "{}: there is no file '{}'", group.place, packing.file);
     try {
-      packing.stored = read_bodies(packing.file);
+      packing.stored = bodies_of(files.numbers([&] { return rows_of(read_bodies(packing.file)); }));
     } catch (const std::exception& error) {
       throw Error(fmt::format(
           "{}: '{}' is not a restart file, such as after_<phase>.h5 of an earlier run: {}",

@@ -8,7 +8,7 @@ namespace spall {
 
 /// The case with what its groups of packing "file" take from restart files, in order of id:
 /// positions from the centre of mass of what moves, velocities as they are, radii and masses.
-/// Throws Error with the group's place. Each rank reads for itself.
-Case with_stored_bodies(Case scene);
+/// Throws Error with the group's place.
+Case with_stored_bodies(Case scene, const InputFiles& files = {});
 
 }  // namespace spall

@@ -405,7 +405,7 @@ auto within_memory(const Comm& comm, const Case& scene, F&& f) {
 }  // namespace
 
 std::string check_case(const Comm& comm, const Case& scene, Foretold foretold) {
-  const auto whole = std::make_shared<Case>(with_stored_bodies(scene));
+  const auto whole = std::make_shared<Case>(with_stored_bodies(scene, InputFiles(comm)));
   return within_memory(comm, *whole, [&] {
     const double bytes_of_program = resident_bytes();
     Simulation simulation(comm, Scene(whole));
@@ -428,7 +428,7 @@ std::string check_restart(const Comm& comm, const std::string& file) {
 
 bool run_case(const Comm& comm, const Case& scene, const std::string& folder, Former former) {
   const RunFolder held(comm, folder, former);
-  const auto whole = std::make_shared<Case>(with_stored_bodies(scene));
+  const auto whole = std::make_shared<Case>(with_stored_bodies(scene, InputFiles(comm)));
   return within_memory(comm, *whole, [&] { return Run(comm, Scene(whole), held, nullptr).go(); });
 }
 
@@ -444,13 +444,13 @@ bool resume_case(const Comm& comm, const std::string& file, const ResumeOptions&
   });
   std::vector<std::string> all = state.overrides;
   all.insert(all.end(), options.overrides.begin(), options.overrides.end());
-  Case scene = parse_case(state.case_text, state.case_file, all);
+  const InputFiles files(comm);
+  Case scene = parse_case(state.case_text, state.case_file, all, Groups::needed, files);
   std::string own = fs::path(file).parent_path().string();
   if (own.empty()) own = ".";
   // Away from its case a run still has the copy beside its restart file.
   const std::string copy = own + "/reference.toml";
-  if (!fs::is_regular_file(scene.reference))
-    scene.reference = fs::is_regular_file(copy) ? copy : "";
+  if (!files.exists(scene.reference)) scene.reference = files.exists(copy) ? copy : "";
   const std::string folder = options.folder.empty() ? own : options.folder;
   const bool same = fs::exists(folder) && fs::equivalent(folder, own);
   const RunFolder held(comm, folder, same ? Former::go_on : options.former);

@@ -4,12 +4,8 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 
 #include "keys/section.hpp"
 #include "keys/toml_text.hpp"
@@ -322,7 +318,7 @@ const Section::Reference& all_keys() {
 }  // namespace
 
 Case parse_case(const std::string& text, const std::string& file,
-                const std::vector<std::string>& overrides, Groups groups) {
+                const std::vector<std::string>& overrides, Groups groups, const InputFiles& files) {
   toml::table root;
   try {
     root = parse_toml(text, file);
@@ -338,7 +334,7 @@ Case parse_case(const std::string& text, const std::string& file,
   scene.file = file;
   scene.text = text;
   scene.overrides = overrides;
-  insert_material_files(root, file, scene.overrides);
+  insert_material_files(root, file, scene.overrides, files);
   Section::read_all(
       root, file, [&](Section& in) { read_case_keys(in, scene); }, all_keys());
   draw_orientations(scene);
@@ -355,15 +351,12 @@ Case parse_case(const std::string& text, const std::string& file,
   return scene;
 }
 
-Case read_case(const std::string& file, const std::vector<std::string>& overrides) {
-  std::ifstream in(file);
-  require(in.good(), "{}: cannot be opened: {}", file, std::strerror(errno));
-  require(!std::filesystem::is_directory(file), "{}: is a folder; a case file is wanted", file);
-  const std::string text{std::istreambuf_iterator<char>(in), {}};
-  Case scene = parse_case(text, file, overrides);
-  require(scene.reference_place.empty() || std::filesystem::is_regular_file(scene.reference),
+Case read_case(const std::string& file, const std::vector<std::string>& overrides,
+               const InputFiles& files) {
+  Case scene = parse_case(files.text(file), file, overrides, Groups::needed, files);
+  require(scene.reference_place.empty() || files.exists(scene.reference),
           "{}: there is no file '{}'", scene.reference_place, scene.reference);
-  load_meshes(scene);
+  load_meshes(scene, files);
   return scene;
 }
 

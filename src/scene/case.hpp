@@ -13,6 +13,7 @@
 #include "engine/between.hpp"
 #include "engine/type.hpp"
 #include "gravity/map.hpp"
+#include "keys/input_files.hpp"
 #include "scene/surface_mesh.hpp"
 #include "spall/scene.hpp"
 #include "spall/types.hpp"
@@ -175,14 +176,16 @@ struct Case : Surroundings {
 /// Reads and checks a case. `overrides` are "key.path=value" as given to --set; elements of arrays
 /// go by place or by name ("phases.0.step=1e-4", "phases.impact.step=1e-4"). Throws Error with
 /// file, line, key and what would be right.
-Case read_case(const std::string& file, const std::vector<std::string>& overrides = {});
+Case read_case(const std::string& file, const std::vector<std::string>& overrides = {},
+               const InputFiles& files = {});
 
 /// Whether a case without bodies of its own is an error.
 enum class Groups { needed, may_lack };
 /// The same from the text of a file: how a restart gets its case back. Files that the case names
 /// need not be there any more.
 Case parse_case(const std::string& text, const std::string& file,
-                const std::vector<std::string>& overrides = {}, Groups groups = Groups::needed);
+                const std::vector<std::string>& overrides = {}, Groups groups = Groups::needed,
+                const InputFiles& files = {});
 
 /// The case files in a folder and below it, sorted. Beside a case.toml other files are not cases.
 std::vector<std::string> find_cases(const std::string& folder);

@@ -70,7 +70,7 @@ int find_material(const Section& in, const std::string& name,
 }
 
 void insert_material_files(toml::table& root, const std::string& file,
-                           std::vector<std::string>& overrides) {
+                           std::vector<std::string>& overrides, const InputFiles& files) {
   toml::table* materials = root["materials"].as_table();
   if (!materials) return;
   for (auto&& [name, node] : *materials) {
@@ -79,11 +79,16 @@ void insert_material_files(toml::table& root, const std::string& file,
     const auto wanted = (*material)["file"].value<std::string>();
     if (!wanted) continue;
     const std::string path = (std::filesystem::path(file).parent_path() / *wanted).string();
-    require(std::filesystem::is_regular_file(path),
-            "{}:{}: materials.{}.file: there is no file '{}'", file,
-            (*material)["file"].node()->source().begin.line, name.str(), path);
+    std::string text;
     try {
-      material->insert_or_assign("solid", parse_toml_file(path));
+      text = files.text(path);
+    } catch (const Error& error) {
+      throw Error(fmt::format("{}:{}: materials.{}.file: {}", file,
+                              (*material)["file"].node()->source().begin.line, name.str(),
+                              error.what()));
+    }
+    try {
+      material->insert_or_assign("solid", parse_toml(text, path));
     } catch (const toml::parse_error& error) {
       throw Error(fmt::format("{}:{}:{}: {}", path, error.source().begin.line,
                               error.source().begin.column, error.description()));

@@ -18,7 +18,7 @@ int find_material(const Section& in, const std::string& name,
 /// Puts what the files that materials name hold into their tables [materials.NAME.solid], and the
 /// same as overrides into `overrides`: a restart needs no such file.
 void insert_material_files(toml::table& root, const std::string& file,
-                           std::vector<std::string>& overrides);
+                           std::vector<std::string>& overrides, const InputFiles& files);
 
 /// Turns the lattices whose orientation is left to the seed.
 void draw_orientations(Case& scene);

@@ -107,13 +107,13 @@ void read_group(Section& in, Group& group, const std::vector<Material>& material
   group.place = in.place();
 }
 
-void load_meshes(Case& scene) {
+void load_meshes(Case& scene, const InputFiles& files) {
   for (Group& group : scene.groups) {
     Volume& volume = group.volume;
     if (volume.shape != Shape::mesh) continue;
     try {
-      volume.mesh =
-          std::make_shared<const SurfaceMesh>(SurfaceMesh::read_obj(volume.file, volume.unit));
+      volume.mesh = std::make_shared<const SurfaceMesh>(
+          SurfaceMesh::from_obj(files.text(volume.file), volume.file, volume.unit));
     } catch (const Error& error) {
       throw Error(fmt::format("{}: volume.file: {}", group.place, error.what()));
     }

@@ -12,6 +12,6 @@ void read_group(Section& in, Group& group, const std::vector<Material>& material
                 const std::string& folder);
 
 /// Reads the meshes that the groups' volumes name.
-void load_meshes(Case& scene);
+void load_meshes(Case& scene, const InputFiles& files);
 
 }  // namespace spall

@@ -5,8 +5,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <map>
 #include <numeric>
 #include <sstream>
@@ -54,10 +52,8 @@ SurfaceMesh::SurfaceMesh(std::vector<Vec3> vertices, std::vector<Triangle> trian
   build(0, static_cast<std::int32_t>(order_.size()));
 }
 
-SurfaceMesh SurfaceMesh::read_obj(const std::string& file, double unit) {
-  require(std::filesystem::is_regular_file(file), "there is no file '{}'", file);
-  std::ifstream in(file);
-  require(in.good(), "{}: cannot be opened", file);
+SurfaceMesh SurfaceMesh::from_obj(const std::string& text, const std::string& file, double unit) {
+  std::istringstream in(text);
   std::vector<Vec3> vertices;
   std::vector<Triangle> triangles;
   std::string line;

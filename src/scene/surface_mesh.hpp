@@ -21,9 +21,9 @@ class SurfaceMesh {
   /// out is turned.
   SurfaceMesh(std::vector<Vec3> vertices, std::vector<Triangle> triangles, const std::string& name);
 
-  /// Reads `v` and `f` lines of a Wavefront OBJ file, polygons as fans; lengths times `unit`, m.
-  /// The center of the enclosed volume comes to lie in the origin.
-  static SurfaceMesh read_obj(const std::string& file, double unit);
+  /// Of `v` and `f` lines of a Wavefront OBJ file's text, polygons as fans; lengths times `unit`,
+  /// m. The center of the enclosed volume comes to lie in the origin.
+  static SurfaceMesh from_obj(const std::string& text, const std::string& file, double unit);
 
   /// Distance to the surface, m, negative outside. The sign is that of the side on which `point`
   /// lies of the nearest triangle, edge or vertex, by its angle-weighted normal (Baerentzen &

@@ -62,7 +62,7 @@ void cases(const std::string& text) {
 }
 
 void meshes(const std::string& text) {
-  SurfaceMesh::read_obj(file_of("x.obj", text), 1).depth(Vec3::Zero());
+  SurfaceMesh::from_obj(text, "x.obj", 1).depth(Vec3::Zero());
 }
 
 void stored(const std::string& text) {
