@@ -84,6 +84,65 @@ TEST(Threshold, every_residual_is_within_the_speed_asked_for) {
     }
 }
 
+/// The same contacts a step later: what closed of them still closes, and nothing loads them anew.
+WholeProblem step_after(const WholeProblem& whole, const Solved& solved) {
+  WholeProblem next = whole;
+  for (Index c = 0; c < whole.contacts(); ++c) {
+    const Index i = whole.i[c], j = whole.j[c];
+    Vec3 dv = -solved.linear[i], ds = solved.angular[i];
+    if (j != ground) {
+      dv += solved.linear[j];
+      ds += solved.angular[j];
+    }
+    next.free_velocity[c] += dv - whole.kappa[c] * ds.cross(whole.normal[c]);
+  }
+  return next;
+}
+
+TEST(Threshold, what_a_loaded_step_left_is_not_solved_to_the_last_digit) {
+  const WholeProblem whole = shaken_block(5, 0.4, 0);
+  SolverSettings settings;
+  const Solved loaded = solve_whole(whole, settings);
+  const WholeProblem next = step_after(whole, loaded);
+  const Solved alone = solve_whole(next, settings);
+  EXPECT_LT(alone.report.scale, 2e-2 * loaded.report.scale);
+  EXPECT_GT(alone.report.products, 40);
+  settings.impact = false;
+  settings.least_scale = loaded.report.scale;
+  const Solved judged = solve_whole(next, settings);
+  EXPECT_TRUE(judged.report.converged);
+  EXPECT_LE(judged.report.products, 20);
+  EXPECT_LE(judged.report.residual, settings.tolerance);
+  EXPECT_EQ(judged.report.scale, loaded.report.scale);
+}
+
+TEST(Threshold, steps_between_kicks_are_judged_by_the_last_kick_unless_something_meets) {
+  // Three balls rest on each other by their own gravity; one of them is thrown at the others.
+  const double h = 1e-3;
+  for (double speed : {0.0, 1.0}) {
+    Lab world = make_world(testing_world(),
+                           {{.mass = 1e9, .position = {-1, 0, 0}},
+                            {.mass = 1e9, .position = {1, 0, 0}},
+                            {.mass = 1e9, .position = {0, std::sqrt(3.0), 0}}},
+                           {.friction = 0.5, .restitution = 0.3});
+    world.gravity = {.method = GravityMethod::direct};
+    for (int k = 0; k < 20; ++k) nonsmooth_step(world, h, SolverSettings{}, 1);
+    const double scale = nonsmooth_step(world, h, SolverSettings{}, 10).solver.scale;
+    ASSERT_GT(scale, 0);
+    ASSERT_GT(world.kick.steps_left, 0);
+    for (Index b = 0; b < world.bodies.owned; ++b)
+      if (world.bodies.id[b] == 2) world.bodies.velocity[b].y() -= speed;
+    const StepReport report = nonsmooth_step(world, h, SolverSettings{}, 10);
+    if (speed == 0) {
+      EXPECT_EQ(report.solver.scale, scale);
+      EXPECT_LE(report.solver.products, 20);
+    } else {
+      EXPECT_GT(report.solver.scale, 100 * scale);
+      EXPECT_GT(report.solver.products, 40);
+    }
+  }
+}
+
 /// A light body in the middle of others that all come in at 1 m/s, from every side.
 WholeProblem besieged() {
   WholeProblem whole;

@@ -32,6 +32,7 @@ struct ProblemData {
   std::vector<double> inverse_mass;
   std::vector<Vec3> free_velocity;
   std::vector<double> friction, cohesive_impulse;
+  bool impact = false;  ///< a pair meets faster than what drives resting contacts makes it
 
   ContactProblem view(const Contacts& contacts, int dimension) const {
     return {.dimension = dimension,
@@ -99,7 +100,9 @@ ProblemData pose(const World& world, const Contacts& contacts, double h, double 
                      : law.cohesion * time_in_range(gap, closing, h, law.cohesion_range);
     const double open = std::max(gap, 0.0);
     double bias = open / h;
-    if (law.restitution > 0 && gap + h * closing < 0 && -closing > driven + 2 * cohesive * w) {
+    const bool meets = gap + h * closing < 0 && -closing > driven + 2 * cohesive * w;
+    data.impact |= meets;
+    if (meets && law.restitution > 0) {
       Vec3 a = -bodies.acceleration[i];
       if (j != ground) a += bodies.acceleration[j];
       const double a_n = a.dot(n);
@@ -227,8 +230,11 @@ StepReport nonsmooth_step(World& world, Rigid& rigid, const StepRequest& request
     for (Vec3& impulse : contacts.impulse) impulse *= scale;
     const ProblemData data = pose(world, contacts, h, largest_prescribed_acceleration(world));
     const int dimension = has_friction(world) ? 3 : 1;
-    const SolverResult result = solve(data.view(contacts, dimension), rigid.neighbours.ghosts,
-                                      rigid.solver, contacts.impulse);
+    SolverSettings settings = rigid.solver;
+    settings.impact = world.comm.any(data.impact);
+    if (kick.load == 0 && !settings.impact) settings.least_scale = kick.remembered_scale;
+    const SolverResult result =
+        solve(data.view(contacts, dimension), rigid.neighbours.ghosts, settings, contacts.impulse);
     report.solver = result.report;
     kick_by_impulses(world, contacts, data, result.change, report);
     if (kick.load > 0) {
@@ -236,6 +242,7 @@ StepReport nonsmooth_step(World& world, Rigid& rigid, const StepRequest& request
       for (Index c = 0; c < contacts.size(); ++c)
         pairs.impulse[contacts.pair[c]] = contacts.impulse[c];
       kick.remembered_load = kick.load;
+      kick.remembered_scale = settings.impact ? 0 : result.report.scale;
     }
   }
   {

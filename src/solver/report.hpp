@@ -12,6 +12,7 @@ struct SolverReport {
   double residual_prox = 0;     ///< E_eps, of the proximal problem; equals `residual` without one
   double residual_max = 0;      ///< m/s, largest |R_c|
   double residual_rms = 0;      ///< m/s
+  double scale = 0;             ///< sqrt(J), what E and E_eps are relative to
   bool converged = true;        ///< met its tolerances, by E_eps
   bool over_tolerance = false;  ///< E, of the problem as asked, missed them
   double seconds = 0;           ///< longest rank

@@ -1,6 +1,7 @@
 // One solve: check, pack, choose the start, run the method, unpack.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <cmath>
 
 #include "base/kernels.hpp"
 #include "solver/methods.hpp"
@@ -152,10 +153,13 @@ SolverResult solve_packed(const ContactProblem& problem, const Ghosts& ghosts,
   const PackedUnits& units = system.units;
   if (best.residual.relative > 0) {
     const double fastest = best.residual.max;
+    const double unit = std::sqrt(units.impulse * units.velocity);  // sqrt(J)
+    system.scale = std::max(system.scale, settings.least_scale / unit);
+    report.scale = unit * system.scale;
     double part = 0;
     best = warm_start(system, pack_impulses<dimension>(problem, units, impulse), part);
     ++report.products;
-    system.none_holds = part < least_part_to_hold;
+    system.none_holds = settings.impact && part < least_part_to_hold;
     system.speed_tolerance = settings.speed_tolerance > 0 ? settings.speed_tolerance
                              : system.none_holds          ? settings.tolerance * fastest
                                                           : infinity;

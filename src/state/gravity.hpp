@@ -19,15 +19,16 @@ struct GravitySettings {
 /// Gravity acts in kicks at the instants when its field is evaluated (leapfrog; r-RESPA where
 /// contact steps are shorter than the interval between kicks).
 struct GravityKick {
-  bool evaluated = false;      ///< the field is that of the present positions
-  int steps_left = 0;          ///< until the next kick
-  double interval = 0;         ///< s, from the last kick to the next
-  double closed = 0;           ///< s, the interval that ended with the last kick
-  double load = 0;             ///< s, of the kick that the coming step's contacts carry; 0: none
-  double remembered_load = 0;  ///< s, of the kick that the pairs' impulses carried
-  double largest = 0;          ///< m/s^2, largest acceleration of a body
-  double fall = 0;             ///< s, in which no body falls further than a kick may carry it
-  double hold = 0;             ///< s, that the present field may be held
+  bool evaluated = false;       ///< the field is that of the present positions
+  int steps_left = 0;           ///< until the next kick
+  double interval = 0;          ///< s, from the last kick to the next
+  double closed = 0;            ///< s, the interval that ended with the last kick
+  double load = 0;              ///< s, of the kick that the coming step's contacts carry; 0: none
+  double remembered_load = 0;   ///< s, of the kick that the pairs' impulses carried
+  double remembered_scale = 0;  ///< sqrt(J), of E then; 0 where something met
+  double largest = 0;           ///< m/s^2, largest acceleration of a body
+  double fall = 0;              ///< s, in which no body falls further than a kick may carry it
+  double hold = 0;              ///< s, that the present field may be held
   bool may_hold = true;  ///< `fall` spans two steps: the next evaluation bounds its change too
   double potential = 0;  ///< J over all ranks, at the last evaluation; uniform field too
   std::int64_t evaluations = 0;

@@ -79,6 +79,7 @@ struct World : Surroundings {
     f("kick.interval", kick.interval);
     f("kick.closed", kick.closed);
     f("kick.remembered_load", kick.remembered_load);
+    f("kick.remembered_scale", kick.remembered_scale);
     f("kick.largest", kick.largest);
     f("kick.fall", kick.fall);
     f("kick.hold", kick.hold);
