@@ -67,9 +67,8 @@ struct SolverSettings {
   int max_products = std::numeric_limits<int>::max();  ///< checks between iterations go beyond it
   double prox = 4e-3;  ///< of `accelerated`: weight eps of staying near the warm start; 0: none
   double relaxation = 1.0;  ///< of `sor`
-  bool impact =
-      true;  ///< something may have met: then impulses that do not serve tell of an impact
-  double least_scale = 0;  ///< sqrt(J), E is relative to no less
+  bool impact = true;       ///< something may have met: if no given impulses serve, something has
+  double least_scale = 0;   ///< sqrt(J), E is relative to no less
 };
 
 /// Velocity changes of one body by the impulses: one cache line.
