@@ -14,6 +14,7 @@
 #include <optional>
 #include <string_view>
 
+#include "base/commit.hpp"
 #include "base/kernels.hpp"
 #include "output/snapshot.hpp"
 #include "run/run.hpp"
@@ -111,8 +112,9 @@ int dispatch(const Comm& comm, int argc, char** argv) {
       "  spall keys, and README.md. `spall SUBCOMMAND --help` tells the options of each.\n"
       "Exit codes: 0: done; 3: stopped by a signal, `spall resume` goes on; others: an error.");
   app.require_subcommand(1);
-  app.set_version_flag(
-      "--version", fmt::format("spall {}, instructions: {}", SPALL_VERSION, instructions_name()));
+  app.set_version_flag("--version",
+                       fmt::format("spall {}, commit {}, instructions: {}", SPALL_VERSION,
+                                   commit_of_build(), instructions_name()));
   Options options;
 
   auto* run = app.add_subcommand(

@@ -74,7 +74,7 @@ class Run:
         flat = {}
         for section, rows in tomllib.loads(path.read_text()).items():
             for key, value in rows.items():
-                if isinstance(value, (int, float)):
+                if section != "provenance" and isinstance(value, (int, float)):
                     flat[f"{section}.{key}"] = value
         return flat
 

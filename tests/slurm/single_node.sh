@@ -60,7 +60,7 @@ runs() {  # folder
 }
 
 results_of() {
-  sed '/^\[time\]/,/^$/d' "$1/results.toml"
+  sed '/^\[time\]/,$d' "$1/results.toml"
 }
 
 same() {  # name, folder, folder
