@@ -16,6 +16,7 @@
 
 #include "base/commit.hpp"
 #include "base/kernels.hpp"
+#include "keys/units.hpp"
 #include "output/snapshot.hpp"
 #include "run/run.hpp"
 #include "run/solve_file.hpp"
@@ -163,7 +164,7 @@ int dispatch(const Comm& comm, int argc, char** argv) {
   solve->add_flag("--evaluate", options.evaluate, "solve nothing: E of the file's own /solution/r");
   auto* list = app.add_subcommand("list", "list the cases under ./cases");
   auto* keys = app.add_subcommand(
-      "keys", "print every key of a case file and every field of snapshots, with units");
+      "keys", "print every key of a case file, every field of snapshots, and all units");
 
   try {
     app.parse(argc, argv);
@@ -199,7 +200,7 @@ int dispatch(const Comm& comm, int argc, char** argv) {
   if (comm.rank != 0) return 0;  // what follows needs no second rank
   if (*page) return run_script("report.py", {options.file});
   if (*list) list_cases();
-  if (*keys) fmt::print("{}{}", case_reference(), describe_output_fields());
+  if (*keys) fmt::print("{}{}{}", case_reference(), describe_output_fields(), describe_units());
   return 0;
 }
 
