@@ -1,8 +1,9 @@
-"""What a release must agree on: one version, a licence for each file.
+"""What a release must agree on: one version, a licence for each file, recipes that can be read.
 
 SPDX-License-Identifier: BSD-3-Clause
 usage: release.py ROOT SPALL
 """
+import ast
 import re
 import shutil
 import subprocess
@@ -47,4 +48,22 @@ if (root / ".git").exists():
     if shutil.which("reuse"):
         lint = subprocess.run(["reuse", "--root", root, "lint"], capture_output=True, text=True)
         assert lint.returncode == 0, lint.stdout
+# Recipes for programs that need not be here: Spack's directives and Apptainer's sections.
+package = ast.parse((root / "packaging/spack/packages/spall/package.py").read_text())
+recipe = next(node for node in package.body if isinstance(node, ast.ClassDef))
+assert recipe.name == "Spall" and recipe.bases[0].id == "CMakePackage"
+called = {node.value.func.id for node in recipe.body if isinstance(node, ast.Expr) and isinstance(node.value, ast.Call)}
+assert called <= {"license", "version", "generator", "depends_on", "conflicts"}, called
+options = set(re.findall(r"^option\((\w+)", (root / "CMakeLists.txt").read_text(), re.M))
+given = {node.value for node in ast.walk(recipe) if isinstance(node, ast.Constant) and str(node.value).startswith("SPALL_")}
+assert given and given <= options, given - options
+
+stages = (root / "packaging/spall.def").read_text().split("Bootstrap: ")[1:]
+for stage in stages:
+    sections = re.split(r"^%(\w+).*\n", stage, flags=re.M)[1:]
+    assert set(sections[::2]) <= {"files", "post", "test", "runscript", "help"}, sections[::2]
+    for name, text in zip(sections[::2], sections[1::2]):
+        if name in ("post", "test", "runscript"):
+            subprocess.run(["sh", "-n"], input=text, text=True, check=True)
+assert [re.search(r"^Stage: (\w+)$", stage, re.M)[1] for stage in stages] == ["build", "run"]
 print(f"version {version} everywhere")
