@@ -8,6 +8,7 @@ packages=(
   libeigen3-dev libfmt-dev libcli11-dev libtomlplusplus-dev
   libgtest-dev libbenchmark-dev clang-format-14
   clang-14 libclang-rt-14-dev
+  debhelper reuse
   python3 python3-h5py python3-numpy python3-matplotlib
   pybind11-dev python3-dev python3-venv python3-pip python3-mpi4py python3-pandas
 )

@@ -13,6 +13,7 @@
 #include "spall/spall.hpp"
 
 namespace py = pybind11;
+using namespace py::literals;
 
 namespace {
 
@@ -88,24 +89,14 @@ py::dict views(const Bodies& bodies, py::handle owner, bool writable) {
 }
 
 py::dict energies_of(const Energies& e) {
-  py::dict all;
-  all["kinetic"] = e.kinetic;
-  all["pairs"] = e.pairs;
-  all["gravitational"] = e.gravitational;
-  all["dissipated"] = e.dissipated;
-  all["own_work"] = e.own_work;
-  all["prescribed_work"] = e.prescribed_work;
-  return all;
+  return py::dict("kinetic"_a = e.kinetic, "pairs"_a = e.pairs, "gravitational"_a = e.gravitational,
+                  "dissipated"_a = e.dissipated, "own_work"_a = e.own_work,
+                  "prescribed_work"_a = e.prescribed_work);
 }
 
 py::dict summary_of(const StepSummary& s) {
-  py::dict all;
-  all["steps"] = s.steps;
-  all["contacts"] = s.contacts;
-  all["residual"] = s.residual;
-  all["converged"] = s.converged;
-  all["overlap"] = s.overlap;
-  return all;
+  return py::dict("steps"_a = s.steps, "contacts"_a = s.contacts, "residual"_a = s.residual,
+                  "converged"_a = s.converged, "overlap"_a = s.overlap);
 }
 
 /// Array of the ids i, j of each pair on this rank.

@@ -14,7 +14,9 @@
 #include <optional>
 #include <string_view>
 
+#include "base/commit.hpp"
 #include "base/kernels.hpp"
+#include "keys/units.hpp"
 #include "output/snapshot.hpp"
 #include "run/run.hpp"
 #include "run/solve_file.hpp"
@@ -111,8 +113,9 @@ int dispatch(const Comm& comm, int argc, char** argv) {
       "  spall keys, and README.md. `spall SUBCOMMAND --help` tells the options of each.\n"
       "Exit codes: 0: done; 3: stopped by a signal, `spall resume` goes on; others: an error.");
   app.require_subcommand(1);
-  app.set_version_flag(
-      "--version", fmt::format("spall {}, instructions: {}", SPALL_VERSION, instructions_name()));
+  app.set_version_flag("--version",
+                       fmt::format("spall {}, commit {}, instructions: {}", SPALL_VERSION,
+                                   commit_of_build(), instructions_name()));
   Options options;
 
   auto* run = app.add_subcommand(
@@ -161,7 +164,7 @@ int dispatch(const Comm& comm, int argc, char** argv) {
   solve->add_flag("--evaluate", options.evaluate, "solve nothing: E of the file's own /solution/r");
   auto* list = app.add_subcommand("list", "list the cases under ./cases");
   auto* keys = app.add_subcommand(
-      "keys", "print every key of a case file and every field of snapshots, with units");
+      "keys", "print every key of a case file, every field of snapshots, and all units");
 
   try {
     app.parse(argc, argv);
@@ -198,7 +201,7 @@ int dispatch(const Comm& comm, int argc, char** argv) {
   if (comm.rank != 0) return 0;  // what follows needs no second rank
   if (*page) return run_script("report.py", {options.file});
   if (*list) list_cases();
-  if (*keys) fmt::print("{}{}", case_reference(), describe_output_fields());
+  if (*keys) fmt::print("{}{}{}", case_reference(), describe_output_fields(), describe_units());
   return 0;
 }
 

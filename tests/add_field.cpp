@@ -74,7 +74,7 @@ TEST(AddedField, stands_in_restart_files_and_in_snapshots_with_its_unit) {
   RestartState state;
   state.bodies = row_of_spheres(comm, 40);
   const std::string folder = fmt::format("add_field_{}", comm.size);
-  SnapshotWriter writer(comm, folder, Case{});
+  SnapshotWriter writer(comm, folder, Case{}, {});
   writer.write(state.bodies, 3, 0.5);
   writer.write_index();
   write_restart(comm, folder + "/restart.h5", state);

@@ -12,6 +12,7 @@
 
 #include "../src/output/files.hpp"
 #include "../src/output/h5.hpp"
+#include "base/commit.hpp"
 #include "base/first_rank.hpp"
 #include "output/diagnostics.hpp"
 #include "output/restart.hpp"
@@ -89,7 +90,7 @@ TEST(Snapshot, row_k_is_body_k_with_the_same_bits_on_any_number_of_ranks) {
   Case scene;
   scene.text = "title = \"test\"";
   for (const char* name : {"core", "shell", "dust"}) scene.groups.emplace_back().name = name;
-  SnapshotWriter writer(comm, folder, scene);
+  SnapshotWriter writer(comm, folder, scene, provenance_of(comm, scene));
   writer.write(dealt(comm, 71), 10, 0.1);
   writer.write(dealt(comm, 73), 20, 0.3);  // two were added
   Bodies expected;
@@ -138,12 +139,58 @@ TEST(Snapshot, row_k_is_body_k_with_the_same_bits_on_any_number_of_ranks) {
   }
 }
 
+TEST(Provenance, stands_alike_in_snapshots_trajectories_and_results) {
+  const Comm comm = testing_world();
+  const std::string folder = fresh_folder(comm);
+  Case scene;
+  scene.title = "a \"test\"";
+  scene.file = "folder/case.toml";
+  scene.text = "title = 'a \"test\"'\n# two lines\n";
+  scene.overrides = {"seed=7", "contact.friction=0.5"};
+  scene.seed = 7;
+  const Provenance provenance = provenance_of(comm, scene);
+  SnapshotWriter writer(comm, folder, scene, provenance);
+  writer.write(dealt(comm, 5), 0, 0);
+  ResultTable table;
+  table.add("case", "cohesion", 0.5);
+  write_results(comm, folder, table, provenance);
+  keep_case(comm, folder, "seed = 7\n");
+  if (comm.rank == 0) {
+    const toml::table results = toml::parse_file(folder + "/results.toml");
+    const toml::table& told = *results["provenance"].as_table();
+    EXPECT_EQ(*told["title"].value<std::string>(), scene.title);
+    EXPECT_EQ(*told["case"].value<std::string>(), scene.text);
+    EXPECT_EQ(*told["case_file"].value<std::string>(), scene.file);
+    EXPECT_EQ(*told["overrides"].value<std::string>(), "seed=7\ncontact.friction=0.5\n");
+    EXPECT_EQ(*told["seed"].value<int>(), 7);
+    EXPECT_EQ(*told["ranks"].value<int>(), comm.size);
+    EXPECT_NE(told["command"].value<std::string>()->find("test_output"), std::string::npos);
+    EXPECT_EQ(*told["commit"].value<std::string>(), commit_of_build());
+    EXPECT_EQ(told["date"].value<std::string>()->size(), std::strlen("2026-11-23T06:28:01Z"));
+    for (const char* key : {"version", "host"})
+      EXPECT_NE(told[key].value_or(std::string()), "") << key;
+    for (const char* name : {"/snapshots/000000.h5", "/trajectory.h5"}) {
+      const auto file = h5::File::open(folder + name);
+      for (auto&& [key, node] : told) {
+        const std::string place = "/parameters/" + std::string(key.str());
+        if (node.is_integer())
+          EXPECT_EQ(file.read<std::int64_t>(place).at(0), *node.value<std::int64_t>()) << place;
+        else
+          EXPECT_EQ(file.read_text(place), *node.value<std::string>()) << place;
+      }
+    }
+    EXPECT_EQ(read_whole(folder + "/resolved_case.toml"), "seed = 7\n");
+  }
+  keep_case(comm, folder, "");
+  EXPECT_FALSE(std::filesystem::exists(folder + "/resolved_case.toml"));
+}
+
 TEST(Snapshot, a_periodic_box_has_edges_and_a_lower_corner) {
   const Comm comm = testing_world();
   const std::string folder = fresh_folder(comm);
   Case scene;
   scene.period = {.low = Vec3(-1, -2, 0), .size = Vec3(2, 5, 0)};
-  SnapshotWriter writer(comm, folder, scene);
+  SnapshotWriter writer(comm, folder, scene, {});
   writer.write(dealt(comm, 5), 0, 0);
   if (comm.rank != 0) return;
   for (const char* name : {"/snapshots/000000.h5", "/trajectory.h5"}) {
@@ -160,7 +207,7 @@ TEST(Snapshot, a_resumed_run_goes_on_and_a_new_one_starts_over) {
     return h5::File::open(folder + "/trajectory.h5").read<double>("/particles/all/position/time");
   };
   for (int run = 0; run < 2; ++run) {
-    SnapshotWriter writer(comm, folder, {});
+    SnapshotWriter writer(comm, folder, {}, {});
     for (int step : {10, 20, 30}) writer.write(dealt(comm, 5), step, step);
   }
   if (comm.rank == 0) {
@@ -168,7 +215,7 @@ TEST(Snapshot, a_resumed_run_goes_on_and_a_new_one_starts_over) {
     // A run killed while it wrote the next one.
     std::ofstream(folder + "/snapshots/000003.h5.unfinished") << "half a file";
   }
-  SnapshotWriter writer(comm, folder, {}, 2);  // the restart was written before the third
+  SnapshotWriter writer(comm, folder, {}, {}, 2);  // the restart was written before the third
   writer.write(dealt(comm, 5), 25, 25);
   if (comm.rank == 0) {
     EXPECT_EQ(times(), (std::vector<double>{10, 20, 25}));
@@ -187,13 +234,13 @@ TEST(Snapshot, that_is_lost_or_damaged_is_named_and_none_is_removed) {
   const Comm comm = testing_world();
   const std::string folder = fresh_folder(comm);
   {
-    SnapshotWriter writer(comm, folder, {});
+    SnapshotWriter writer(comm, folder, {}, {});
     for (int step : {10, 20, 30, 40}) writer.write(dealt(comm, 5), step, step);
     EXPECT_EQ(writer.count(), 4);
   }
   const std::string second = folder + "/snapshots/000001.h5";
   const auto resumed = [&](std::int64_t kept) {
-    return complaint_of([&] { SnapshotWriter(comm, folder, {}, kept); });
+    return complaint_of([&] { SnapshotWriter(comm, folder, {}, {}, kept); });
   };
   on_first_rank(comm, [&] { write_whole(second, "no snapshot"); });
   EXPECT_NE(resumed(3).find("'" + second + "'"), std::string::npos) << resumed(3);
@@ -212,7 +259,7 @@ TEST(Snapshot, a_map_of_gravity_lies_in_it_point_by_point) {
   Case scene;
   scene.gravity = {.method = GravityMethod::direct, .constant = 1};
   scene.gravity_map = Grid::in_box({0, 0, 0}, {4, 3, 0}, 0.5);
-  SnapshotWriter writer(comm, folder, scene);
+  SnapshotWriter writer(comm, folder, scene, {});
   writer.write(bodies, 0, 0);
   const GravityMap map = map_gravity(comm, scene.gravity, bodies, *scene.gravity_map);
   const std::vector<double> potential = comm.all_gather(map.potential);
@@ -229,7 +276,7 @@ TEST(Snapshot, a_map_of_gravity_lies_in_it_point_by_point) {
 
 TEST(Snapshot, missing_ids_are_an_error) {
   const Comm comm = testing_world();
-  SnapshotWriter writer(comm, fresh_folder(comm), {});
+  SnapshotWriter writer(comm, fresh_folder(comm), {}, {});
   Bodies bodies;
   if (comm.rank == 0) add_body(bodies, 4);
   bodies.owned = bodies.size();
@@ -340,7 +387,7 @@ TEST(Restart, fields_that_bodies_do_not_have_are_in_no_file_and_come_back_as_zer
   EXPECT_TRUE(in.bodies.heat.empty());
   EXPECT_EQ(in.bodies.kick, std::vector<Vec3>(in.bodies.owned, Vec3::Zero()));
 
-  SnapshotWriter writer(comm, folder, Case{});
+  SnapshotWriter writer(comm, folder, Case{}, {});
   writer.write(out.bodies, 1, 0.5);
   writer.write_index();
   if (comm.rank != 0) return;
@@ -603,7 +650,7 @@ TEST(Results, toml_keeps_every_digit) {
 
 TEST(Results, an_unwritable_folder_is_a_clear_error) {
   const Comm self(MPI_COMM_SELF);
-  EXPECT_THROW(write_results(self, "/proc/nowhere", ResultTable()), Error);
+  EXPECT_THROW(write_results(self, "/proc/nowhere", {}, {}), Error);
 }
 
 }  // namespace

@@ -180,9 +180,9 @@ wait_for() {
   return 1
 }
 
-# Physics of a results file: everything but the seconds.
+# Physics of a results file: everything but the seconds and where it comes from.
 results_of() {
-  sed '/^\[time\]/,/^$/d' "$1/results.toml"
+  sed '/^\[time\]/,$d' "$1/results.toml"
 }
 
 # Rows of a series but for the seconds that its stages took.
@@ -198,6 +198,21 @@ sed 's/count = 300/count = 40/; s/radius = "10 m"/radius = "6 m"/; s/duration = 
 on_ranks "$ranks" run small.toml --out whole || fail "a small run: $(cat stderr)"
 on_ranks "$ranks" resume whole/after_aggregation.h5 --out resumed || fail "resume: $(cat stderr)"
 diff <(results_of whole) <(results_of resumed) || fail "a resumed run ends otherwise"
+
+# The case that lies beside results is the one that was run, changes and all, wherever it stands.
+on_ranks "$ranks" run small.toml --out seeded --set seed=2 --set "output.restart_every=1 h" || fail "a changed run: $(cat stderr)"
+diff -q <(results_of whole) <(results_of seeded) >/dev/null && fail "a changed seed changes nothing"
+mkdir -p elsewhere && cp seeded/resolved_case.toml elsewhere/own.toml
+on_ranks "$ranks" run elsewhere/own.toml --out again || fail "a resolved case: $(cat stderr)"
+diff <(results_of seeded) <(results_of again) || fail "a resolved case gives another run"
+/usr/bin/python3 - seeded <<'END' || fail "where results come from"
+import sys, tomllib
+told = tomllib.load(open(sys.argv[1] + "/results.toml", "rb"))["provenance"]
+assert told["case"] == open("small.toml").read(), told["case"]
+assert told["overrides"] == "seed=2\noutput.restart_every=1 h\n", told["overrides"]
+assert told["command"].endswith("run small.toml --out seeded --set seed=2 --set 'output.restart_every=1 h'"), told["command"]
+assert told["seed"] == 2 and told["case_file"] == "small.toml", told
+END
 
 # What a run took before its restart file counts, also where nothing is left to do.
 on_ranks "$ranks" resume whole/after_evolution.h5 --out ended || fail "resume at the end: $(cat stderr)"

@@ -144,6 +144,7 @@ class Module(unittest.TestCase):
             scene.run(out)
         comm.barrier()
         self.assertEqual(spall.Run(out).results, run.results)
+        self.assertIs(run.results, run.results)
 
 
 class OthersScenes(unittest.TestCase):

@@ -255,6 +255,35 @@ packing = {kind = "hcp", radius = 1}
             "x.toml:3:1: groups.a: its volume holds no sphere of radius 1 m");
 }
 
+TEST(Case, what_is_resolved_is_the_same_case_with_its_changes_wherever_it_stands) {
+  const std::vector<std::string> files = find_cases(CASES);
+  ASSERT_GT(files.size(), 10u);
+  for (const std::string& file : files) {
+    const Case scene = read_case(file, {"seed=7", "phases.0.step=1e-9"});
+    const Case again = parse_case(scene.resolved, "/elsewhere/x.toml");
+    EXPECT_EQ(again.resolved, scene.resolved) << file;
+    EXPECT_EQ(again.seed, 7u);
+    EXPECT_EQ(again.phases[0].step, 1e-9);
+    const auto is_stored = [](const Group& g) { return !g.packing.file.empty(); };
+    if (std::ranges::none_of(scene.groups, is_stored)) {  // else an earlier run makes its bodies
+      EXPECT_EQ(describe_phases(again), describe_phases(scene)) << file;
+    }
+    for (std::size_t g = 0; g < scene.groups.size(); ++g) {
+      EXPECT_EQ(again.groups[g].packing.rotation, scene.groups[g].packing.rotation) << file;
+      EXPECT_EQ(again.groups[g].volume.center, scene.groups[g].volume.center) << file;
+    }
+  }
+}
+
+TEST(Case, nothing_is_resolved_where_a_program_adds_spheres) {
+  Scene scene = Scene::from_text(
+      "[materials.rock]\ndensity = 2000\n[[phases]]\nname = 'only'\n"
+      "step = 1\nduration = 1\n");
+  EXPECT_FALSE(scene.parts()->resolved.empty());
+  scene.add({.material = "rock", .radius = 1});
+  EXPECT_TRUE(scene.parts()->resolved.empty());
+}
+
 TEST(Scene, the_cases_that_come_with_the_program_have_the_thesis_masses) {
   const std::vector<std::string> files = find_cases(CASES);
   for (const std::string& file : files) {

@@ -4,6 +4,7 @@
 # usage: sweep.sh SPALL, in a folder to write in
 set -u
 spall=$1
+job=$(cd "$(dirname "$0")" && pwd)/../jobs/cluster.slurm
 rm -rf sweep
 mkdir sweep && cd sweep || exit 1
 failures=0
@@ -50,6 +51,28 @@ before=$(stat -c %y out/fall-sweep/radius=1m_seed=1/results.toml)
 [ "$("$spall" sweep fall.toml --set groups.ball.volume.radius=1,2,3,4m --commands --ranks 2 | grep -c 'mpirun -n 2')" = 4 ] ||
   fail "commands of what is not done"
 
+# A job array, as Slurm would start it: a job a combination, side by side, then one table of the same numbers.
+mkdir -p slurm
+printf '#!/bin/sh\nexec "$@"\n' >slurm/srun
+chmod +x slurm/srun
+for k in 1 2 3 4; do
+  PATH=$PWD/slurm:$PATH SPALL=$spall SLURM_JOB_ID=$k SLURM_ARRAY_TASK_ID=$k bash "$job" sweep fall.toml \
+    --set groups.ball.volume.radius=1,2m --set seed=1..2 --out out/array >"job_$k" 2>&1 &
+  jobs[k]=$!
+done
+for k in 1 2 3 4; do wait "${jobs[k]}" || fail "job $k of an array: $(cat "job_$k")"; done
+"$spall" sweep fall.toml --set groups.ball.volume.radius=1,2m --set seed=1..2 --out out/array --table >out.txt ||
+  fail "a table of an array: $(cat out.txt)"
+python3 - <<'END' || fail "the table of an array"
+import json
+def rows_of(sweep):
+    return [{key: value for key, value in row.items() if not key.startswith("time.")}
+            for row in json.load(open(f"out/{sweep}/table.json")) if row["groups.ball.volume.radius"] != "3m"]
+assert rows_of("array") == rows_of("fall-sweep"), rows_of("array")
+END
+"$spall" sweep fall.toml --set seed=1..3 --out out/empty --table >out.txt
+[ $? = 3 ] && grep -q "3 of 3 are not done" out.txt || fail "a table of nothing: $(cat out.txt)"
+
 refused() { # text that must be said, arguments
   local text=$1
   shift
@@ -63,6 +86,8 @@ refused "a value is missing" fall.toml --set seed=1,,2
 refused "told twice" fall.toml --set seed=1 --set seed=2
 refused "larger than the last" fall.toml --set seed=5..1
 refused "no run has a result" fall.toml --set seed=1..2 --out shown --show pile.mas
+refused "there are combinations 1 to 2" fall.toml --set seed=1..2 --out other --only 3
+refused "another case" fall.toml --set contact.friction=0.3 --set seed=1..2 --out out/array --only 1
 refused "no_such.toml" no_such.toml --set seed=1..2
 
 [ $failures = 0 ] && echo "all passed"

@@ -48,6 +48,29 @@ TEST(Units, times_and_angles_have_their_customary_units) {
   EXPECT_DOUBLE_EQ(parse_quantity("36 km/h", dimension::speed), 10);
 }
 
+TEST(Units, inches_feet_pounds_and_their_pressures_are_the_exact_ones) {
+  EXPECT_DOUBLE_EQ(parse_quantity("1 in", dimension::length), 0.0254);
+  EXPECT_DOUBLE_EQ(parse_quantity("0.375 in", dimension::length), 9.525e-3);
+  EXPECT_DOUBLE_EQ(parse_quantity("40 mil", dimension::length), 1.016e-3);
+  EXPECT_DOUBLE_EQ(parse_quantity("1 ft", dimension::length), 0.3048);
+  EXPECT_DOUBLE_EQ(parse_quantity("22000 ft/s", dimension::speed), 6705.6);
+  EXPECT_DOUBLE_EQ(parse_quantity("1 lb", dimension::mass), 0.45359237);
+  EXPECT_DOUBLE_EQ(parse_quantity("1 lbf", dimension::force), 4.4482216152605);
+  // NIST SP 811, appendix B.8, to the seven digits that it prints.
+  EXPECT_NEAR(parse_quantity("1 psi", dimension::pressure), 6.894757e3, 0.5e-3);
+  EXPECT_NEAR(parse_quantity("1 ksi", dimension::pressure), 6.894757e6, 0.5);
+  EXPECT_NEAR(parse_quantity("1 lb/in^3", dimension::density), 2.767990e4, 0.5e-2);
+  EXPECT_DOUBLE_EQ(parse_quantity("1 lbf/in^2", dimension::pressure),
+                   parse_quantity("1 psi", dimension::pressure));
+  EXPECT_EQ(parse_quantity("2 min", dimension::time), 120);  // no milli-inches
+}
+
+TEST(Units, that_are_listed_are_known) {
+  const std::string list = describe_units();
+  for (const char* unit : {" bar ", " mil ", " psi "})
+    EXPECT_NE(list.find(unit), list.npos) << list;
+}
+
 TEST(Units, wrong_ones_are_told_with_an_example) {
   EXPECT_EQ(complaint("6.7 km", dimension::speed),
             "\"6.7 km\" is a length; a speed such as \"6.7 km/s\" is wanted");

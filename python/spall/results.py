@@ -1,4 +1,5 @@
 """What a run left in its folder."""
+from functools import cached_property
 from pathlib import Path
 
 
@@ -10,9 +11,9 @@ class Run:
         if not self.folder.is_dir():
             raise FileNotFoundError(f"{folder} is no folder of a run")
 
-    @property
+    @cached_property
     def results(self):
-        """results.toml as a dict."""
+        """results.toml as a dict, read once."""
         import tomllib
         return tomllib.loads((self.folder / "results.toml").read_text())
 

@@ -12,14 +12,15 @@
 
 namespace spall {
 
-/// Rank 0's text, on all ranks. Collective.
-inline void send_from_first(const Comm& comm, std::string& text) {
+/// Rank 0's text, on every rank. Collective.
+inline std::string text_of_first_rank(const Comm& comm, std::string text) {
   require(text.size() <= std::numeric_limits<int>::max(), "a text of {} bytes is not sent",
           text.size());
   auto length = static_cast<int>(text.size());
   check_mpi(MPI_Bcast(&length, 1, MPI_INT, 0, comm.raw), "MPI_Bcast");
   text.resize(length);
   check_mpi(MPI_Bcast(text.data(), length, MPI_CHAR, 0, comm.raw), "MPI_Bcast");
+  return text;
 }
 
 /// Calls `f` on rank 0. What it throws is thrown on all ranks, as an Error with the same words: no
@@ -36,9 +37,7 @@ void on_first_rank(const Comm& comm, F&& f) {
       reason = error.what();
     }
   }
-  if (!comm.any(failed)) return;
-  send_from_first(comm, reason);
-  throw Error(reason);
+  if (comm.any(failed)) throw Error(text_of_first_rank(comm, reason));
 }
 
 }  // namespace spall

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <utility>
 
 #include "base/first_rank.hpp"
 #include "spall/error.hpp"
@@ -35,8 +36,7 @@ std::string InputFiles::text(const std::string& path) const {
   if (!comm_) return read_text(path);
   std::string text;
   on_first_rank(*comm_, [&] { text = read_text(path); });
-  send_from_first(*comm_, text);
-  return text;
+  return text_of_first_rank(*comm_, std::move(text));
 }
 
 std::vector<double> InputFiles::numbers(const std::function<std::vector<double>()>& read) const {

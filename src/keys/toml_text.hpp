@@ -16,4 +16,10 @@ toml::table parse_toml(const std::string& text, const std::string& source);
 /// In quotes, with escapes: as a value or as a key.
 std::string toml_string(std::string_view text);
 
+/// With all digits that tell it from its neighbours, and never to be read as a whole number.
+std::string toml_number(double value);
+
+/// A document that reads as `table`, in the order of what was read; changes of it come first.
+std::string toml_text(const toml::table& table);
+
 }  // namespace spall

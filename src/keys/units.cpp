@@ -31,6 +31,11 @@ constexpr Unit units_with_prefix[] = {
     {"Hz", dimension::spin},     {"K", dimension::temperature},
 };
 
+// The international inch, foot and pound of 1959 and the standard gravity of a pound-force are
+// exact (NIST Special Publication 811, 2008, appendix B).
+constexpr double inch = 0.0254, foot = 0.3048, pound = 0.45359237, pound_force = pound * 9.80665;
+constexpr double psi = pound_force / (inch * inch);
+
 constexpr Unit units_alone[] = {
     {"t", dimension::mass, 3},
     {"min", dimension::time, 0, 60},
@@ -45,6 +50,13 @@ constexpr Unit units_alone[] = {
     {"rev", dimension::number, 0, 2 * pi},
     {"rpm", dimension::spin, 0, pi / 30},
     {"%", dimension::number, -2},
+    {"in", dimension::length, 0, inch},
+    {"mil", dimension::length, -3, inch},
+    {"ft", dimension::length, 0, foot},
+    {"lb", dimension::mass, 0, pound},
+    {"lbf", dimension::force, 0, pound_force},
+    {"psi", dimension::pressure, 0, psi},
+    {"ksi", dimension::pressure, 3, psi},
 };
 
 struct Prefix {
@@ -176,6 +188,19 @@ std::string si_unit(Dimension dimension) {
   for (const auto& entry : named)
     if (entry.dimension == dimension) return std::string(entry.unit);
   return name_of(dimension);
+}
+
+std::string describe_units() {
+  std::string text = "\nUnits, as in \"6.7 km/s\", \"1600 kg/m^3\", \"896 J/(kg K)\"\n";
+  const auto add = [&](std::string_view what, const auto& list) {
+    text += fmt::format("{:<23}", what);
+    for (const auto& one : list) text += fmt::format("{} ", one.name);
+    text.back() = '\n';
+  };
+  add("with prefixes", units_with_prefix);
+  add("prefixes", prefixes);
+  add("alone", units_alone);
+  return text;
 }
 
 std::string describe(Dimension dimension) {

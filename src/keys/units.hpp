@@ -30,6 +30,9 @@ double parse_quantity(std::string_view text, Dimension wanted);
 /// "m/s", "kg/m^3"; empty for a number.
 std::string si_unit(Dimension dimension);
 
+/// All units and prefixes, for `spall keys`.
+std::string describe_units();
+
 /// "a speed such as \"6.7 km/s\"".
 std::string describe(Dimension dimension);
 

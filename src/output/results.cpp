@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <functional>
 
 #include "base/first_rank.hpp"
 #include "keys/toml_text.hpp"
@@ -14,13 +15,6 @@
 namespace spall {
 
 namespace {
-
-/// All digits; a TOML float needs a point, an exponent, or to be inf or nan.
-std::string toml_number(double value) {
-  std::string text = fmt::format("{}", value);
-  if (text.find_first_of(".en") == std::string::npos) text += ".0";
-  return text;
-}
 
 template <class Number>
 std::string list(const std::vector<double>& values, Number&& number) {
@@ -103,20 +97,36 @@ std::string ResultTable::toml() const {
   return text;
 }
 
-void write_results(const Comm& comm, const std::string& folder, const ResultTable& table) {
+void write_results(const Comm& comm, const std::string& folder, ResultTable table,
+                   const Provenance& provenance) {
+  for (const auto& [key, value] : provenance)
+    std::visit([&, &name = key](const auto& v) { table.add("provenance", name, v); }, value);
   make_folder(comm, folder);
   on_first_rank(comm, [&] { write_whole(folder + "/results.toml", table.toml()); });
 }
 
-void keep_reference(const Comm& comm, const std::string& folder, const std::string& file) {
-  make_folder(comm, folder);
+namespace {
+
+/// Beside the results; without a text there is no such file.
+void keep(const Comm& comm, const std::string& path, const std::function<std::string()>& text_of) {
+  make_folder(comm, std::filesystem::path(path).parent_path());
   on_first_rank(comm, [&] {
-    const std::string copy = folder + "/reference.toml";
-    if (file.empty())
-      std::filesystem::remove(copy);
+    const std::string text = text_of();
+    if (text.empty())
+      std::filesystem::remove(path);
     else
-      write_whole(copy, read_whole(file));
+      write_whole(path, text);
   });
+}
+
+}  // namespace
+
+void keep_reference(const Comm& comm, const std::string& folder, const std::string& file) {
+  keep(comm, folder + "/reference.toml", [&] { return file.empty() ? "" : read_whole(file); });
+}
+
+void keep_case(const Comm& comm, const std::string& folder, const std::string& resolved) {
+  keep(comm, folder + "/resolved_case.toml", [&] { return resolved; });
 }
 
 }  // namespace spall

@@ -7,6 +7,7 @@
 #include <variant>
 #include <vector>
 
+#include "output/provenance.hpp"
 #include "spall/comm.hpp"
 
 namespace spall {
@@ -36,11 +37,17 @@ class ResultTable {
   std::vector<Section> sections_;
 };
 
-/// Writes `folder`/results.toml by rank 0, as a whole. Collective.
-void write_results(const Comm& comm, const std::string& folder, const ResultTable& table);
+/// Writes `folder`/results.toml by rank 0, as a whole; the table [provenance] comes last.
+/// Collective.
+void write_results(const Comm& comm, const std::string& folder, ResultTable table,
+                   const Provenance& provenance);
 
 /// Keeps a copy of `file`, a source's values, as `folder`/reference.toml beside the results; an
 /// empty name removes the copy of a former run. Collective.
 void keep_reference(const Comm& comm, const std::string& folder, const std::string& file);
+
+/// Keeps the text of the case with all changes as `folder`/resolved_case.toml, which can be run; an
+/// empty one removes that of a former run. Collective.
+void keep_case(const Comm& comm, const std::string& folder, const std::string& resolved);
 
 }  // namespace spall

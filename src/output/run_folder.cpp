@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "base/first_rank.hpp"
+#include "base/process.hpp"
 #include "output/files.hpp"
 #include "spall/error.hpp"
 
@@ -25,12 +26,6 @@ namespace spall {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string host() {
-  char name[256] = "";
-  gethostname(name, sizeof name - 1);
-  return name;
-}
 
 bool has_ended(int process) {
   if (kill(process, 0) != 0 && errno == ESRCH) return true;
@@ -52,14 +47,14 @@ void check_length(const std::string& folder) {
 }
 
 void lock(const std::string& folder) {
-  const std::string path = folder + "/lock", own = fmt::format("{} {}\n", host(), getpid());
+  const std::string path = folder + "/lock", own = fmt::format("{} {}\n", host_name(), getpid());
   int descriptor = open(path.c_str(), O_CREAT | O_EXCL | O_WRONLY, 0644);
   if (descriptor < 0 && errno == EEXIST) {
     const std::string holder = read_whole(path);
     char name[256] = "";
     int process = 0;
     const bool named = std::sscanf(holder.c_str(), "%255s %d", name, &process) == 2;
-    require(named && name == host() && has_ended(process),
+    require(named && name == host_name() && has_ended(process),
             "'{}': a run is under way there, by process {} on {}; if it is not, remove '{}'",
             folder, process, name, path);
     fmt::print(stderr, "spall: process {} on {} has left '{}': it is taken over\n", process, name,
@@ -91,7 +86,8 @@ std::vector<fs::path> files_of_runs(const fs::path& folder) {
   add(folder, [](const std::string& name) {
     constexpr const char* names[] = {"results.toml",      "series.csv",     "series.h5",
                                      "restart.h5",        "trajectory.h5",  "trajectory.xdmf",
-                                     "restart_before.h5", "reference.toml", "report.html"};
+                                     "restart_before.h5", "reference.toml", "report.html",
+                                     "resolved_case.toml"};
     return std::ranges::find(names, name) != std::end(names) ||
            (name.starts_with("after_") && ends_with(name, ".h5"));
   });

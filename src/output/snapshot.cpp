@@ -115,11 +115,11 @@ std::string describe_output_fields() {
   return text;
 }
 
-SnapshotWriter::SnapshotWriter(Comm comm, std::string folder, const Case& scene, std::int64_t kept)
+SnapshotWriter::SnapshotWriter(Comm comm, std::string folder, const Case& scene,
+                               Provenance provenance, std::int64_t kept)
     : comm_(comm),
       folder_(std::move(folder)),
-      case_text_(scene.text),
-      title_(scene.title),
+      provenance_(std::move(provenance)),
       materials_(scene.materials),
       names_(names_of(scene)),
       period_(scene.period),
@@ -145,9 +145,13 @@ void SnapshotWriter::write_metadata(h5::File& file) const {
   };
   if (period_.any()) write_corner(box + "/edges", period_.size);
   if (period_.any()) write_corner(box + "/offset", period_.low);
-  file.write_text("/parameters/case", case_text_);
-  file.write_text("/parameters/version", SPALL_VERSION);
-  file.write<int>("/parameters/ranks", std::array{comm_.size});
+  for (const auto& [key, value] : provenance_) {
+    const std::string name = "/parameters/" + key;
+    if (const auto* number = std::get_if<std::int64_t>(&value))
+      file.write<std::int64_t>(name, {number, 1});
+    else
+      file.write_text(name, std::get<std::string>(value));
+  }
 }
 
 void SnapshotWriter::find_written(std::int64_t kept) {

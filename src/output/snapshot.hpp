@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "output/provenance.hpp"
 #include "scene/case.hpp"
 #include "spall/bodies.hpp"
 #include "spall/comm.hpp"
@@ -41,7 +42,8 @@ class SnapshotWriter {
   /// Removes snapshots of an earlier run in the same folder, on resuming only those that follow the
   /// first `kept`: where one of these is lost or cannot be read, an Error names it, and nothing is
   /// removed. A folder without snapshots begins anew. Collective.
-  SnapshotWriter(Comm comm, std::string folder, const Case& scene, std::int64_t kept = 0);
+  SnapshotWriter(Comm comm, std::string folder, const Case& scene, Provenance provenance,
+                 std::int64_t kept = 0);
 
   /// Ids of the owned bodies of all ranks are 0 … N-1, in any distribution. Where the case asks for
   /// a map of gravity, the file holds it as /fields/gravity: potential and acceleration, row k at
@@ -68,8 +70,7 @@ class SnapshotWriter {
 
   Comm comm_;
   std::string folder_;
-  std::string case_text_;
-  std::string title_;
+  Provenance provenance_;
   std::vector<Material> materials_;
   FieldNames names_;
   Period period_;

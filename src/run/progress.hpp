@@ -9,10 +9,14 @@
 
 namespace spall {
 
-/// A line every few seconds, from rank 0.
+/// From rank 0: on a terminal one line that is written over each second, else lines that become
+/// rarer as the run goes on.
 class Progress {
  public:
   Progress(const Comm& comm, const Case& scene);
+  ~Progress();
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
 
   struct State {
     double residual = 0;  ///< E of the last step
@@ -28,8 +32,14 @@ class Progress {
   void say(const std::string& line);
 
  private:
+  /// Takes the line that is written over off the terminal.
+  void clear();
+
   const Case& scene_;
   bool speaks_;
+  int columns_;                 // of the terminal; 0: there is none
+  bool in_place_ = false;       // a line stands there that is to be written over
+  double begin_;                // s, when the run began
   double last_;                 // s, when a line was shown or the phase began
   std::int64_t last_step_ = 0;  // of the phase, made by then
 };

@@ -11,7 +11,7 @@
 #include <new>
 
 #include "base/first_rank.hpp"
-#include "base/resident.hpp"
+#include "base/process.hpp"
 #include "gravity/kick.hpp"
 #include "output/files.hpp"
 #include "output/restart.hpp"
@@ -44,6 +44,7 @@ class Run {
         debris_(scene_),
         progress_(comm, scene_),
         reactions_(scene_),
+        provenance_(provenance_of(comm, scene_)),
         seconds_at_start_(MPI_Wtime()),
         last_restart_(seconds_at_start_) {
     if (from) {
@@ -103,11 +104,12 @@ class Run {
   void open_files() {
     if (!folder_.goes_on()) folder_.begin(comm_);
     series_.emplace(comm_, folder_.path(), columns(), resumes_at_ - 1, rows_);
-    snapshots_.emplace(comm_, folder_.path(), scene_, snapshots_written_);
+    snapshots_.emplace(comm_, folder_.path(), scene_, provenance_, snapshots_written_);
     if (folder_.goes_on()) folder_.begin(comm_);  // nothing that it needs is lost
     count_files();
     save_scalars(*this, kept_.scalars);  // another folder has others than those of the state
     keep_reference(comm_, folder_.path(), scene_.reference);
+    keep_case(comm_, folder_.path(), scene_.resolved);
   }
 
   void count_files() {
@@ -329,7 +331,7 @@ class Run {
       table.add("time", stage + "_s", comm_.max(world().times[stage]), "s", "longest rank");
     table.add("time", "ranks", static_cast<std::int64_t>(comm_.size));
     progress_.say("\n" + table.text());
-    write_results(comm_, folder_.path(), table);
+    write_results(comm_, folder_.path(), table, provenance_);
     snapshots_->write_index();
     series_->write_hdf5();
   }
@@ -367,6 +369,7 @@ class Run {
   Progress progress_;
   Progress::State shown_;
   ReactionRows reactions_;
+  Provenance provenance_;
   std::optional<Series> series_;
   std::optional<SnapshotWriter> snapshots_;
   std::optional<Simulation> simulation_;

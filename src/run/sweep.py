@@ -25,6 +25,7 @@ from pathlib import Path
 from system_python import need
 
 DONE, STOPPED = 0, 3  # exit codes of spall
+NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 
 
 def values_of(text):
@@ -37,10 +38,9 @@ def values_of(text):
     parts = [part.strip() for part in re.split(r",(?![^\[]*\])", text)]
     if "" in parts:
         sys.exit(f"spall sweep: {text}: a value is missing")
-    number = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
-    unit = re.fullmatch(rf"{number}\s*([^\d.\s].*)", parts[-1])
-    if unit and not re.fullmatch(number, parts[-1]):
-        parts = [part + unit[1] if re.fullmatch(number, part) else part for part in parts]
+    unit = re.fullmatch(rf"{NUMBER}\s*([^\d.\s].*)", parts[-1])
+    if unit and not re.fullmatch(NUMBER, parts[-1]):
+        parts = [part + unit[1] if re.fullmatch(NUMBER, part) else part for part in parts]
     return parts
 
 
@@ -54,16 +54,21 @@ class Run:
         self.name = "_".join(re.sub(r"[^\w.=+-]+", "-", name) for name in names) or "run"
         self.folder = out / self.name
 
+    def options(self):
+        return [word for key, value in self.changes.items() for word in ("--set", f"{key}={value}")]
+
+    def state(self):
+        """What its folder tells; a run that is under way waits, too."""
+        return "done" if (self.folder / "results.toml").is_file() else "waits"
+
     def command(self, spall, case, ranks):
         """What begins this run, or goes on with it; None where it is done."""
-        if (self.folder / "results.toml").is_file():
+        if self.state() == "done":
             return None
         if (self.folder / "restart.h5").is_file():
             words = [spall, "resume", str(self.folder / "restart.h5")]
         else:
-            words = [spall, "run", case, "--out", str(self.folder), "--overwrite"]
-            for key, value in self.changes.items():
-                words += ["--set", f"{key}={value}"]
+            words = [spall, "run", case, "--out", str(self.folder), "--overwrite", *self.options()]
         return ["mpirun", "-n", str(ranks), *words] if ranks > 1 else words
 
     def results(self):
@@ -74,7 +79,7 @@ class Run:
         flat = {}
         for section, rows in tomllib.loads(path.read_text()).items():
             for key, value in rows.items():
-                if isinstance(value, (int, float)):
+                if section != "provenance" and isinstance(value, (int, float)):
                     flat[f"{section}.{key}"] = value
         return flat
 
@@ -90,7 +95,9 @@ def claim(out, case, fixed, overwrite):
         for old in [*out.glob("*/results.toml"), *out.glob("*/restart*.h5")]:
             old.unlink()
     out.mkdir(parents=True, exist_ok=True)
-    path.write_text(json.dumps(own, indent=1) + "\n")
+    whole = path.with_suffix(f".{os.getpid()}")  # jobs of an array write it side by side
+    whole.write_text(json.dumps(own, indent=1) + "\n")
+    whole.replace(path)
 
 
 def write_tables(out, runs, states):
@@ -105,7 +112,7 @@ def write_tables(out, runs, states):
 
 
 def leading_number(text):
-    found = re.match(r"[-+]?[\d.]+(?:[eE][-+]?\d+)?", str(text))
+    found = re.match(NUMBER, str(text))
     return float(found[0]) if found else None
 
 
@@ -150,7 +157,11 @@ def main():
                         help="a number of results.toml to print and draw, as deflection.beta; once for each")
     parser.add_argument("--overwrite", action="store_true", help="forget what --out holds of another sweep")
     parser.add_argument("--commands", action="store_true",
-                        help="run nothing: print a line for each run that is not done, such as for a job array")
+                        help="run nothing: print a line for each run that is not done")
+    parser.add_argument("--only", type=int, metavar="K",
+                        help="run nothing: print case, folder and --set of combination K, counted from 1, a word a line; "
+                             "jobs/cluster.slurm does so")
+    parser.add_argument("--table", action="store_true", help="run nothing: gather the results that are there")
     options = parser.parse_args()
     if options.show:
         need("spall sweep --show", "matplotlib")
@@ -173,14 +184,19 @@ def main():
             if command := run.command(spall, options.case, options.ranks):
                 print(shlex.join(command))
         return
+    if options.only is not None and not 1 <= options.only <= len(runs):
+        sys.exit(f"spall sweep: --only {options.only}: there are combinations 1 to {len(runs)}")
 
     # What the first refuses would be refused by all: nothing is begun then.
-    changes = [word for key, value in runs[0].changes.items() for word in ("--set", f"{key}={value}")]
-    checked = subprocess.run([spall, "check", options.case, *changes], stdout=subprocess.DEVNULL)
+    checked = subprocess.run([spall, "check", options.case, *runs[0].options()], stdout=subprocess.DEVNULL)
     if checked.returncode != 0:
         sys.exit(checked.returncode)
     claim(out, case, {key: values[0] for key, values in keys.items() if len(values) == 1}, options.overwrite)
-    states = {run.name: "waits" for run in runs}
+    if options.only is not None:
+        run = runs[options.only - 1]
+        print(options.case, run.folder, *run.options(), sep="\n")
+        return
+    states = {run.name: run.state() if options.table else "waits" for run in runs}
 
     def carry_out(run):
         command = run.command(spall, options.case, options.ranks)
@@ -194,8 +210,9 @@ def main():
         shown = "".join(f"  {name} = {found[name]:.6g}" for name in options.show if name in found)
         print(f"{count} of {len(runs)}  {run.name}: {states[run.name]}{shown}", flush=True)
 
-    with ThreadPoolExecutor(options.jobs) as pool:
-        list(pool.map(carry_out, runs))
+    if not options.table:
+        with ThreadPoolExecutor(options.jobs) as pool:
+            list(pool.map(carry_out, runs))
     rows = write_tables(out, runs, states)
     print(f"table: {out / 'table.csv'}, {out / 'table.json'}")
     for name in options.show:
@@ -208,7 +225,9 @@ def main():
             if states[run.name] == "failed":
                 print(f"failed: {run.name}, see {out / run.name}.log", file=sys.stderr)
         sys.exit(1)
-    if "stopped" in states.values():
+    if waiting := list(states.values()).count("waits"):
+        print(f"{waiting} of {len(runs)} are not done")
+    if waiting or "stopped" in states.values():
         sys.exit(STOPPED)
 
 

@@ -16,6 +16,7 @@
 #include "scene/read_group.hpp"
 #include "scene/read_motion.hpp"
 #include "scene/read_walls.hpp"
+#include "scene/resolved_case.hpp"
 #include "scene/shape.hpp"
 #include "spall/error.hpp"
 
@@ -348,6 +349,7 @@ Case parse_case(const std::string& text, const std::string& file,
   find_debris_groups(scene);
   gather_motions(scene);
   check_whole(scene, groups);
+  scene.resolved = resolved_text(std::move(root), scene);
   return scene;
 }
 

@@ -153,6 +153,8 @@ struct Case : Surroundings {
   std::string file;                    ///< where it was read
   std::string text;                    ///< the file as read: with `overrides` gives the case again
   std::vector<std::string> overrides;  ///< "key.path=value"
+  std::string resolved;  ///< TOML that is this case, with `overrides` in it; empty: a program added
+                         ///< to it what no file tells
   std::string title;
   std::string reference;        ///< file with a source's values, for the report; empty: none
   std::string reference_place;  ///< where the case asks for it, for messages

@@ -29,6 +29,7 @@ Scene& Scene::add(const SceneSphere& sphere) {
   require(sphere.mass >= 0, "{}: sphere {}: mass = {} kg", case_->file, number, sphere.mass);
   require(!sphere.fixed || (sphere.velocity.isZero(0) && sphere.spin.isZero(0)),
           "{}: sphere {}: it is fixed and has a velocity or a spin", case_->file, number);
+  case_->resolved.clear();
   SceneSphere& added = case_->spheres.emplace_back(sphere);
   if (added.mass == 0) added.mass = found->density * ball_volume(added.radius);
   if (added.fixed) added.mass = infinity;

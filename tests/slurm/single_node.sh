@@ -60,7 +60,7 @@ runs() {  # folder
 }
 
 results_of() {
-  sed '/^\[time\]/,/^$/d' "$1/results.toml"
+  sed '/^\[time\]/,$d' "$1/results.toml"
 }
 
 same() {  # name, folder, folder
@@ -125,6 +125,12 @@ scancel --signal=TERM "$id"
 begin_again "${id}_1" && begin_again "${id}_2" || fail "$name: $(state_of "$id")"
 wait_for 200 is "$id" COMPLETED && passed "$name: all over" || fail "$name: $(state_of "$id")"
 cmp -s <(results_of seeds_1) <(results_of seeds_2) && fail "$name: two seeds have the same results"
+
+name="a sweep"
+id=$(submit --array=1-2 --ntasks-per-node=1 "$job" sweep case.toml --set phases.impact.cohesion=100,500N --out swept)
+wait_for 200 is "$id" COMPLETED || fail "$name: $(state_of "$id")"
+"$SPALL" sweep case.toml --set phases.impact.cohesion=100,500N --out swept --table >said 2>&1 && [ "$(wc -l <swept/table.csv)" = 3 ] &&
+  passed "$name: $(head -1 said)" || fail "$name: $(cat said)"
 
 name="a chain"
 for turn in 1 2 3; do ids[turn]=$(submit --no-requeue --job-name=chain --dependency=singleton "$job" case.toml chain); done
