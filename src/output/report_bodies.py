@@ -7,6 +7,7 @@ are sorted by their weight before they are compressed: those of high weight are 
 """
 import base64
 import os
+import re
 import zlib
 
 import h5py
@@ -42,7 +43,8 @@ def spread(count, most):
 
 def unit_of(dataset):
     unit = dataset.attrs.get("unit", b"")
-    return (unit.decode() if isinstance(unit, bytes) else unit).replace("+", "")
+    unit = unit.decode() if isinstance(unit, bytes) else unit
+    return re.sub(r"[+-]\d", lambda power: power[0].translate(str.maketrans("-123456789+", "⁻¹²³⁴⁵⁶⁷⁸⁹ ")).strip(), unit)
 
 
 class Bodies:
@@ -72,10 +74,12 @@ class Bodies:
         return sorted(kinds, key=kinds.get)
 
     def shown(self, run):
-        """The numbers of the snapshots that a page has room for, equally far apart."""
-        names = run.snapshots()
-        most = max(2, MOST_PLACES // len(self.rows))
-        return [int(names[k][:-3]) for k in spread(len(names), most)]
+        """The numbers of the snapshots that a page has room for: each, each second, fourth ... and the last."""
+        numbers = [int(name[:-3]) for name in run.snapshots()]
+        every = 1
+        while len(numbers) / every * len(self.rows) > MOST_PLACES:
+            every *= 2
+        return sorted({*numbers[::every], numbers[-1]})
 
     def header(self):
         return {"count": len(self.rows), "all": self.count, "low": self.low.tolist(), "step": self.step,

@@ -5,7 +5,7 @@ import html
 import json
 import os
 
-from report_bodies import Bodies, pack_series
+from report_bodies import PARTS_OF_RADIUS, Bodies, pack_series
 from report_reference import read_reference
 from report_verdict import verdicts
 
@@ -158,7 +158,7 @@ def scale_of_momentum(run):
 def data_of(run, name, live=False):
     bodies = Bodies(run)
     momentum, of_what = scale_of_momentum(run)
-    numbers = [] if live else bodies.shown(run)
+    numbers = [] if live else bodies.shown(run)  # a page that is served asks for them one by one
     return bodies, {"name": name, "folder": run.folder, "bodies": bodies.header(), "snapshots": len(run.snapshots()),
                     "frames": [frame for k in numbers if (frame := bodies.frame(k))],
                     "series": pack_series(run), "impact": run.impact_time(), "gravity": "gravity" in run.case,
@@ -174,7 +174,7 @@ def page(runs, data, pictures="", live=False):
     # An end tag inside the data would end the script that carries them.
     carried = json.dumps({"live": live, "runs": data}, allow_nan=False).replace("</", "<\\/")
     if one:
-        text = (f"<p class=lead id=lead>{lead(one)}</p><section id=summary>{summary(one)}</section>"
+        text = (f"<p class=lead id=lead>{lead(one)}</p>{'<p id=live role=status></p>' * live}<section id=summary>{summary(one)}</section>"
                 f"<div id=views></div><h2>The run in time</h2><div id=plots></div>{pictures}"
                 f"<div id=details>{details(one)}</div>"
                 f"<h2>What made it</h2>{origin(one)}{case_of(one)}")
@@ -203,8 +203,8 @@ def footer(data):
     parts = []
     for run in data:
         bodies, name = run["bodies"], f"{escape(run['name'])}: " if len(data) > 1 else ""
-        parts.append(f"{name}places are rounded to {bodies['step']:.2g} m, a {64}th of the smallest radius or less of what is "
-                     "seen; fields to three digits.")
+        parts.append(f"{name}places are rounded to {bodies['step']:.2g} m, a {PARTS_OF_RADIUS}th of the smallest radius, "
+                     "fields to three digits.")
         if bodies["count"] < bodies["all"]:
             parts.append(f"Of {bodies['all']} bodies {bodies['count']} are shown, equally far apart in their numbers.")
         if run["series"]["rows"] < run["series"]["all"]:

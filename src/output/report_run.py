@@ -13,6 +13,8 @@ GRAVITY = 6.67430e-11
 
 
 def readable_time(seconds):
+    if seconds == 0:
+        return "0 s"
     for limit, unit, name in ((1e-3, 1e-6, "µs"), (1, 1e-3, "ms"), (120, 1, "s"), (7200, 60, "min")):
         if abs(seconds) < limit:
             return f"{seconds / unit:.3g} {name}"

@@ -61,11 +61,11 @@ def books(results):
     if not conservation.get("dissipated"):
         yield NOTE, "Nothing was dissipated, so there is no measure for the energy that no entry explains."
     elif abs(rest) <= ENERGY_CLOSED:
-        yield GOOD, f"The energy account closes: no entry explains {percent(rest)} of what was dissipated."
+        yield GOOD, f"The energy account closes: what no entry explains is {percent(rest)} of what was dissipated."
     elif abs(rest) <= ENERGY_OPEN:
-        yield NOTE, f"The energy account nearly closes: no entry explains {percent(rest)} of what was dissipated."
+        yield NOTE, f"The energy account nearly closes: what no entry explains is {percent(rest)} of what was dissipated."
     else:
-        yield BAD, f"The energy account does not close: no entry explains {percent(rest)} of what was dissipated."
+        yield BAD, f"The energy account does not close: what no entry explains is {percent(rest)} of what was dissipated."
 
 
 def percent(part):

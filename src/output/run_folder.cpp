@@ -89,9 +89,9 @@ std::vector<fs::path> files_of_runs(const fs::path& folder) {
     }
   };
   add(folder, [](const std::string& name) {
-    constexpr const char* names[] = {"results.toml",      "series.csv",     "series.h5",
-                                     "restart.h5",        "trajectory.h5",  "trajectory.xdmf",
-                                     "restart_before.h5", "reference.toml", "report.html"};
+    constexpr const char* names[] = {
+        "results.toml",    "series.csv",        "series.h5",      "restart.h5",  "trajectory.h5",
+        "trajectory.xdmf", "restart_before.h5", "reference.toml", "report.html", "compared.html"};
     return std::ranges::find(names, name) != std::end(names) ||
            (name.starts_with("after_") && ends_with(name, ".h5"));
   });
@@ -132,7 +132,8 @@ RunFolder::~RunFolder() {
 void RunFolder::begin(const Comm& comm) const {
   on_first_rank(comm, [&] {
     if (former_ == Former::go_on) {
-      for (const char* told : {"/results.toml", "/report.html"}) fs::remove(path_ + told);
+      for (const char* told : {"/results.toml", "/report.html", "/compared.html"})
+        fs::remove(path_ + told);
     } else {
       for (const auto& file : files_of_runs(path_)) fs::remove(file);
     }

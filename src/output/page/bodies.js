@@ -55,7 +55,7 @@ void main() {
     normal = cut.xyz;
   }
   float light = max(dot(normal, vec3(-0.42, 0.56, 0.71)), 0.0);
-  vec3 seen = tint * (0.34 + 0.30 * normal.z + 0.46 * light) * (face ? 0.8 : 1.0);
+  vec3 seen = tint * (0.42 + 0.30 * normal.z + 0.42 * light) * (face ? 0.8 : 1.0);
   seen = mix(seen, fog, 0.4 * smoothstep(0.2, 2.2, ${(FAR / 2).toFixed(1)} * -1.0 - place.z));
   if (mark == 1) seen = square > 0.7 ? vec3(1.0) : mix(seen, vec3(1.0, 0.55, 0.1), 0.75);
   shown = vec4(seen, 1.0);
@@ -159,18 +159,18 @@ export class View {
     this.find(".field").innerHTML = options.map((name, k) => `<option value=${k}>${escapeHtml(name)}`).join("");
     const speed = this.header.fields.findIndex(({ label }) => label === "speed");
     this.find(".field").value = speed < 0 ? 1 : 4 + speed;
-    for (const frame of frames) await this.add(frame, false);
+    for (const frame of frames) await this.add(frame);
     this.settle();
   }
 
-  /// Unpacks one more frame. Frames stay in order of time.
-  async add(frame, shows = true) {
+  /// Unpacks one more frame. Frames stay in order of time; who looks at the last one sees the new one.
+  async add(frame) {
     const position = await unpack(frame.position, Int32Array);
     const fields = await Promise.all(frame.fields.map(unpackField));
     const wasLast = this.at >= this.frames.length - 1;
     this.frames.push({ number: frame.number, time: frame.time, middle: frame.middle, position, fields });
     this.frames.sort((a, b) => a.number - b.number);
-    if (shows && wasLast) this.at = this.frames.length - 1;
+    if (wasLast) this.at = this.frames.length - 1;
   }
 
   /// Drops frames that are no longer among those to be shown.

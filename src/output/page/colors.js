@@ -28,7 +28,7 @@ export function rangeOf(arrays) {
   const at = (part, from = sample) => from[Math.min(from.length - 1, Math.round(part * (from.length - 1)))];
   const positive = sample.slice(sample.findIndex((value) => value > 0));
   const log = sample[0] >= 0 && at(1) > 0 && at(0.998) > 100 * at(0.25, positive);
-  const low = log ? at(0.02, positive) : at(0.002), high = at(0.998);
+  const high = at(0.998), low = log ? Math.max(at(0.02, positive), 1e-5 * high) : at(0.002);
   return { low, high: high > low ? high : low + (Math.abs(low) || 1), log };
 }
 

@@ -29,6 +29,7 @@ export function readableNumber(value, digits = 3) {
 }
 
 export function readableTime(seconds) {
+  if (seconds === 0) return "0 s";
   for (const [limit, unit, name] of [[1e-3, 1e-6, "µs"], [1, 1e-3, "ms"], [120, 1, "s"], [7200, 60, "min"]])
     if (Math.abs(seconds) < limit) return `${readableNumber(seconds / unit)} ${name}`;
   return `${readableNumber(seconds / 3600)} h`;

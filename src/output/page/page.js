@@ -35,7 +35,8 @@ async function ask(path) {
 
 /// Asks what is new while somebody looks.
 async function follow(view, plots) {
-  const [run] = runs, seen = { rows: run.series.all, summary: "" }, sign = document.getElementById("live");
+  const [run] = runs;
+  const seen = { rows: run.series.all, words: "" }, sign = document.getElementById("live");
   for (;;) {
     try {
       const state = await ask("state");
@@ -56,8 +57,8 @@ async function follow(view, plots) {
         plots.series = [await unpackSeries(run)];
         plots.renew();
       }
-      if (state.summary !== seen.summary) {
-        seen.summary = state.summary;
+      if (state.words !== seen.words) {
+        seen.words = state.words;
         for (const [name, text] of Object.entries(await ask("words"))) document.getElementById(name).innerHTML = text;
       }
     } catch {

@@ -35,7 +35,7 @@ const frame = `
     <label>From <input class=from type=range min=0 max=1000 value=0></label>
     <label>to <input class=to type=range min=0 max=1000 value=1000></label>
     <button class=whole type=button>Whole time</button>
-    <span class=note>Drag across a plot to zoom.</span>
+    <span class="note mouse">Drag across a plot to zoom.</span>
   </div>
   <div class=grid></div>`;
 
@@ -123,18 +123,20 @@ export class Plots {
       tables.push(table);
     });
     if (!lines.length) {
-      box.remove();
+      box.parentElement.remove();
       return;
     }
     const ink = style.getPropertyValue("--ink2"), grid = { stroke: style.getPropertyValue("--rule"), width: 1 };
+    const isPower = (value) => Math.abs(Math.log10(value) - Math.round(Math.log10(value))) < 1e-6;
+    const lines10 = (isLog) => (isLog ? { ...grid, filter: (_, splits) => splits.map((value) => (isPower(value) ? value : null)) } : grid);
     const ticks = (isLog) => (_, splits) => splits.map((value) => (value === null ? "" : !isLog ? readableNumber(value)
-      : Math.abs(Math.log10(value) % 1) < 1e-6 ? `1e${Math.round(Math.log10(value))}` : ""));
-    const axis = { stroke: ink, grid, ticks: grid, font: "12px system-ui, sans-serif", labelFont: "12px system-ui, sans-serif" };
+      : isPower(value) ? `1e${Math.round(Math.log10(value))}` : ""));
+    const axis = { stroke: ink, ticks: { show: false }, font: "12px system-ui, sans-serif", labelFont: "12px system-ui, sans-serif" };
     this.plots.push(new uPlot({
       width: Math.max(200, box.clientWidth), height: HEIGHT, cursor: { drag: { x: true, y: false }, points: { size: 6 } },
       scales: { x: { time: false, distr: this.logTime ? 3 : 1 }, y: { distr: log ? 3 : 1 } },
-      axes: [{ ...axis, label: this.timeName, labelSize: 20, size: 32, values: ticks(this.logTime) },
-        { ...axis, size: 58, values: ticks(log) }],
+      axes: [{ ...axis, grid: lines10(this.logTime), label: this.timeName, labelSize: 20, size: 32, values: ticks(this.logTime) },
+        { ...axis, grid: lines10(log), size: 58, values: ticks(log) }],
       series: [{ label: "time", value: (_, value) => (value === null ? "" : readableNumber(value, 4)) }, ...lines],
       hooks: { setScale: [(plot, scale) => { if (scale === "x") this.zoomed(plot); }] },
     }, tables.length > 1 ? uPlot.join(tables) : tables[0], box));
@@ -142,14 +144,14 @@ export class Plots {
 
   box(title) {
     const box = document.createElement("section");
-    box.innerHTML = `<h3>${escapeHtml(title)}</h3>`;
-    return this.grid.appendChild(box);
+    box.innerHTML = `<h3>${escapeHtml(title)}</h3><div></div>`;
+    return this.grid.appendChild(box).lastElementChild;
   }
 
   /// The column that is asked for.
   addAny() {
     const names = Object.keys(this.series[0]).filter((name) => name !== "time" && this.series.every((one) => name in one));
-    const box = this.box("");
+    const box = this.box("").parentElement;
     box.innerHTML = `<h3><label>Column <select>${names.map((name) => `<option${name === this.column ? " selected" : ""}>${escapeHtml(name)}`).join("")}
       </select></label></h3><div></div>`;
     const draw = () => {
@@ -157,8 +159,9 @@ export class Plots {
       if (at >= 0) this.plots.splice(at, 1)[0].destroy();
       inner.replaceWith(document.createElement("div"));
       const column = (rows) => rows[this.column];
-      this.add("", false, this.runs.map(() => [[this.column, column]]), box.lastElementChild.appendChild(document.createElement("div")));
-      if (!box.lastElementChild.firstElementChild) box.lastElementChild.innerHTML = "<p class=note>It is zero in all rows.</p>";
+      const place = box.lastElementChild.appendChild(document.createElement("div"));
+      this.add("", false, this.runs.map(() => [[this.column, column]]), place.appendChild(document.createElement("div")));
+      if (!place.isConnected) box.lastElementChild.innerHTML = "<p class=note>It is zero in all rows.</p>";
     };
     box.querySelector("select").addEventListener("change", (event) => {
       this.column = event.target.value;
