@@ -27,7 +27,7 @@ done
   --set phases.aggregation.duration=100 --set phases.evolution.duration=1 \
   --set 'read_out=["1 s"]' > "$work/run.log"
 "$work/prefix/bin/spall" report "$work/out" > "$work/report.log"
-test -s "$work/out/report.html"
+grep -q '"three": "data:text/javascript' "$work/out/report.html"
 if grep -rF -e "$source/" -e "$work/first" "$work/prefix"; then
   echo "what is installed names the source tree or the first prefix" >&2
   exit 1

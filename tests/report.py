@@ -24,6 +24,7 @@ import numpy as np
 SPALL, SOURCE = (Path(argument).resolve() for argument in (sys.argv.pop(1), sys.argv.pop(1)))
 sys.path[:0] = [str(SOURCE / "src" / "output")]
 import report_bodies  # noqa: E402
+import report_page  # noqa: E402
 import report_verdict  # noqa: E402
 from report_run import Run  # noqa: E402
 
@@ -104,13 +105,13 @@ class Page(unittest.TestCase):
     def test_more_bodies_than_a_page_has_room_for_are_thinned_and_that_is_said(self):
         most, report_bodies.MOST_BODIES = report_bodies.MOST_BODIES, 10
         try:
-            from report_page import data_of as pack, footer
-            _, data = pack(Run(str(self.folder), "test"), "one")
+            run = Run(str(self.folder), "test")
+            data = report_page.data_of(run, "one", report_bodies.Bodies(run), [])
         finally:
             report_bodies.MOST_BODIES = most
         self.assertEqual(data["bodies"]["count"], 10)
         self.assertEqual(list(unpack(data["bodies"]["fixed"]["id"], "<i4"))[-1], 40)  # the impactor stays
-        self.assertIn("Of 41 bodies 10 are shown", footer([data]))
+        self.assertIn("Of 41 bodies 10 are shown", report_page.footer([data]))
 
 
 class Verdicts(unittest.TestCase):

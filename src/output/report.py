@@ -10,6 +10,7 @@ from system_python import need
 
 need("spall report", "h5py", "numpy", "matplotlib")
 
+from report_bodies import Bodies  # noqa: E402
 from report_page import data_of, name_of, page, rows_of_text  # noqa: E402
 from report_run import Run  # noqa: E402
 
@@ -85,7 +86,8 @@ def pictures_of(run):
 
 def main(folders):
     runs = [Run(folder, "spall report") for folder in folders]
-    data = [data_of(run, name_of(run, runs))[1] for run in runs]
+    shown = [Bodies(run) for run in runs]
+    data = [data_of(run, name_of(run, runs), bodies, bodies.shown(run)) for run, bodies in zip(runs, shown)]
     alone = len(runs) == 1
     path = os.path.join(folders[0], "report.html" if alone else "compared.html")
     text = page(runs, data, pictures_of(runs[0]) if alone else "")

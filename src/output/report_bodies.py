@@ -8,6 +8,7 @@ are sorted by their weight before they are compressed: those of high weight are 
 import base64
 import os
 import re
+import sys
 import zlib
 
 import h5py
@@ -47,12 +48,22 @@ def unit_of(dataset):
     return re.sub(r"[+-]\d", lambda power: power[0].translate(str.maketrans("-123456789+", "⁻¹²³⁴⁵⁶⁷⁸⁹ ")).strip(), unit)
 
 
+def newest_snapshot(run):
+    """The last one that can be read, open."""
+    for name in reversed(run.snapshots()):
+        try:
+            return h5py.File(os.path.join(run.folder, "snapshots", name))
+        except OSError:
+            continue
+    sys.exit(f"{run.program}: no snapshot of '{run.folder}' can be read")
+
+
 class Bodies:
     """Which bodies a page shows, what is fixed of them, and how their places are rounded."""
 
     def __init__(self, run):
         self.folder = os.path.join(run.folder, "snapshots")
-        with h5py.File(os.path.join(self.folder, run.snapshots()[-1])) as file:
+        with newest_snapshot(run) as file:
             bodies = file["particles/all"]
             self.count = len(bodies["radius"])
             self.rows = spread(self.count, MOST_BODIES)

@@ -5,7 +5,7 @@ import html
 import json
 import os
 
-from report_bodies import PARTS_OF_RADIUS, Bodies, pack_series
+from report_bodies import PARTS_OF_RADIUS, pack_series
 from report_reference import read_reference
 from report_verdict import verdicts
 
@@ -44,24 +44,11 @@ def table(lines, heading=(), kind=""):
     return f"<div class=scroll tabindex=0><table class='{kind}'>{head}<tbody>{body}</tbody></table></div>"
 
 
-def seeds_of(case, place=""):
-    """Every `seed` of a case, with where it stands."""
-    found = []
-    for key, value in case.items():
-        if key == "seed":
-            found.append(f"{place or 'seed'}: {value}" if place else str(value))
-        for name, one in enumerate(value) if isinstance(value, list) else [(key, value)]:
-            if isinstance(one, dict):
-                found += seeds_of(one, f"{place}.{key}.{one.get('name', name)}".strip(".") if isinstance(value, list)
-                                  else f"{place}.{key}".strip("."))
-    return found
-
-
 def origin(run):
     """What made the run: what its results say, and what its snapshots say where they do not."""
     told = {"version": run.version, "ranks": run.ranks}
-    if seeds := seeds_of(run.case):
-        told["seeds"] = ", ".join(seeds)
+    if seeds := [f"{key}: {value}" for key, value in flat(run.case) if key.split(".")[-1] == "seed"]:
+        told["seeds"] = escape(", ".join(seeds))
     for section in run.results.values():
         told |= {key: section[key] for key in ORIGIN if key in section}
     if "seed" in told:
@@ -155,14 +142,16 @@ def scale_of_momentum(run):
     return (pile["mass"] * fastest, "of sum m |v|") if pile.get("mass") and fastest > 0 else (None, "")
 
 
-def data_of(run, name, live=False):
-    bodies = Bodies(run)
+def series_of(run):
     momentum, of_what = scale_of_momentum(run)
-    numbers = [] if live else bodies.shown(run)  # a page that is served asks for them one by one
-    return bodies, {"name": name, "folder": run.folder, "bodies": bodies.header(), "snapshots": len(run.snapshots()),
-                    "frames": [frame for k in numbers if (frame := bodies.frame(k))],
-                    "series": pack_series(run), "impact": run.impact_time(), "gravity": "gravity" in run.case,
-                    "momentum": momentum, "momentumName": of_what, "size": float(run.size) if not live else None}
+    return {"series": pack_series(run), "impact": run.impact_time(), "momentum": momentum, "momentumName": of_what}
+
+
+def data_of(run, name, bodies, numbers):
+    """What page/page.js draws; `numbers` are the snapshots to carry."""
+    frames = [frame for number in numbers if (frame := bodies.frame(number))]
+    return {"name": name, "bodies": bodies.header(), "snapshots": len(run.snapshots()), "frames": frames,
+            "size": run.results.get("pile", {}).get("mean_diameter"), **series_of(run)}
 
 
 def page(runs, data, pictures="", live=False):

@@ -1,6 +1,7 @@
 # What a run has left in its folder so far, whether it has ended or is still under way.
 # SPDX-License-Identifier: BSD-3-Clause
 import functools
+import glob
 import os
 import re
 import sys
@@ -46,12 +47,13 @@ class GravityMap:
 
 
 class Series:
-    """The whole rows of series.csv; `update` reads those that were added since."""
+    """The whole rows of series.csv."""
 
     def __init__(self, path):
         self.path, self.names, self.rows, self.read = path, [], [], 0
 
     def update(self):
+        """Reads the rows that were added since; whether there are any."""
         with open(self.path, "rb") as file:
             if os.fstat(file.fileno()).st_size < self.read:  # the run was begun again
                 self.names, self.rows, self.read = [], [], 0
@@ -64,7 +66,7 @@ class Series:
             self.names = lines.pop(0).split(",")
         if lines:
             self.rows.append(np.array([line.split(",") for line in lines], float))
-        return self
+        return bool(whole)
 
     def columns(self):
         table = np.concatenate(self.rows) if self.rows else np.zeros((0, len(self.names)))
@@ -91,12 +93,13 @@ class Run:
                 self.flight = flight / np.linalg.norm(flight)
                 parts = [phase["impactor"].get(key) for key in ("mass", "speed")]
                 self.impactor_text = ", ".join(str(part) for part in parts if part is not None)
-        self.rows = Series(self.file("series.csv"))
+        self.rows, self.series = Series(self.file("series.csv")), {}
         self.update()
 
     def update(self):
         """Reads what has come since."""
-        self.series = self.rows.update().columns()
+        if self.rows.update() or not self.series:
+            self.series = self.rows.columns()
         self.results, self.notes = self.read_results()
 
     def file(self, name):
@@ -107,7 +110,8 @@ class Run:
 
     def snapshots(self):
         """Names of the files, in order of time; a snapshot takes its name when it is whole."""
-        found = [name for name in os.listdir(os.path.join(self.folder, "snapshots")) if re.fullmatch(r"\d+\.h5", name)]
+        places = glob.glob(os.path.join(glob.escape(self.folder), "snapshots", "*.h5"))
+        found = [name for name in map(os.path.basename, places) if name[:-3].isdecimal()]
         if not found:
             sys.exit(f"{self.program}: '{self.folder}' has no snapshot yet")
         return sorted(found, key=lambda name: int(name[:-3]))

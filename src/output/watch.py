@@ -19,8 +19,8 @@ from system_python import need
 
 need("spall watch", "h5py", "numpy")
 
-from report_bodies import pack_series  # noqa: E402
-from report_page import data_of, details, lead, name_of, page, summary  # noqa: E402
+from report_bodies import Bodies, newest_snapshot  # noqa: E402
+from report_page import data_of, details, lead, name_of, page, series_of, summary  # noqa: E402
 from report_run import Run  # noqa: E402
 
 PROGRAM = "spall watch"
@@ -33,7 +33,7 @@ class Watched:
     def __init__(self, folder):
         self.run = Run(folder, PROGRAM)
         self.lock = threading.Lock()
-        self.looked = -PAUSE
+        self.looked, self.identity = -PAUSE, None
         self.packed = {}  # number of a snapshot: its text
         self.look()
 
@@ -41,7 +41,13 @@ class Watched:
         if time.monotonic() - self.looked < PAUSE:
             return
         self.run.update()
-        self.bodies, self.data = data_of(self.run, name_of(self.run, [self.run]), live=True)
+        first = os.path.join(self.run.folder, "snapshots", self.run.snapshots()[0])
+        with newest_snapshot(self.run) as file:
+            count = len(file["particles/all/radius"])
+        # Places are rounded alike in all snapshots. A run that is begun again, or has more bodies, wants a new page.
+        identity = f"{os.stat(first).st_mtime_ns} {count}"
+        if identity != self.identity:
+            self.identity, self.packed, self.bodies = identity, {}, Bodies(self.run)
         self.shown = self.bodies.shown(self.run)
         self.packed = {number: text for number, text in self.packed.items() if number in self.shown}
         self.words = {"lead": lead(self.run), "summary": summary(self.run), "details": details(self.run)}
@@ -50,14 +56,14 @@ class Watched:
     def answer(self, path):
         """The kind and the text of an answer; None where there is nothing of that name."""
         if path == "/":
-            return "text/html", page([self.run], [self.data], live=True)
+            return "text/html", page([self.run], [data_of(self.run, name_of(self.run, [self.run]), self.bodies, [])], live=True)
         name = path[1:]
         if name == "state":
             stamp = hashlib.sha256(json.dumps(self.words).encode()).hexdigest()
-            value = {"over": bool(self.run.results) and not self.run.under_way, "bodies": self.bodies.count,
-                     "rows": self.data["series"]["all"], "shown": self.shown, "words": stamp}
+            value = {"over": bool(self.run.results) and not self.run.under_way, "identity": self.identity,
+                     "rows": len(self.run.series["time"]), "shown": self.shown, "words": stamp}
         elif name == "series":
-            value = {key: self.data[key] for key in ("series", "impact", "momentum", "momentumName")}
+            value = series_of(self.run)
         elif name == "words":
             value = self.words
         elif name.startswith("snapshots/") and name[10:].isdecimal() and int(name[10:]) in self.shown:

@@ -41,7 +41,7 @@ async function follow(view, plots) {
     try {
       const state = await ask("state");
       sign.textContent = state.over ? "The run is over." : "Under way: this page keeps itself up to date.";
-      if (state.bodies !== run.bodies.all) location.reload();
+      if (state.identity !== (seen.identity ??= state.identity)) location.reload();
       if (view && state.shown.some((number) => !view.frames.some((frame) => frame.number === number))) {
         for (const number of state.shown)
           if (!view.frames.some((frame) => frame.number === number)) {
