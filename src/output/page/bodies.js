@@ -135,7 +135,11 @@ export class View {
     on(".play", "click", () => this.play());
     on(".field", "change", () => this.color());
     on(".log", "change", () => this.color(this.find(".log").checked));
-    for (const name of [".cut", ".level"]) on(name, "input", () => { this.find(".depth").hidden = !this.find(".cut").value; this.draw(); });
+    on(".cut", "change", (event) => {
+      this.find(".depth").hidden = !event.target.value;
+      this.draw();
+    });
+    on(".level", "input", () => this.draw());
     on(".home", "click", () => this.home());
     on(".keep", "change", () => this.show(this.at));
     on(".body", "input", (event) => this.pick(event.target.value === "" ? -1 : this.ids.indexOf(Number(event.target.value))));
@@ -392,8 +396,8 @@ export class View {
     if (choice === "view") return new THREE.Vector4(0, 0, 1, -FAR / 2 - level);
     const normal = new THREE.Vector3().setComponent(Number(choice), 1);
     const toward = this.camera.position.clone().sub(this.controls.target);
-    if (normal.dot(toward) < 0) normal.negate(); // the half that hides the face goes
     const point = normal.clone().multiplyScalar(level).applyMatrix4(this.camera.matrixWorldInverse);
+    if (normal.dot(toward) < 0) normal.negate(); // the half that hides the face goes
     const turned = normal.transformDirection(this.camera.matrixWorldInverse);
     return new THREE.Vector4(turned.x, turned.y, turned.z, turned.dot(point));
   }
