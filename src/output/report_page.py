@@ -192,7 +192,7 @@ def footer(data):
     parts = []
     for run in data:
         bodies, name = run["bodies"], f"{escape(run['name'])}: " if len(data) > 1 else ""
-        parts.append(f"{name}places are rounded to {bodies['step']:.2g} m, a {PARTS_OF_RADIUS}th of the smallest radius, "
+        parts.append(f"{name}Places are rounded to {bodies['step']:.2g} m, a {PARTS_OF_RADIUS}th of the smallest radius, "
                      "fields to three digits.")
         if bodies["count"] < bodies["all"]:
             parts.append(f"Of {bodies['all']} bodies {bodies['count']} are shown, equally far apart in their numbers.")
