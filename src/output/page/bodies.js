@@ -1,4 +1,5 @@
-// The bodies of a run in three dimensions: each sphere is a square whose shader finds the sphere's surface.
+// The bodies of a run in three dimensions: each sphere is a triangle whose shader finds the sphere's surface.
+// Triangles are no instances: where the processor draws, each instance costs as much as a call of its own.
 // SPDX-License-Identifier: BSD-3-Clause
 import * as THREE from "three";
 import { OrbitControls } from "orbit";
@@ -6,60 +7,67 @@ import { unpack, unpackField, readableNumber, readableTime, escapeHtml } from "p
 import { gradient, nameColor, paint, paintNames, paintRock, rangeOf } from "colors";
 
 const ABSENT = -(2 ** 31);
+const ACROSS = 1024; // bodies in a line of a texture
 const FAR = 200; // of the camera, in sizes of what is shown
 
 const vertexShader = `
 precision highp float;
+precision highp sampler2D;
 uniform mat4 modelViewMatrix, projectionMatrix;
 uniform float pixel;
 uniform int picked;
-in vec3 position;
-in vec4 sphere;
-in vec4 color;
+uniform sampler2D spheres, colors;
+uniform vec3 ground;
 out vec2 corner;
 flat out vec3 center;
 flat out float radius;
-flat out vec3 tint;
+flat out vec3 lit, dim;  // colour times light, and without
 flat out int mark;
 void main() {
+  int body = gl_VertexID / 3, k = gl_VertexID % 3;
+  ivec2 texel = ivec2(body % ${ACROSS}, body / ${ACROSS});
+  vec4 sphere = texelFetch(spheres, texel, 0);
   center = (modelViewMatrix * vec4(sphere.xyz, 1.0)).xyz;
   radius = sphere.w > 0.0 ? max(sphere.w, pixel) : 0.0;  // small ones stay to be seen
-  corner = position.xy;
-  tint = color.rgb;
-  mark = gl_InstanceID == picked ? 1 : 0;
-  gl_Position = projectionMatrix * vec4(center + radius * position, 1.0);
+  corner = k == 0 ? vec2(-1.7320508, -1.0) : k == 1 ? vec2(1.7320508, -1.0) : vec2(0.0, 2.0);  // round the unit circle
+  vec3 tint = texelFetch(colors, texel, 0).rgb;
+  float fog = 0.4 * smoothstep(0.2, 2.2, ${(-FAR / 2).toFixed(1)} - center.z);
+  lit = (1.0 - fog) * tint;
+  dim = fog * ground;
+  mark = body == picked ? 1 : 0;
+  gl_Position = projectionMatrix * vec4(center + vec3(radius * corner, 0.0), 1.0);
 }`;
 
 const fragmentShader = `
 precision highp float;
 uniform mat4 projectionMatrix;
 uniform vec4 cut;  // in the camera's frame: what lies above it is taken away
-uniform vec3 fog;
 in vec2 corner;
 flat in vec3 center;
 flat in float radius;
-flat in vec3 tint;
+flat in vec3 lit, dim;
 flat in int mark;
 out vec4 shown;
 void main() {
   float square = dot(corner, corner);
   if (square > 1.0) discard;
   vec3 normal = vec3(corner, sqrt(1.0 - square));
-  vec3 place = center + radius * normal;
-  float above = dot(cut.xyz, place) - cut.w;
-  bool face = above > 0.0;
-  if (face) {
+  float depth = center.z + radius * normal.z, shade = 1.0;
+#ifdef CUT
+  float above = dot(cut.xyz, vec3(center.xy + radius * corner, depth)) - cut.w;
+  if (above > 0.0) {
     if (cut.z <= 0.0) discard;
-    place.z -= above / cut.z;
-    if (place.z < center.z - radius * normal.z) discard;
+    depth -= above / cut.z;
+    if (depth < center.z - radius * normal.z) discard;
     normal = cut.xyz;
+    shade = 0.8;
   }
+#endif
   float light = max(dot(normal, vec3(-0.42, 0.56, 0.71)), 0.0);
-  vec3 seen = tint * (0.42 + 0.30 * normal.z + 0.42 * light) * (face ? 0.8 : 1.0);
-  seen = mix(seen, fog, 0.4 * smoothstep(0.2, 2.2, ${(FAR / 2).toFixed(1)} * -1.0 - place.z));
+  vec3 seen = lit * (shade * (0.42 + 0.30 * normal.z + 0.42 * light)) + dim;
   if (mark == 1) seen = square > 0.7 ? vec3(1.0) : mix(seen, vec3(1.0, 0.55, 0.1), 0.75);
   shown = vec4(seen, 1.0);
-  gl_FragDepth = 0.5 + 0.5 * (projectionMatrix[2][2] * place.z + projectionMatrix[3][2]);
+  gl_FragDepth = 0.5 + 0.5 * (projectionMatrix[2][2] * depth + projectionMatrix[3][2]);
 }`;
 
 const controls = (id) => `
@@ -102,21 +110,18 @@ export class View {
     this.scene = new THREE.Scene();
     this.camera = new THREE.OrthographicCamera(-1, 1, 1, -1, 0, FAR);
     this.camera.up.set(0, 0, 1);
-    const count = this.header.count;
-    this.spheres = new Float32Array(4 * count);
-    this.colors = new Uint8Array(4 * count);
-    const geometry = new THREE.InstancedBufferGeometry();
-    geometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array([-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0]), 3));
-    geometry.setIndex([0, 1, 2, 0, 2, 3]);
-    geometry.setAttribute("sphere", new THREE.InstancedBufferAttribute(this.spheres, 4));
-    geometry.setAttribute("color", new THREE.InstancedBufferAttribute(this.colors, 4, true));
-    geometry.instanceCount = count;
-    this.uniforms = { pixel: { value: 0 }, picked: { value: -1 }, cut: { value: new THREE.Vector4(0, 0, 0, 1) },
-      fog: { value: new THREE.Color() } };
-    const material = new THREE.RawShaderMaterial({ vertexShader, fragmentShader, uniforms: this.uniforms,
+    const count = this.header.count, lines = Math.ceil(count / ACROSS);
+    this.spheres = new Float32Array(4 * ACROSS * lines);
+    this.colors = new Uint8Array(4 * ACROSS * lines);
+    this.textures = [new THREE.DataTexture(this.spheres, ACROSS, lines, THREE.RGBAFormat, THREE.FloatType),
+      new THREE.DataTexture(this.colors, ACROSS, lines)];
+    const geometry = new THREE.BufferGeometry();
+    geometry.setDrawRange(0, 3 * count);
+    this.uniforms = { spheres: { value: this.textures[0] }, colors: { value: this.textures[1] }, pixel: { value: 0 },
+      picked: { value: -1 }, cut: { value: new THREE.Vector4(0, 0, 0, 1) }, ground: { value: new THREE.Color() } };
+    this.material = new THREE.RawShaderMaterial({ vertexShader, fragmentShader, uniforms: this.uniforms,
       glslVersion: THREE.GLSL3 });
-    this.geometry = geometry;
-    const mesh = new THREE.Mesh(geometry, material);
+    const mesh = new THREE.Mesh(geometry, this.material);
     mesh.frustumCulled = false;
     this.scene.add(mesh);
     this.controls = new OrbitControls(this.camera, this.canvas);
@@ -137,6 +142,8 @@ export class View {
     on(".log", "change", () => this.color(this.find(".log").checked));
     on(".cut", "change", (event) => {
       this.find(".depth").hidden = !event.target.value;
+      this.material.defines = event.target.value ? { CUT: "" } : {};
+      this.material.needsUpdate = true;
       this.draw();
     });
     on(".level", "input", () => this.draw());
@@ -231,7 +238,7 @@ export class View {
       for (let c = 0; c < 3; ++c) this.spheres[4 * k + c] = there ? (frame.position[3 * k + c] - middle[c]) * scale : 0;
       this.spheres[4 * k + 3] = there ? this.radius[k] / this.size : 0;
     }
-    this.geometry.attributes.sphere.needsUpdate = true;
+    this.textures[0].needsUpdate = true;
     const { impact } = this.run, after = impact !== null && frame.time > impact;
     const text = after ? `${readableTime(frame.time - impact)} after the impact` : readableTime(frame.time);
     const slider = this.find(".slider");
@@ -280,7 +287,7 @@ export class View {
     if (choice === 0) paintRock(this.colors, this.header.count);
     else if (choice < 3) paintNames(this.colors, choice === 1 ? this.group : this.material);
     else paint(this.colors, this.values(choice, frame), this.range);
-    this.geometry.attributes.color.needsUpdate = true;
+    this.textures[1].needsUpdate = true;
     this.draw();
   }
 
@@ -415,7 +422,7 @@ export class View {
     if (!this.aspect || !this.size) return;
     const pause = now - (this.last ?? 0), full = window.devicePixelRatio;
     this.last = now;
-    if (pause > 34 && pause < 200) this.ratio = Math.max(0.4, 0.85 * this.ratio);
+    if (pause > 34 && pause < 400) this.ratio = Math.max(0.4, 0.85 * this.ratio);
     else if (pause < 20) this.ratio = Math.min(full, 1.02 * this.ratio);
     clearTimeout(this.whole);
     if (this.ratio < full) this.whole = setTimeout(() => this.render(full), 250);
@@ -429,7 +436,7 @@ export class View {
     if (before.x !== width || before.y !== height) this.renderer.setSize(width, height, false);
     const ground = getComputedStyle(this.canvas.parentElement).backgroundColor;
     this.renderer.setClearColor(ground);
-    this.uniforms.fog.value.setStyle(ground, THREE.LinearSRGBColorSpace);
+    this.uniforms.ground.value.setStyle(ground, THREE.LinearSRGBColorSpace);
     this.camera.updateMatrixWorld();
     this.uniforms.cut.value.copy(this.cutNow());
     const wide = (this.camera.right - this.camera.left) / this.camera.zoom;
