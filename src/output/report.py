@@ -10,6 +10,7 @@ from system_python import need
 
 need("spall report", "h5py", "numpy", "matplotlib")
 
+from PIL import Image  # noqa: E402  (matplotlib needs it, too)
 from report_bodies import Bodies  # noqa: E402
 from report_page import data_of, name_of, page, rows_of_text  # noqa: E402
 from report_run import Run  # noqa: E402
@@ -30,10 +31,12 @@ class Pictures:
         figures.plt.close(drawing)
         with open(os.path.join(self.folder, name + ".png"), "wb") as file:
             file.write(data.getvalue())
-        text = base64.b64encode(data.getvalue()).decode()
+        small = io.BytesIO()  # a tenth of the size, and no eye tells them apart
+        Image.open(data).convert("RGB").save(small, "webp", quality=85)
+        text = base64.b64encode(small.getvalue()).decode()
         heading = f"<h2>{heading}</h2>" if heading else ""
         self.text += (f"{heading}<figure><div class=scroll tabindex=0><img alt='{html.escape(name)}' "
-                      f"src='data:image/png;base64,{text}'></div><figcaption>{caption}</figcaption></figure>{more}")
+                      f"src='data:image/webp;base64,{text}'></div><figcaption>{caption}</figcaption></figure>{more}")
 
 
 def pictures_of(run):
