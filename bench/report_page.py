@@ -136,7 +136,7 @@ def main():
     parser.add_argument("spall", type=pathlib.Path)
     parser.add_argument("--turns", type=int, default=7)
     given = parser.parse_args()
-    spall = given.spall.resolve()
+    spall, source = given.spall.resolve(), origin(1)  # before hours in which the tree may change
     with tempfile.TemporaryDirectory() as folder:
         folder = pathlib.Path(folder)
         large, seconds = make_gas(spall, folder, 100_000)
@@ -151,7 +151,7 @@ def main():
     (least, *_), (beside, *_) = (min(turns) for turns in (alone, watched))
     own = statistics.median(own / wall for _, wall, own in watched)
     replace_section(root / "docs/report.md", "report_page", "\n".join([
-        f"{origin(1)}.", "", "| what | measured |", "|---|--:|",
+        f"{source}.", "", "| what | measured |", "|---|--:|",
         f"| page of 100,000 bodies at ten instants, all moving, with pictures | {megabytes:.1f} MB, made in {seconds:.0f} s |",
         f"| pictures a second of 10,000 bodies, drawn by the processor, whole resolution | {whole:.0f} |",
         f"| the same as a reader has it, at {ratio:.2f} of the resolution | {adapted:.0f} |",

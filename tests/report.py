@@ -90,6 +90,7 @@ class Page(unittest.TestCase):
         self.assertRegex(text, rf"version<td>{re.escape(version)}<")
         self.assertRegex(text, r"ranks<td>1<")
         self.assertIn("300 boulders", text)
+        self.assertRegex(text, r"folder<td>/\S*report_of_runs/one<")
 
     def test_it_asks_for_nothing_from_elsewhere(self):
         text = re.sub(r"base64,[\w+/=]+", "", self.page.read_text())

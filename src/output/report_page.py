@@ -17,7 +17,6 @@ HEADLINES = [("deflection", "dv", "dv, m/s"), ("deflection", "beta", "momentum e
              ("debris", "front_over_speed", "front / speed of impact"), ("debris", "hole_over_diameter", "hole / D"),
              ("pile", "packing_fraction", "packing fraction"), ("conservation", "linear", "drift of momentum"),
              ("conservation", "energy_unexplained", "energy unexplained"), ("time", "total_s", "seconds of computing")]
-ORIGIN = ("command", "seed", "seeds", "version", "commit", "date", "host", "ranks", "instructions")
 GRADES = {"good": ("✓", "good"), "note": ("!", "to note"), "bad": ("✕", "bad")}
 escape = html.escape
 
@@ -45,16 +44,12 @@ def table(lines, heading=(), kind=""):
 
 
 def origin(run):
-    """What made the run: what its results say, and what its snapshots say where they do not."""
-    told = {"version": run.version, "ranks": run.ranks}
-    if seeds := [f"{key}: {value}" for key, value in flat(run.case) if key.split(".")[-1] == "seed"]:
-        told["seeds"] = escape(", ".join(seeds))
-    for section in run.results.values():
-        told |= {key: section[key] for key in ORIGIN if key in section}
-    if "seed" in told:
-        told.pop("seeds", None)
-    rows = [(key, number(told[key])) for key in ORIGIN if key in told]
-    return table([("folder", escape(os.path.abspath(run.folder))), *rows], kind="facts")
+    """What made the run: all that it told of that, but for its case."""
+    told = {"folder": os.path.abspath(run.folder), **{key: value for key, value in run.origin.items() if value != ""}}
+    told.pop("title", None)
+    seeds = [f"{key}: {value}" for key, value in flat(run.case) if key.endswith(".seed")]
+    rows = [(key.replace("_", " "), number(value)) for key, value in told.items()]
+    return table(rows + ([("seeds of groups", escape(", ".join(seeds)))] if seeds else []), kind="facts")
 
 
 def cards(run):
@@ -184,7 +179,8 @@ def page(runs, data, pictures="", live=False):
 
 
 def lead(run):
-    return f"{run.ranks} rank{'s' if run.ranks > 1 else ''}, {len(run.snapshots())} snapshots, {len(run.series['time'])} rows in the series"
+    ranks = run.origin["ranks"]
+    return f"{ranks} rank{'s' if ranks > 1 else ''}, {len(run.snapshots())} snapshots, {len(run.series['time'])} rows in the series"
 
 
 def footer(data):
@@ -222,11 +218,16 @@ def flat(case, place=""):
             yield inner, value
 
 
+def changes_of(run):
+    """What --set changed, where the run tells it."""
+    return dict(line.split("=", 1) for line in run.origin.get("overrides", "").splitlines())
+
+
 def differences(runs):
-    cases = [dict(flat(run.case)) for run in runs]
+    cases = [dict(flat(run.case)) | changes_of(run) for run in runs]
     keys = {key: None for case in cases for key in case}
     lines = [(escape(key), *(number(case[key]) if key in case else "" for case in cases)) for key in keys
              if any(case.get(key) != cases[0].get(key) for case in cases)]
     if not lines:
-        return "<p>The files are the same; what <code>--set</code> changed stands in the results above.</p>"
+        return "<p>The files are the same.</p>"
     return table(lines, ["", *(escape(name_of(run, runs)) for run in runs)], "values")

@@ -80,10 +80,9 @@ class Run:
         self.folder, self.program = folder, program
         self.file("trajectory.h5")
         with h5py.File(os.path.join(folder, "snapshots", self.snapshots()[0])) as file:
-            self.case_text = file["parameters/case"][()].decode()
-            self.case = tomllib.loads(self.case_text)
-            self.version = file["parameters/version"][()].decode()
-            self.ranks = int(file["parameters/ranks"][0])
+            self.origin = {key: self.told(value) for key, value in file["parameters"].items()}
+        self.case_text = self.origin.pop("case")
+        self.case = tomllib.loads(self.case_text)
         self.flight = np.array([1.0, 0, 0])
         self.impactor_text, self.impact_phase = "", None
         for k, phase in enumerate(self.case.get("phases", [])):
@@ -95,6 +94,11 @@ class Run:
                 self.impactor_text = ", ".join(str(part) for part in parts if part is not None)
         self.rows, self.series = Series(self.file("series.csv")), {}
         self.update()
+
+    @staticmethod
+    def told(dataset):
+        value = dataset[()]
+        return value.decode() if isinstance(value, bytes) else np.ravel(value)[0].item()
 
     def update(self):
         """Reads what has come since."""
@@ -168,13 +172,14 @@ class Run:
             return {}, {}
         with open(path) as file:
             text = file.read()
-        notes, section = {}, ""
+        results, notes, section = tomllib.loads(text), {}, ""
+        self.origin |= {key: value for key, value in results.pop("provenance", {}).items() if key != "case"}
         for line in text.splitlines():
             if match := re.fullmatch(r"\[(\w+)\]", line):
                 section = match[1]
             elif match := re.match(r"(\w+) = .*  # (.*)", line):
                 notes[section, match[1]] = match[2]
-        return tomllib.loads(text), notes
+        return results, notes
 
     def side_view(self):
         """Toward the viewer and up, so that the impactor flies from left to right."""
