@@ -35,7 +35,7 @@ class Pictures:
         Image.open(data).convert("RGB").save(small, "webp", quality=85)
         text = base64.b64encode(small.getvalue()).decode()
         heading = f"<h2>{heading}</h2>" if heading else ""
-        self.text += (f"{heading}<figure><div class=scroll tabindex=0><img alt='{html.escape(name)}' "
+        self.text += (f"{heading}<figure><div class=scroll tabindex=0 role=group aria-label=Picture><img alt='{html.escape(name)}' "
                       f"src='data:image/webp;base64,{text}'></div><figcaption>{caption}</figcaption></figure>{more}")
 
 

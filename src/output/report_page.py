@@ -40,7 +40,7 @@ def table(lines, heading=(), kind=""):
     """Rows of cells that are HTML already; it scrolls within itself."""
     head = f"<thead><tr>{''.join(f'<th scope=col>{cell}' for cell in heading)}</tr></thead>" if heading else ""
     body = "".join(f"<tr><th scope=row>{first}{''.join(f'<td>{cell}' for cell in rest)}</tr>" for first, *rest in lines)
-    return f"<div class=scroll tabindex=0><table class='{kind}'>{head}<tbody>{body}</tbody></table></div>"
+    return f"<div class=scroll tabindex=0 role=group aria-label=Table><table class='{kind}'>{head}<tbody>{body}</tbody></table></div>"
 
 
 def origin(run):

@@ -72,7 +72,7 @@ void main() {
 
 const controls = (id) => `
   <div class=stage>
-    <canvas id=${id} tabindex=0 role=img aria-label="Bodies in three dimensions. Arrow keys turn, plus and minus zoom."></canvas>
+    <canvas id=${id} tabindex=0 role=application aria-label="Bodies in three dimensions. Arrow keys turn, plus and minus zoom."></canvas>
     <div class=overlay><span class=scale></span><svg class=axes viewBox="-30 -30 60 60" aria-hidden=true></svg></div>
   </div>
   <div class=legend></div>
