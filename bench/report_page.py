@@ -145,8 +145,8 @@ def main():
         (whole, _), (adapted, ratio) = pictures_a_second(page)
         alone, watched = [], []
         for _ in range(given.turns):
-            alone.append(turn(spall, folder / "run", False))
-            watched.append(turn(spall, folder / "run", True))
+            for turns, is_watched in ((alone, False), (watched, True))[::1 - 2 * (len(alone) % 2)]:
+                turns.append(turn(spall, folder / "run", is_watched))
             print(alone[-1], watched[-1], flush=True)
     (least, *_), (beside, *_) = (min(turns) for turns in (alone, watched))
     own = statistics.median(own / wall for _, wall, own in watched)

@@ -166,11 +166,34 @@ class Page(unittest.TestCase):
         field.select_by_visible_text("group")
         self.assertIn("impactor", self.find(".legend").text)
 
+    def test_bodies_that_are_left_out_would_not_have_been_seen(self):
+        self.open(width=640)
+        pixels = """const view = spall.views[0], gl = view.renderer.getContext(), [w, h] = [gl.drawingBufferWidth, gl.drawingBufferHeight];
+            const draw = () => { view.render(1); const p = new Uint8Array(4 * w * h); gl.readPixels(0, 0, w, h, gl.RGBA, gl.UNSIGNED_BYTE, p);
+              return [view.geometry.drawRange.count, p]; };
+            const choose = Object.getPrototypeOf(view).choose, all = () => { view.list.array.forEach((_, k, list) => { list[k] = k; });
+              view.list.needsUpdate = true; view.geometry.setDrawRange(0, 3 * view.header.count); };
+            let differ = 0, left = 0;
+            for (let k = 0; k < 4; ++k) {
+              view.turn(1.3, 0.1 * (k % 3 - 1));
+              view.choose = choose; const [some, seen] = draw();
+              view.choose = all; const [every, whole] = draw();
+              left += (every - some) / 3;
+              for (let b = 0; b < seen.length; ++b) differ += seen[b] !== whole[b];
+            }
+            return [left, differ]"""
+        for cut in ("none", "across x", "facing the viewer"):
+            Select(self.find(".cut")).select_by_visible_text(cut)
+            left, differ = self.run_script(pixels)
+            self.assertGreater(left, 0, cut)
+            self.assertEqual(differ, 0, cut)
+
     def test_a_cut_takes_the_near_half_away(self):
         self.open()
         before, _ = self.run_script(INK)
         Select(self.find(".cut")).select_by_visible_text("across y")
         self.assertTrue(self.find(".level").is_displayed())
+        self.assertLess(self.run_script(INK)[0], before)
         depth = """const view = spall.views[0]; view.render(1); let most = -Infinity;
             const box = view.canvas.getBoundingClientRect();
             for (let k = 1; k < 20; ++k) for (let m = 1; m < 20; ++m) {

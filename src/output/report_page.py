@@ -11,7 +11,7 @@ from report_verdict import verdicts
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 MODULES = {"three": "three/three.module.min.js", "orbit": "three/OrbitControls.js", "packed": "page/packed.js",
-           "bodies": "page/bodies.js", "colors": "page/colors.js", "plots": "page/plots.js", "page": "page/page.js"}
+           "bodies": "page/bodies.js", "colors": "page/colors.js", "seen": "page/seen.js", "plots": "page/plots.js", "page": "page/page.js"}
 HEADLINES = [("deflection", "dv", "dv, m/s"), ("deflection", "beta", "momentum enhancement β"),
              ("deflection", "dT_min", "change of the period, min"), ("ejecta", "count", "bodies ejected"),
              ("debris", "front_over_speed", "front / speed of impact"), ("debris", "hole_over_diameter", "hole / D"),

@@ -4,6 +4,7 @@
 import * as THREE from "three";
 import { OrbitControls } from "orbit";
 import { unpack, unpackField, readableNumber, readableTime, escapeHtml } from "packed";
+import { findSeen } from "seen";
 import { gradient, nameColor, paint, paintNames, paintRock, rangeOf } from "colors";
 
 const ABSENT = -(2 ** 31);
@@ -116,12 +117,14 @@ export class View {
     this.textures = [new THREE.DataTexture(this.spheres, ACROSS, lines, THREE.RGBAFormat, THREE.FloatType),
       new THREE.DataTexture(this.colors, ACROSS, lines)];
     const geometry = new THREE.BufferGeometry();
-    geometry.setDrawRange(0, 3 * count);
+    this.list = new THREE.BufferAttribute(new Uint32Array(3 * count), 1);
+    geometry.setIndex(this.list);
+    this.geometry = geometry;
     this.uniforms = { spheres: { value: this.textures[0] }, colors: { value: this.textures[1] }, pixel: { value: 0 },
       picked: { value: -1 }, cut: { value: new THREE.Vector4(0, 0, 0, 1) }, ground: { value: new THREE.Color() } };
-    this.material = new THREE.RawShaderMaterial({ vertexShader, fragmentShader, uniforms: this.uniforms,
+    this.shader = new THREE.RawShaderMaterial({ vertexShader, fragmentShader, uniforms: this.uniforms,
       glslVersion: THREE.GLSL3 });
-    const mesh = new THREE.Mesh(geometry, this.material);
+    const mesh = new THREE.Mesh(geometry, this.shader);
     mesh.frustumCulled = false;
     this.scene.add(mesh);
     this.controls = new OrbitControls(this.camera, this.canvas);
@@ -142,8 +145,8 @@ export class View {
     on(".log", "change", () => this.color(this.find(".log").checked));
     on(".cut", "change", (event) => {
       this.find(".depth").hidden = !event.target.value;
-      this.material.defines = event.target.value ? { CUT: "" } : {};
-      this.material.needsUpdate = true;
+      this.shader.defines = event.target.value ? { CUT: "" } : {};
+      this.shader.needsUpdate = true;
       this.draw();
     });
     on(".level", "input", () => this.draw());
@@ -213,6 +216,7 @@ export class View {
     }
     distances.sort((a, b) => a - b);
     this.size = distances[Math.floor(0.98 * (distances.length - 1))];
+    this.cell = (0.45 * this.radius.toSorted()[Math.floor(this.radius.length / 2)]) / this.size;
     this.middle = middle;
     const moved = Math.hypot(...this.frames.at(-1).middle.map((at, c) => at - middle[c])) * this.header.step;
     this.find(".keep").checked = moved > this.size;
@@ -441,8 +445,19 @@ export class View {
     this.uniforms.cut.value.copy(this.cutNow());
     const wide = (this.camera.right - this.camera.left) / this.camera.zoom;
     this.uniforms.pixel.value = wide / width;
+    this.choose();
     this.renderer.render(this.scene, this.camera);
     this.overlay(wide, width);
+  }
+
+  /// Only what may be seen is drawn.
+  choose() {
+    const { left, right, top, bottom, zoom, matrixWorldInverse } = this.camera, isCut = this.find(".cut").value !== "";
+    const box = { left: left / zoom, bottom: bottom / zoom, width: (right - left) / zoom, height: (top - bottom) / zoom };
+    const count = findSeen(this.list.array, this.spheres, this.header.count, matrixWorldInverse.elements, box,
+      this.uniforms.pixel.value, this.cell, isCut ? this.uniforms.cut.value : null);
+    this.list.needsUpdate = true;
+    this.geometry.setDrawRange(0, 3 * count);
   }
 
   /// The scale and the directions of the axes.
