@@ -10,6 +10,7 @@ packages=(
   clang-14 libclang-rt-14-dev
   debhelper reuse
   python3 python3-h5py python3-numpy python3-matplotlib
+  chromium chromium-driver python3-selenium
   pybind11-dev python3-dev python3-venv python3-pip python3-mpi4py python3-pandas
 )
 missing=()

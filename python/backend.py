@@ -57,8 +57,9 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
     files = {f"spall/{path.name}": path for path in sorted((ROOT / "python" / "spall").glob("*.py"))}
     files |= {f"spall/{path.name}": path for path in (BUILD / "python" / "spall").glob("_spall.*.so")}
     files[f"{data}/scripts/spall"] = BUILD / "spall"
-    files |= {f"{data}/data/share/spall/scripts/{path.name}": path
-              for path in sorted((BUILD / "share" / "spall" / "scripts").glob("*.py"))}
+    scripts = BUILD / "share" / "spall" / "scripts"  # and the parts of their pages
+    files |= {f"{data}/data/share/spall/scripts/{path.relative_to(scripts)}": path
+              for path in sorted(scripts.rglob("*")) if path.is_file() and path.suffix != ".pyc"}
     contents = {place: path.read_bytes() for place, path in files.items()}
     contents[f"{info}/METADATA"] = metadata().encode()
     contents[f"{info}/WHEEL"] = (f"Wheel-Version: 1.0\nGenerator: spall\nRoot-Is-Purelib: false\nTag: {tag()}\n").encode()

@@ -33,7 +33,7 @@ constexpr int exit_interrupted = 3;
 struct Options {
   std::string file;
   std::string out;
-  std::vector<std::string> overrides;
+  std::vector<std::string> overrides, folders;
   bool overwrite = false, stored_case = false;
   SolverSettings solver{
       .tolerance = 1e-4, .max_iterations = 1 << 30, .max_products = 10000, .prox = 0};
@@ -76,26 +76,42 @@ std::string find_script(const std::string& name) {
                           (program / "../share/spall/scripts").lexically_normal().string()));
 }
 
-/// Its exit code. Without a shell, which would read signs in the arguments.
+/// What calls a script. Without a shell, which would read signs in the arguments.
+class ScriptCall {
+ public:
+  ScriptCall(const std::string& name, std::vector<std::string> arguments)
+      : words_(std::move(arguments)) {
+    words_.insert(words_.begin(), {"python3", find_script(name)});
+    for (std::string& word : words_) pointers_.push_back(word.data());
+    pointers_.push_back(nullptr);
+  }
+  ScriptCall(const ScriptCall&) = delete;
+  char** get() { return pointers_.data(); }
+
+ private:
+  std::vector<std::string> words_;
+  std::vector<char*> pointers_;  // into words_
+};
+
+/// Its exit code.
 int run_script(const std::string& name, std::vector<std::string> arguments) {
-  arguments.insert(arguments.begin(), {"python3", find_script(name)});
-  std::vector<char*> words;
-  for (std::string& argument : arguments) words.push_back(argument.data());
-  words.push_back(nullptr);
+  ScriptCall call(name, std::move(arguments));
   pid_t child = 0;
-  const int failed = posix_spawnp(&child, "python3", nullptr, nullptr, words.data(), environ);
+  const int failed = posix_spawnp(&child, "python3", nullptr, nullptr, call.get(), environ);
   require(failed == 0, "python3 cannot be started: {}", std::strerror(failed));
   int status = 0;
   require(waitpid(child, &status, 0) == child, "waiting for python3: {}", std::strerror(errno));
   return WIFEXITED(status) ? WEXITSTATUS(status) : 1;
 }
 
-/// Begins runs of its own, and so comes before MPI.
-int sweep(std::vector<std::string> arguments) {
+/// What begins runs of its own or looks at one for hours: it comes before MPI and takes this
+/// process, so that signals are the script's.
+int become_script(const std::string& name, std::vector<std::string> arguments) {
   try {
     const auto program = std::filesystem::read_symlink("/proc/self/exe");
     setenv("SPALL_PROGRAM", program.c_str(), 1);
-    return run_script("sweep.py", std::move(arguments));
+    execvp("python3", ScriptCall(name, std::move(arguments)).get());
+    throw Error(fmt::format("python3 cannot be started: {}", std::strerror(errno)));
   } catch (const std::exception& error) {
     fmt::print(stderr, "spall: {}\n", error.what());
     return 2;
@@ -107,7 +123,8 @@ int dispatch(const Comm& comm, int argc, char** argv) {
       "Spall simulates hypervelocity impacts of bodies made of many spheres, on MPI ranks.\n"
       "  spall check cases/hello/case.toml\n"
       "  mpirun -n 2 spall run cases/hello/case.toml --set contact.friction=0.3\n"
-      "  spall report out/hello"};
+      "  spall report out/hello\n"
+      "  spall watch out/hello"};
   app.footer(
       "What a case may ask for (pair potentials, bonds, materials, penalty contact, gravity ...):\n"
       "  spall keys, and README.md. `spall SUBCOMMAND --help` tells the options of each.\n"
@@ -141,9 +158,13 @@ int dispatch(const Comm& comm, int argc, char** argv) {
   check->add_option("--set", options.overrides, "change keys")->take_all();
   check->add_flag("--time", options.time,
                   "foretell the time of the first phase from two seconds of its steps");
-  auto* page = app.add_subcommand("report",
-                                  "make report.html, a page with pictures, in the folder of a run");
-  page->add_option("folder", options.file, "folder that a run wrote")->required();
+  auto* page = app.add_subcommand(
+      "report", "make report.html in the folder of a run: bodies in 3-D, curves, verdicts");
+  page->add_option("folders", options.folders,
+                   "folder that a run wrote; several stand side by side in compared.html")
+      ->required();
+  app.add_subcommand("watch", "show a run under way in a browser on this machine")
+      ->prefix_command();  // as sweep
   app.add_subcommand("sweep", "run a case for each combination of values; one table of results")
       ->prefix_command();  // main begins it: its options are the script's
   auto* solve = app.add_subcommand(
@@ -199,7 +220,7 @@ int dispatch(const Comm& comm, int argc, char** argv) {
     if (comm.rank == 0) fmt::print("{}", text);
   }
   if (comm.rank != 0) return 0;  // what follows needs no second rank
-  if (*page) return run_script("report.py", {options.file});
+  if (*page) return run_script("report.py", options.folders);
   if (*list) list_cases();
   if (*keys) fmt::print("{}{}{}", case_reference(), describe_output_fields(), describe_units());
   return 0;
@@ -208,7 +229,8 @@ int dispatch(const Comm& comm, int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc > 1 && std::string_view(argv[1]) == "sweep") return sweep({argv + 2, argv + argc});
+  if (const std::string name = argc > 1 ? argv[1] : ""; name == "sweep" || name == "watch")
+    return become_script(name + ".py", {argv + 2, argv + argc});
   std::optional<spall::Session> session;  // outlives the try, as it says
   try {
     session.emplace(argc, argv);

@@ -27,10 +27,10 @@ done
   --set phases.aggregation.duration=100 --set phases.evolution.duration=1 \
   --set 'read_out=["1 s"]' > "$work/run.log"
 "$work/prefix/bin/spall" report "$work/out" > "$work/report.log"
-test -s "$work/out/report.html"
 for file in share/man/man1/spall.1 share/bash-completion/completions/spall share/zsh/site-functions/_spall; do
   test -s "$work/prefix/$file"
 done
+grep -q '"three": "data:text/javascript' "$work/out/report.html"
 if grep -rF -e "$source/" -e "$work/first" "$work/prefix"; then
   echo "what is installed names the source tree or the first prefix" >&2
   exit 1

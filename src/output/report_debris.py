@@ -8,7 +8,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.colors import LogNorm
 
-from report_figures import BLUE, GREY, INK, ORANGE, RED, readable_time
+from report_figures import BLUE, GREY, INK, ORANGE, RED
+from report_run import readable_time
 
 
 class Flight:

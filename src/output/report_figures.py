@@ -1,4 +1,4 @@
-# The figures of a report: the body before and after, speeds, the run in time, where the time went.
+# The pictures of a report: the body before and after, speeds, gravity, where the time went.
 # SPDX-License-Identifier: BSD-3-Clause
 import matplotlib
 
@@ -7,6 +7,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.colors import LinearSegmentedColormap, LogNorm
 
+from report_run import readable_time
 from report_spheres import Camera, render
 
 SKY = np.array([0.035, 0.043, 0.066])
@@ -18,13 +19,6 @@ plt.rcParams.update({
     "ytick.color": INK, "axes.grid": True, "grid.color": "#e4e8ee", "grid.linewidth": 0.7,
     "axes.axisbelow": True, "legend.frameon": False, "lines.linewidth": 1.4, "figure.dpi": 110,
 })
-
-
-def readable_time(seconds):
-    for limit, unit, name in ((1e-3, 1e-6, "µs"), (1, 1e-3, "ms"), (120, 1, "s"), (7200, 60, "min")):
-        if abs(seconds) < limit:
-            return f"{seconds / unit:.3g} {name}"
-    return f"{seconds / 3600:.3g} h"
 
 
 def rock(count):
@@ -155,47 +149,6 @@ def velocities(run):
     panel.set(xlabel="place along the flight (m)", ylabel="velocity along it (m/s)",
               title="Velocity along the flight of the impactor" if run.has_impact
               else "Velocity along x")
-    return figure
-
-
-def series(run, parts):
-    """Energy, momentum, residual and contacts: a column for each part of the run."""
-    figure, axes = plt.subplots(4, len(parts), figsize=(12, 10.5), squeeze=False,
-                                layout="constrained")
-    for column, (name, x, label, log, rows) in enumerate(parts):
-        energy, momentum, residual, contacts = axes[:, column]
-
-        def curve(panel, key, text, color, values=None, x=x, rows=rows):
-            y = np.abs(rows[key] if values is None else values)
-            if np.any(y > 0):
-                panel.plot(x, np.where(y > 0, y, np.nan), color=color, label=text)
-
-        curve(energy, "kinetic", "kinetic", BLUE)
-        curve(energy, "", "dissipated", RED, rows["dissipated"] - rows["dissipated"][0])
-        curve(energy, "", "freed by gravity", GREEN,
-              rows["gravitational"][0] - rows["gravitational"])
-        curve(energy, "unexplained", "unexplained", GREY)
-        energy.set(ylabel="energy (J)", title=name)
-        measure = run.momentum_measure(rows)
-        curve(momentum, "", "linear", BLUE, rows["momentum_drift"] / measure)
-        curve(momentum, "", "angular", ORANGE, rows["angular_drift"] / (measure * run.size / 2))
-        momentum.set(ylabel="drift of momentum\n(of the impactor's)" if run.has_impact
-                     else "drift of momentum\n(of sum m |v|)")
-        curve(residual, "residual_max", "largest of all contacts", ORANGE)
-        curve(residual, "residual_rms", "rms", BLUE)
-        residual.set(ylabel="residual (m/s)")
-        contacts.plot(x, rows["contacts"], color=BLUE)
-        contacts.set(ylabel="contacts", xlabel=label, ylim=(0, None))
-        for panel in axes[:, column]:
-            if log:
-                panel.set_xscale("log")
-            else:
-                panel.set_xlim(x[0], max(x[-1], x[0] + 1e-300))
-            if panel is not contacts:
-                if panel.lines:
-                    panel.set_yscale("log")
-                    panel.legend(fontsize=8, ncols=2)
-    figure.align_ylabels()
     return figure
 
 

@@ -84,10 +84,10 @@ std::vector<fs::path> files_of_runs(const fs::path& folder) {
     }
   };
   add(folder, [](const std::string& name) {
-    constexpr const char* names[] = {"results.toml",      "series.csv",     "series.h5",
-                                     "restart.h5",        "trajectory.h5",  "trajectory.xdmf",
-                                     "restart_before.h5", "reference.toml", "report.html",
-                                     "resolved_case.toml"};
+    constexpr const char* names[] = {"results.toml",      "series.csv",        "series.h5",
+                                     "restart.h5",        "trajectory.h5",     "trajectory.xdmf",
+                                     "restart_before.h5", "reference.toml",    "report.html",
+                                     "compared.html",     "resolved_case.toml"};
     return std::ranges::find(names, name) != std::end(names) ||
            (name.starts_with("after_") && ends_with(name, ".h5"));
   });
@@ -128,7 +128,8 @@ RunFolder::~RunFolder() {
 void RunFolder::begin(const Comm& comm) const {
   on_first_rank(comm, [&] {
     if (former_ == Former::go_on) {
-      for (const char* told : {"/results.toml", "/report.html"}) fs::remove(path_ + told);
+      for (const char* told : {"/results.toml", "/report.html", "/compared.html"})
+        fs::remove(path_ + told);
     } else {
       for (const auto& file : files_of_runs(path_)) fs::remove(file);
     }

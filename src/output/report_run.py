@@ -1,0 +1,214 @@
+# What a run has left in its folder so far, whether it has ended or is still under way.
+# SPDX-License-Identifier: BSD-3-Clause
+import functools
+import glob
+import os
+import re
+import sys
+import tomllib
+
+import h5py
+import numpy as np
+
+GRAVITY = 6.67430e-11
+
+
+def readable_time(seconds):
+    if seconds == 0:
+        return "0 s"
+    for limit, unit, name in ((1e-3, 1e-6, "µs"), (1, 1e-3, "ms"), (120, 1, "s"), (7200, 60, "min")):
+        if abs(seconds) < limit:
+            return f"{seconds / unit:.3g} {name}"
+    return f"{seconds / 3600:.3g} h"
+
+
+class Frame:
+    """The bodies that are there at one time."""
+
+    def __init__(self, time, position, velocity, radius, mass):
+        self.time, self.position, self.velocity = time, position, velocity
+        self.radius, self.mass = radius, mass
+
+    def without(self, body):
+        keep = np.arange(len(self.radius)) != body
+        return Frame(self.time, self.position[keep], self.velocity[keep], self.radius[keep],
+                     self.mass[keep])
+
+
+class GravityMap:
+    """Gravity's field on a grid of points, as a snapshot holds it: indices are x, y, z."""
+
+    def __init__(self, group):
+        self.counts = group["counts"][:]
+        self.low, self.spacing = np.ravel(group["low"]), float(group["spacing"][0])
+        shape = tuple(self.counts[::-1])
+        self.potential = group["potential"][:].reshape(shape).T
+        self.acceleration = np.moveaxis(group["acceleration"][:].reshape(*shape, 3).T, 0, -1)
+
+
+class Series:
+    """The whole rows of series.csv."""
+
+    def __init__(self, path):
+        self.path, self.names, self.rows, self.read = path, [], [], 0
+
+    def update(self):
+        """Reads the rows that were added since; whether there are any."""
+        with open(self.path, "rb") as file:
+            if os.fstat(file.fileno()).st_size < self.read:  # the run was begun again
+                self.names, self.rows, self.read = [], [], 0
+            file.seek(self.read)
+            text = file.read()
+        whole = text[:text.rfind(b"\n") + 1]
+        self.read += len(whole)
+        lines = whole.decode().splitlines()
+        if lines and not self.names:
+            self.names = lines.pop(0).split(",")
+        if lines:
+            self.rows.append(np.array([line.split(",") for line in lines], float))
+        return bool(whole)
+
+    def columns(self):
+        table = np.concatenate(self.rows) if self.rows else np.zeros((0, len(self.names)))
+        return dict(zip(self.names, table.T))
+
+
+class Run:
+    """What a run left in its folder. Frames are read when they are asked for."""
+
+    def __init__(self, folder, program):
+        self.folder, self.program = folder, program
+        self.file("trajectory.h5")
+        with h5py.File(os.path.join(folder, "snapshots", self.snapshots()[0])) as file:
+            self.origin = {key: self.told(value) for key, value in file["parameters"].items()}
+        self.case_text = self.origin.pop("case")
+        self.case = tomllib.loads(self.case_text)
+        self.flight = np.array([1.0, 0, 0])
+        self.impactor_text, self.impact_phase = "", None
+        for k, phase in enumerate(self.case.get("phases", [])):
+            if "impactor" in phase:
+                self.impact_phase = k
+                flight = np.array(phase["impactor"].get("direction", [1, 0, 0]), float)
+                self.flight = flight / np.linalg.norm(flight)
+                parts = [phase["impactor"].get(key) for key in ("mass", "speed")]
+                self.impactor_text = ", ".join(str(part) for part in parts if part is not None)
+        self.rows, self.series = Series(self.file("series.csv")), {}
+        self.update()
+
+    @staticmethod
+    def told(dataset):
+        value = dataset[()]
+        return value.decode() if isinstance(value, bytes) else np.ravel(value)[0].item()
+
+    def update(self):
+        """Reads what has come since."""
+        if self.rows.update() or not self.series:
+            self.series = self.rows.columns()
+        self.results, self.notes = self.read_results()
+
+    def file(self, name):
+        path = os.path.join(self.folder, name)
+        if not os.path.exists(path):
+            sys.exit(f"{self.program}: '{path}' is missing: is '{self.folder}' the folder of a run?")
+        return path
+
+    def snapshots(self):
+        """Names of the files, in order of time; a snapshot takes its name when it is whole."""
+        places = glob.glob(os.path.join(glob.escape(self.folder), "snapshots", "*.h5"))
+        found = [name for name in map(os.path.basename, places) if name[:-3].isdecimal()]
+        if not found:
+            sys.exit(f"{self.program}: '{self.folder}' has no snapshot yet")
+        return sorted(found, key=lambda name: int(name[:-3]))
+
+    @property
+    def title(self):
+        return self.case.get("title") or os.path.basename(os.path.abspath(self.folder))
+
+    @property
+    def under_way(self):
+        return os.path.exists(os.path.join(self.folder, "lock"))
+
+    @functools.cached_property
+    def frames(self):
+        """The first one, the last before the impact, and the last; and the row of the impactor, or -1."""
+        with h5py.File(self.file("trajectory.h5")) as file:
+            all_bodies = file["particles/all"]
+            time = all_bodies["position/time"][:]
+            before, after = self.frame(all_bodies, 0, time), self.frame(all_bodies, len(time) - 1, time)
+            count = len(before.radius)
+            impactor = count if len(after.radius) == count + 1 else -1
+            if impactor >= 0:
+                there = ~np.isnan(all_bodies["position/value"][:, count, 0])
+                before = self.frame(all_bodies, int(np.argmax(there)) - 1, time)
+        return before, after, impactor
+
+    before = property(lambda self: self.frames[0])
+    after = property(lambda self: self.frames[1])
+    impactor = property(lambda self: self.frames[2])
+    has_impact = property(lambda self: self.impactor >= 0)
+
+    @functools.cached_property
+    def gravity(self):
+        with h5py.File(os.path.join(self.folder, "snapshots", self.snapshots()[-1])) as file:
+            return GravityMap(file["fields/gravity"]) if "fields/gravity" in file else None
+
+    @functools.cached_property
+    def size(self):
+        pile = self.results.get("pile", {})
+        return pile.get("mean_diameter") or 2 * np.linalg.norm(
+            self.before.position - np.median(self.before.position, axis=0), axis=1).max()
+
+    @staticmethod
+    def frame(all_bodies, k, time):
+        position = all_bodies["position/value"][k]
+        there = ~np.isnan(position[:, 0])
+        return Frame(time[k], position[there], all_bodies["velocity/value"][k][there],
+                     all_bodies["radius"][:][there], all_bodies["mass"][:][there])
+
+    def read_results(self):
+        """Values, and the unit and note that stand behind each of them as a comment."""
+        path = os.path.join(self.folder, "results.toml")
+        if not os.path.exists(path):
+            return {}, {}
+        with open(path) as file:
+            text = file.read()
+        results, notes, section = tomllib.loads(text), {}, ""
+        self.origin |= {key: value for key, value in results.pop("provenance", {}).items() if key != "case"}
+        for line in text.splitlines():
+            if match := re.fullmatch(r"\[(\w+)\]", line):
+                section = match[1]
+            elif match := re.match(r"(\w+) = .*  # (.*)", line):
+                notes[section, match[1]] = match[2]
+        return results, notes
+
+    def side_view(self):
+        """Toward the viewer and up, so that the impactor flies from left to right."""
+        up = np.array([0, 0, 1.0]) if abs(self.flight[2]) < 0.9 else np.array([0, 1.0, 0])
+        up -= (up @ self.flight) * self.flight
+        up /= np.linalg.norm(up)
+        return np.cross(self.flight, up), up
+
+    def name_of(self, frame):
+        if not self.has_impact:
+            return f"{readable_time(frame.time)} after the start"
+        if frame is self.before:
+            return "before the impact"
+        return f"{readable_time(frame.time - self.before.time)} after the impact"
+
+    def marked_speeds(self):
+        from report_figures import BLUE, GREEN
+        mass = self.before.mass[np.isfinite(self.before.mass)].sum()
+        marks = []
+        if "gravity" in self.case:
+            marks.append((np.sqrt(4 * GRAVITY * mass / self.size), "escape", GREEN))
+        if dv := self.results.get("deflection", {}).get("dv"):
+            if dv > 0:
+                marks.append((dv, "dv", BLUE))
+        return marks
+
+    def impact_time(self):
+        """s, of the first row of the phase that begins with an impactor; None before it."""
+        if self.impact_phase is None:
+            return None
+        rows = np.flatnonzero(self.series["phase"] >= self.impact_phase)
+        return float(self.series["time"][rows[0]]) if len(rows) else None

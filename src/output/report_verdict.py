@@ -1,0 +1,117 @@
+# What a run's results say of its worth, a plain sentence each. docs/report.md tells what each means.
+# SPDX-License-Identifier: BSD-3-Clause
+from report_run import readable_time
+
+GOOD, NOTE, BAD = "good", "note", "bad"
+ROUND_OFF = 1e-9  # drift of momentum, of the impactor's, that sums of many numbers make
+ENERGY_CLOSED, ENERGY_OPEN = 0.01, 0.05  # unexplained, of what was dissipated
+SAME_BETA = 0.02  # beta within this of 1 + e is taken for it
+STILL_RISING = 0.02  # of dv between the last two read-outs
+LARGE_OVERLAP = 0.01  # of the smaller radius: rigid bodies should have none
+
+
+def verdicts(run):
+    """(grade, sentence) of each question that the run has an answer to."""
+    results = run.results
+    found = [ended(run)]
+    if results:
+        found += [converged(results), *books(results), *beta(results), rising(results)]
+    found.append(overlaps(run))
+    return [one for one in found if one]
+
+
+def ended(run):
+    time = run.series["time"]
+    reached = readable_time(time[-1]) if len(time) else "the start"
+    if run.results:
+        return GOOD, f"The run has ended; its last row stands at {reached}."
+    if run.under_way:
+        return NOTE, f"The run is under way and has reached {reached}: there are no results yet."
+    return BAD, f"The run has not ended: it stopped after {reached} and can be resumed. There are no results yet."
+
+
+def converged(results):
+    solver = results.get("solver", {})
+    steps, failed = solver.get("steps"), solver.get("steps_not_converged")
+    if failed is None:
+        return GOOD, "Forces were smooth in all steps: no contact problem was solved, so there is nothing to converge."
+    over, largest = solver.get("steps_over_tolerance", 0), solver.get("residual_max", 0)
+    if failed:
+        return BAD, (f"{failed} of {steps} steps did not converge: the solver ran out of iterations. "
+                     f"The largest residual of a contact was {largest:.3g} m/s.")
+    if over:
+        return NOTE, (f"All {steps} steps converged as the solver measures it. In {over} of them the residual without its "
+                      f"regularisation missed the tolerance; the largest of a contact was {largest:.3g} m/s.")
+    return GOOD, f"All {steps} steps converged; the largest residual of a contact was {largest:.3g} m/s."
+
+
+def books(results):
+    conservation = results.get("conservation", {})
+    if (drift := conservation.get("linear")) is not None:
+        turned = conservation.get("angular", 0)
+        if max(drift, turned) <= ROUND_OFF:
+            yield GOOD, f"Momentum is kept to round-off: it drifted by {drift:.1g}, angular momentum by {turned:.1g}."
+        else:
+            yield BAD, f"Momentum is not kept to round-off: it drifted by {drift:.2g}, angular momentum by {turned:.2g}."
+    elif conservation:
+        yield NOTE, "Walls or a uniform field act on the bodies, so their momentum is not kept and no drift is told."
+    rest = conservation.get("energy_unexplained")
+    if rest is None:
+        return
+    if not conservation.get("dissipated"):
+        yield NOTE, "Nothing was dissipated, so there is no measure for the energy that no entry explains."
+    elif abs(rest) <= ENERGY_CLOSED:
+        yield GOOD, f"The energy account closes: what no entry explains is {percent(rest)} of what was dissipated."
+    elif abs(rest) <= ENERGY_OPEN:
+        yield NOTE, f"The energy account nearly closes: what no entry explains is {percent(rest)} of what was dissipated."
+    else:
+        yield BAD, f"The energy account does not close: what no entry explains is {percent(rest)} of what was dissipated."
+
+
+def percent(part):
+    part = abs(100 * part)
+    return f"{part:.2g} %" if part >= 0.001 else "less than 0.001 %"
+
+
+def beta(results):
+    deflection = results.get("deflection", {})
+    value, plastic, elastic = (deflection.get(key) for key in ("beta", "dv_plastic", "dv_elastic"))
+    if value is None or not plastic:
+        return
+    rebound = elastic / plastic
+    if abs(value - rebound) <= SAME_BETA * rebound:
+        yield NOTE, (f"Beta is {value:.3g}, which is only 1 + e = {rebound:.3g}: the impactor bounced off, and ejecta added "
+                     "nothing.")
+    elif value > rebound:
+        yield GOOD, (f"Beta is {value:.3g}, more than the 1 + e = {rebound:.3g} of a bounce: ejecta carried off "
+                     f"{value - rebound:.2g} of the impactor's momentum.")
+    else:
+        yield NOTE, (f"Beta is {value:.3g}, less than the 1 + e = {rebound:.3g} of a bounce: the impactor kept part of its "
+                     "momentum, or bodies left forwards.")
+    if (closure := deflection.get("momentum_closure")) is not None and closure > ROUND_OFF:
+        yield BAD, f"The parts of the deflection miss its sum by {closure:.2g} of the impactor's momentum."
+
+
+def rising(results):
+    read = results.get("read_out", {})
+    times, dv = read.get("since_impact", []), read.get("dv", [])
+    if len(dv) < 2 or not dv[-1]:
+        return None
+    change = (dv[-1] - dv[-2]) / abs(dv[-1])
+    between = f"between {readable_time(times[-2])} and {readable_time(times[-1])} after the impact"
+    if abs(change) > STILL_RISING:
+        return NOTE, f"The deflection still changed by {percent(change)} {between}: a longer run may give another."
+    return GOOD, f"The deflection has come to rest: it changed by {percent(change)} {between}."
+
+
+def overlaps(run):
+    """Rigid bodies show by overlaps that a step was long. Smooth methods refuse a step beyond their limit."""
+    methods = {phase.get("method", "nonsmooth") for phase in run.case.get("phases", [])}
+    if "nonsmooth" not in methods:
+        return GOOD, ("Steps are within the limits of the force laws: a longer one is refused. How near they are stands in what "
+                      "the run printed.")
+    largest = run.series["overlap"].max(initial=0) if "overlap" in run.series else 0
+    if largest > LARGE_OVERLAP:
+        return NOTE, (f"Steps are near their limit: rigid bodies overlapped by up to {percent(largest)} of a radius. "
+                      "Shorter steps would tell whether that matters.")
+    return GOOD, f"Steps are short enough: rigid bodies overlapped by at most {percent(largest)} of a radius."

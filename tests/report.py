@@ -1,0 +1,256 @@
+# What a report carries and says, and what `spall watch` answers, without a browser.
+# SPDX-License-Identifier: BSD-3-Clause
+"""report.py SPALL SOURCE, in a folder to write in."""
+import json
+import os
+import re
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import time
+import types
+import unittest
+import urllib.error
+import urllib.request
+import zlib
+from base64 import b64decode
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+SPALL, SOURCE = (Path(argument).resolve() for argument in (sys.argv.pop(1), sys.argv.pop(1)))
+sys.path[:0] = [str(SOURCE / "src" / "output")]
+import report_bodies  # noqa: E402
+import report_page  # noqa: E402
+import report_verdict  # noqa: E402
+from report_run import Run  # noqa: E402
+
+WORK = Path("report_of_runs")
+
+
+def make_run(name, *changes):
+    """A small case, in a second."""
+    subprocess.run([SPALL, "run", SOURCE / "cases/hello/case.toml", "--out", WORK / name, "--overwrite", "--set",
+                    "groups.cloud.packing.count=40", "groups.cloud.volume.radius=6", "phases.aggregation.duration=1200",
+                    *changes], check=True, stdout=subprocess.DEVNULL)
+    return WORK / name
+
+
+def unpack(text, kind):
+    """What page/packed.js does."""
+    sorted_bytes = np.frombuffer(zlib.decompress(b64decode(text)), np.uint8)
+    size = np.dtype(kind).itemsize
+    return np.ascontiguousarray(sorted_bytes.reshape(size, -1).T).view(kind).ravel()
+
+
+def data_of(page):
+    return json.loads(re.search(r"<script type=application/json id=data>(.*?)</script>", page.read_text())[1])
+
+
+class Page(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = make_run("one")
+        subprocess.run([SPALL, "report", cls.folder], check=True, stdout=subprocess.DEVNULL)
+        cls.page = cls.folder / "report.html"
+
+    def test_places_and_fields_are_those_of_the_snapshots_within_what_the_page_says(self):
+        run = data_of(self.page)["runs"][0]
+        header = run["bodies"]
+        self.assertEqual(len(run["frames"]), 4)
+        for frame in run["frames"]:
+            with h5py.File(self.folder / "snapshots" / f"{frame['number']:06}.h5") as file:
+                bodies = file["particles/all"]
+                there = len(bodies["radius"])
+                self.assertAlmostEqual(frame["time"], bodies["position/time"][0])
+                place = unpack(frame["position"], "<i4").reshape(-1, 3)
+                self.assertTrue((place[there:] == report_bodies.ABSENT).all())
+                apart = header["low"] + place[:there] * header["step"] - bodies["position/value"][0]
+                self.assertLess(np.abs(apart).max(), 0.501 * header["step"])
+                for field, packed in zip(header["fields"], frame["fields"]):
+                    upper = unpack(packed["values"], "<u2").astype(np.uint32) << 16
+                    shown = upper.view(np.float32)[:there].astype(float) + packed["offset"]
+                    written = bodies[field["name"] + "/value"][0]
+                    written = np.linalg.norm(written, axis=1) if written.ndim == 2 else written
+                    np.testing.assert_allclose(shown, written, rtol=2**-8)
+        smallest = unpack(header["fixed"]["radius"], "<f4").min()
+        self.assertLessEqual(header["step"], smallest / report_bodies.PARTS_OF_RADIUS)
+
+    def test_the_series_is_whole(self):
+        series = data_of(self.page)["runs"][0]["series"]
+        rows = np.loadtxt(self.folder / "series.csv", delimiter=",", skiprows=1)
+        np.testing.assert_array_equal(unpack(series["values"], "<f8").reshape(-1, series["rows"]).T, rows)
+
+    def test_it_names_what_made_the_run(self):
+        text = self.page.read_text()
+        version = subprocess.run([SPALL, "--version"], capture_output=True, text=True, check=True).stdout.split()[1].rstrip(",")
+        self.assertRegex(text, rf"version<td>{re.escape(version)}<")
+        self.assertRegex(text, r"ranks<td>1<")
+        self.assertIn("300 boulders", text)
+        self.assertRegex(text, r"folder<td>/\S*report_of_runs/one<")
+
+    def test_it_asks_for_nothing_from_elsewhere(self):
+        text = re.sub(r"base64,[\w+/=]+", "", self.page.read_text())
+        self.assertNotRegex(text, r"(src|href)=[\"']?https?:")
+
+    def test_several_runs_stand_side_by_side(self):
+        other = make_run("two", "contact.friction=0.1")
+        subprocess.run([SPALL, "report", self.folder, other], check=True, stdout=subprocess.DEVNULL)
+        text = (self.folder / "compared.html").read_text()
+        self.assertEqual([run["name"] for run in data_of(self.folder / "compared.html")["runs"]], ["one", "two"])
+        self.assertIn("<th scope=col>one<th scope=col>two", text)
+
+    def test_more_bodies_than_a_page_has_room_for_are_thinned_and_that_is_said(self):
+        most, report_bodies.MOST_BODIES = report_bodies.MOST_BODIES, 10
+        try:
+            run = Run(str(self.folder), "test")
+            data = report_page.data_of(run, "one", report_bodies.Bodies(run), [])
+        finally:
+            report_bodies.MOST_BODIES = most
+        self.assertEqual(data["bodies"]["count"], 10)
+        self.assertEqual(list(unpack(data["bodies"]["fixed"]["id"], "<i4"))[-1], 40)  # the impactor stays
+        self.assertIn("Of 41 bodies 10 are shown", report_page.footer([data]))
+
+
+class Verdicts(unittest.TestCase):
+    """Each sentence, and its grade, from results that are known."""
+
+    def of(self, results, overlap=0.0, method="nonsmooth", under_way=False):
+        run = types.SimpleNamespace(results=results, under_way=under_way, case={"phases": [{"method": method}]},
+                                    series={"time": np.array([0.0, 3.0]), "overlap": np.array([0, overlap])})
+        return {sentence: grade for grade, sentence in report_verdict.verdicts(run)}
+
+    def check(self, found, grade, words):
+        sentences = [sentence for sentence, one in found.items() if one == grade and words in sentence]
+        self.assertEqual(len(sentences), 1, f"{grade}: '{words}' in {found}")
+
+    def test_a_run_without_results_has_not_ended(self):
+        self.check(self.of({}), "bad", "has not ended")
+        self.check(self.of({}, under_way=True), "note", "under way")
+
+    def test_steps_that_did_not_converge_are_bad(self):
+        solver = {"steps": 9, "steps_not_converged": 2, "residual_max": 1.0, "steps_over_tolerance": 0}
+        self.check(self.of({"solver": solver}), "bad", "2 of 9 steps did not converge")
+        solver |= {"steps_not_converged": 0}
+        self.check(self.of({"solver": solver}), "good", "All 9 steps converged")
+        self.check(self.of({"solver": solver | {"steps_over_tolerance": 1}}), "note", "missed the tolerance")
+        self.check(self.of({"solver": {"steps": 9}}), "good", "smooth")
+
+    def test_books_close_or_not(self):
+        def books(**values):
+            return self.of({"conservation": {"dissipated": 1.0, **values}})
+        self.check(books(linear=1e-15, angular=1e-14), "good", "kept to round-off")
+        self.check(books(linear=1e-15, angular=1e-6), "bad", "not kept")
+        self.check(books(), "note", "Walls")
+        for rest, grade in ((-0.009, "good"), (0.02, "note"), (-0.2, "bad")):
+            self.check(books(energy_unexplained=rest), grade, "The energy account")
+
+    def test_beta_that_is_only_a_bounce_is_said_to_be_so(self):
+        def beta(value, **more):
+            return self.of({"deflection": {"beta": value, "dv_plastic": 2.0, "dv_elastic": 2.6, **more}})
+        self.check(beta(1.301), "note", "only 1 + e = 1.3")
+        self.check(beta(2.0), "good", "ejecta carried off 0.7")
+        self.check(beta(1.1), "note", "less than")
+        self.check(beta(2.0, momentum_closure=1e-3), "bad", "miss its sum")
+
+    def test_a_deflection_that_still_rises_is_said_to_do_so(self):
+        self.check(self.of({"read_out": {"since_impact": [1.0, 2.0], "dv": [1.0, 1.2]}}), "note", "still changed by 17 %")
+        self.check(self.of({"read_out": {"since_impact": [1.0, 2.0], "dv": [1.0, 1.001]}}), "good", "come to rest")
+
+    def test_overlaps_of_rigid_bodies_tell_of_long_steps(self):
+        self.check(self.of({}, overlap=0.02), "note", "overlapped by up to 2 %")
+        self.check(self.of({}, overlap=0.001), "good", "short enough")
+        self.check(self.of({}, overlap=0.02, method="penalty"), "good", "limits of the force laws")
+
+
+class Watch(unittest.TestCase):
+    """A folder that grows, as that of a run under way does."""
+
+    def setUp(self):
+        whole = make_run("watched_whole")
+        self.whole, self.folder = whole, WORK / "watched"
+        shutil.rmtree(self.folder, ignore_errors=True)
+        (self.folder / "snapshots").mkdir(parents=True)
+        shutil.copy(whole / "trajectory.h5", self.folder)
+        (self.folder / "lock").write_text("host 1\n")
+        self.lines = (whole / "series.csv").read_text().splitlines(keepends=True)
+        (self.folder / "series.csv").write_text("".join(self.lines[:4]) + self.lines[4][:20])  # the last is not whole yet
+        self.give(0)
+        self.process = subprocess.Popen([SPALL, "watch", self.folder, "--port", "0"], stdout=subprocess.PIPE, text=True)
+        self.address = re.match(r"http://\S+", self.process.stdout.readline())[0]
+
+    def tearDown(self):
+        if self.process.poll() is None:
+            self.process.kill()
+        self.process.wait()
+        self.process.stdout.close()
+
+    def give(self, number):
+        shutil.copy(self.whole / "snapshots" / f"{number:06}.h5", self.folder / "snapshots")
+
+    def ask(self, name):
+        with urllib.request.urlopen(self.address + name) as answer:
+            return json.load(answer)
+
+    def test_what_the_run_adds_is_there_within_seconds(self):
+        state = self.ask("state")
+        self.assertEqual((state["shown"], state["rows"], state["over"]), ([0], 3, False))
+        (self.folder / "series.csv").write_text("".join(self.lines))
+        self.give(1)
+        (self.folder / "snapshots" / "000002.h5.unfinished").write_text("not yet")
+        (self.folder / "lock").unlink()
+        shutil.copy(self.whole / "results.toml", self.folder)
+        time.sleep(2.1)
+        state = self.ask("state")
+        self.assertEqual((state["shown"], state["rows"], state["over"]), ([0, 1], len(self.lines) - 1, True))
+        self.assertEqual(self.ask("snapshots/1")["number"], 1)
+        self.assertEqual(self.ask("series")["series"]["all"], len(self.lines) - 1)
+        self.assertIn("Momentum is kept", self.ask("words")["summary"])
+
+    def test_what_cannot_be_read_is_passed_over(self):
+        self.give(1)
+        (self.folder / "snapshots" / "000001.h5").write_bytes(b"no HDF5")
+        time.sleep(2.1)
+        for name in ("snapshots/1", "snapshots/7", "../series.csv", "nothing"):
+            with self.subTest(name):
+                try:
+                    self.assertIsNone(self.ask(name))
+                except urllib.error.HTTPError as error:
+                    self.assertIn(error.code, (404, 503))
+        self.assertIsNone(self.process.poll())
+        os.remove(self.folder / "snapshots" / "000001.h5")
+        time.sleep(2.1)
+        self.assertEqual(self.ask("state")["shown"], [0])
+
+    def test_control_c_ends_it_well(self):
+        self.process.send_signal(signal.SIGINT)
+        self.assertEqual(self.process.wait(10), 0)
+
+    def test_others_cannot_reach_it_and_nothing_is_written(self):
+        before = sorted(self.folder.rglob("*"))
+        self.ask("state")
+        self.assertEqual(sorted(self.folder.rglob("*")), before)
+        port = int(self.address.split(":")[-1].strip("/"))
+        listening = Path("/proc/net/tcp").read_text() + Path("/proc/net/tcp6").read_text()
+        self.assertIn(f"0100007F:{port:04X} 00000000:0000 0A", listening)
+        self.assertNotIn(f"00000000:{port:04X} 00000000:0000 0A", listening)
+
+    def test_one_message_says_what_is_wrong(self):
+        taken = socket.create_server(("127.0.0.1", 0))
+        port = str(taken.getsockname()[1])
+        for arguments, words in (([WORK / "gone"], "is missing: is"), ([self.folder, "--port", port], f"port {port} is taken"),
+                                 ([self.folder, "--port", "70000"], "0 to 65535 is wanted")):
+            with self.subTest(words):
+                run = subprocess.run([SPALL, "watch", *arguments], capture_output=True, text=True, timeout=20)
+                self.assertNotEqual(run.returncode, 0)
+                self.assertEqual(run.stderr.count("\n"), 1, run.stderr)
+                self.assertIn(words, run.stderr)
+        taken.close()
+
+
+if __name__ == "__main__":
+    WORK.mkdir(exist_ok=True)
+    unittest.main(verbosity=2)
