@@ -4,7 +4,7 @@ import numpy as np
 import pandas
 import spall
 
-small = {"groups.cloud.packing.count": 80, "groups.cloud.volume.radius": "6.5 m"}
+small = {"groups.cloud.packing.count": 60, "groups.cloud.volume.radius": "6 m"}
 runs = {friction: spall.run("cases/hello/case.toml", f"out/friction-{friction}", overwrite=True,
                             set={**small, "contact.friction": friction})
         for friction in (0, 0.5)}
@@ -12,8 +12,7 @@ runs = {friction: spall.run("cases/hello/case.toml", f"out/friction-{friction}",
 table = pandas.DataFrame({f"friction {name}": {
     "half-mass radius, m": run["pile"]["half_mass_radius"],
     "filled": run["pile"]["packing_fraction"],
-    "deflection, m/s": run["deflection"]["dv"],
-    "beta": run["deflection"]["beta"]} for name, run in runs.items()})
+    "largest diameter, m": run["pile"]["extent"]} for name, run in runs.items()})
 print(table.to_string(float_format="%.4g"))
 
 ends = []

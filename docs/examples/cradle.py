@@ -11,7 +11,7 @@ def hit(method, step, gap=0.0):
         penalty={"model": "hertz"},
         phases=[{"name": "hit", "method": method, "step": step, "duration": "60 ms"}])
     for k in range(5):
-        away = 0.01 if k == 0 else -k * gap               # ball 0 comes from 1 cm
+        away = 0.01 if k == 0 else -k * gap               # ball 0 comes from 1 cm away
         sim.add("steel", radius=0.02, position=(0.04 * k - away, 0, 0),
                 velocity=(1 if k == 0 else 0, 0, 0))
     sim.run_until(0.06)
@@ -21,7 +21,7 @@ def hit(method, step, gap=0.0):
 
 for name, velocities in {
         "rigid, touching": hit("nonsmooth", "0.1 ms"),
-        "rigid, 0.5 mm apart": hit("nonsmooth", "0.1 ms", gap=-0.0005),
+        "rigid, 0.5 mm apart": hit("nonsmooth", "0.1 ms", gap=0.0005),
         "Hertz, touching": hit("penalty", "2 us")}.items():
     print(f"{name:20}", *(f"{v:6.3f}" for v in velocities))
     assert abs(sum(velocities) - 1) < 1e-6                # momentum

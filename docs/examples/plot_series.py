@@ -7,7 +7,7 @@ matplotlib.use("Agg")
 from matplotlib import pyplot
 
 run = spall.run("cases/hello/case.toml", "out/gather", overwrite=True, set={
-    "groups.cloud.packing.count": 100, "groups.cloud.volume.radius": "7 m"})
+    "groups.cloud.packing.count": 60, "groups.cloud.volume.radius": "6 m"})
 series = run.series
 series = series[series.time < 1.2 * series.time[series.kinetic[:-200].idxmax()]]
 
