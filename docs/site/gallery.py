@@ -1,7 +1,10 @@
 #!/usr/bin/env python3
 # Makes the pictures of docs/gallery.md: small runs of the cases, and the first picture of each report.
 # SPDX-License-Identifier: BSD-3-Clause
-"""usage: gallery.py [NAME ...]    from the root of the tree, with `spall` in PATH; all pictures without names."""
+"""usage: gallery.py [--check | NAME ...]    from the root of the tree, with `spall` in PATH
+
+Draws the pictures of these names, or all. --check draws none: it asks `spall check` of each command.
+"""
 import base64
 import io
 import re
@@ -21,11 +24,14 @@ def first_picture(report):
     return Image.open(io.BytesIO(base64.b64decode(found[1]))).convert("RGB")
 
 
-def main(names):
+def main(names, check):
     for words, name in COMMAND.findall(PAGE.read_text()):
         if names and name not in names:
             continue
         folder = Path("out/gallery") / name
+        if check:
+            subprocess.run(["sh", "-c", f"spall {words.replace('run', 'check', 1)}"], check=True)
+            continue
         subprocess.run(["sh", "-c", f"spall {words} --out {folder} --overwrite"], check=True)
         subprocess.run(["spall", "report", folder], check=True)
         picture = first_picture(folder / "report.html")
@@ -34,4 +40,4 @@ def main(names):
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    main([a for a in sys.argv[1:] if a != "--check"], "--check" in sys.argv)
