@@ -11,6 +11,7 @@ packages=(
   debhelper reuse
   python3 python3-h5py python3-numpy python3-matplotlib
   chromium chromium-driver python3-selenium
+  doxygen python3-sphinx python3-breathe python3-myst-parser furo python3-sphinxcontrib.programoutput
   pybind11-dev python3-dev python3-venv python3-pip python3-mpi4py python3-pandas
 )
 missing=()

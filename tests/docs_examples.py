@@ -3,9 +3,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """usage: docs_examples.py ROOT    fails where a block of code differs from the file that it names.
 
-A block of code that follows a line `<!-- from PATH -->` must stand in that file, lines together,
-and be whole. A path in backticks, such as `pairs/bonds.hpp`, must be one from the root, src,
-include or the page.
+Each block of code follows a line `<!-- from PATH -->`, stands in that file, lines together, and is
+whole. Each file of docs/examples, which the tests compile or run, is shown by a page.
+A path in backticks, such as `pairs/bonds.hpp`, must be one from the root, src, include or the page.
 """
 import re
 import sys
@@ -14,7 +14,7 @@ from textwrap import dedent
 
 MARK = re.compile(r"^<!-- from (\S+) -->\n+```(\w+)\n(.*?)^```$", re.M | re.S)
 PATH = re.compile(r"`\"?((?:\w+/)+\w+\.(?:cpp|hpp|py|sh|toml|csv))\"?`")
-BLOCK = re.compile(r"^```(cpp|cmake|python)$", re.M)
+BLOCK = re.compile(r"^```(cpp|cmake|python|sh|toml)$", re.M)
 
 
 def stands_in(block, text):
@@ -28,18 +28,22 @@ def stands_in(block, text):
 
 
 def main(root):
-    wrong, blocks = [], 0
-    for page in sorted((root / "docs").glob("*.md")):
+    wrong, blocks, shown = [], 0, set()
+    for page in sorted((root / "docs").rglob("*.md")):
         text = page.read_text()
         marked = MARK.findall(text)
         if len(marked) != len(BLOCK.findall(text)):
             wrong.append(f"{page.name}: a block of code does not say which file it is from")
         for path, _, block in marked:
             blocks += 1
+            shown.add(root / path)
             if not stands_in(block, (root / path).read_text()):
                 wrong.append(f"{page.name}: this is not in {path}:\n{block}")
             if block.count("{") != block.count("}"):
                 wrong.append(f"{page.name}: this is not whole:\n{block}")
+    for example in sorted((root / "docs/examples").iterdir()):
+        if example.suffix in (".cpp", ".hpp", ".py", ".sh", ".toml") and example not in shown:
+            wrong.append(f"no page shows {example.relative_to(root)}")
     paths = 0
     for page in [p for p in root.rglob("*.md") if p.name != "CHANGELOG.md"]:
         if page.relative_to(root).parts[0] in ("build", "out"):

@@ -4,7 +4,7 @@
 """usage: prose.py ROOT [-v]    prints a row a page and fails where the bounds are passed.
 
 Counted are sentences of running text and of lists, in every page but the change log and what
-scripts write. Code, tables, headings and pictures are passed over. -v shows long sentences.
+scripts write. Code, formulas, tables, headings and pictures are passed over. -v shows long sentences.
 """
 import re
 import sys
@@ -23,6 +23,8 @@ def sentences(text):
     text = re.sub(r"!\[[^\]]*\]\([^)]*\)", "", text)
     text = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", text)
     text = re.sub(r"`[^`]*`", "CODE", text)
+    text = re.sub(r"^\$\$.*?^\$\$$", "", text, flags=re.M | re.S)
+    text = re.sub(r"\$[^$\n]+\$", "FORMULA", text)
     blocks, block = [], []
     for line in [*text.splitlines(), ""]:
         starts = re.match(r"\s*([-*]|\d+\.)\s", line)
