@@ -79,8 +79,8 @@ struct Simulation::State {
 };
 
 Simulation::Simulation(const Comm& comm, const Scene& scene)
-    : state_(std::make_unique<State>(
-          comm, std::make_shared<const Case>(with_stored_bodies(*scene.parts(), InputFiles(comm))))) {
+    : state_(std::make_unique<State>(comm, std::make_shared<const Case>(with_stored_bodies(
+                                               *scene.parts(), InputFiles(comm))))) {
   state_->world.bodies = make_bodies(this->scene(), comm);
   state_->set_engine(phase());
 }
