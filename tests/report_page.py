@@ -20,8 +20,9 @@ from selenium.webdriver.support.ui import Select, WebDriverWait  # noqa: E402
 
 SPALL, SOURCE = (Path(argument).resolve() for argument in (sys.argv.pop(1), sys.argv.pop(1)))
 WORK = Path("report_in_browser")
-INK = """const view = spall.views[0], gl = view.renderer.getContext(), [w, h] = [gl.drawingBufferWidth, gl.drawingBufferHeight];
-view.render(1);
+INK = """const view = spall.views[0], gl = view.renderer.getContext();
+view.render(1);  // at its whole resolution, which it may have given up before
+const [w, h] = [gl.drawingBufferWidth, gl.drawingBufferHeight];
 const pixels = new Uint8Array(4 * w * h);
 gl.readPixels(0, 0, w, h, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
 const colors = new Set(), words = new Uint32Array(pixels.buffer);
@@ -168,7 +169,9 @@ class Page(unittest.TestCase):
 
     def test_bodies_that_are_left_out_would_not_have_been_seen(self):
         self.open(width=640)
-        pixels = """const view = spall.views[0], gl = view.renderer.getContext(), [w, h] = [gl.drawingBufferWidth, gl.drawingBufferHeight];
+        pixels = """const view = spall.views[0], gl = view.renderer.getContext();
+            view.render(1);
+            const [w, h] = [gl.drawingBufferWidth, gl.drawingBufferHeight];
             const draw = () => { view.render(1); const p = new Uint8Array(4 * w * h); gl.readPixels(0, 0, w, h, gl.RGBA, gl.UNSIGNED_BYTE, p);
               return [view.geometry.drawRange.count, p]; };
             const choose = Object.getPrototypeOf(view).choose, all = () => { view.list.array.forEach((_, k, list) => { list[k] = k; });

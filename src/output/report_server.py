@@ -101,8 +101,8 @@ def serve(folder, port):
             sys.exit(f"spall watch: port {port}: {error.strerror}")
         sys.exit(f"spall watch: port {port} is taken: choose another with --port")
     server.watched, server.daemon_threads = watched, True
-    print(f"http://127.0.0.1:{server.server_port}/ shows '{folder}'; Ctrl-C ends this", flush=True)
-    try:
+    try:  # Ctrl-C may come as soon as somebody can read the address
+        print(f"http://127.0.0.1:{server.server_port}/ shows '{folder}'; Ctrl-C ends this", flush=True)
         server.serve_forever()
     except KeyboardInterrupt:
         print()
