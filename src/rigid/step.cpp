@@ -231,8 +231,10 @@ StepReport nonsmooth_step(World& world, Rigid& rigid, const StepRequest& request
     const ProblemData data = pose(world, contacts, h, largest_prescribed_acceleration(world));
     const int dimension = has_friction(world) ? 3 : 1;
     SolverSettings settings = rigid.solver;
-    settings.impact = world.comm.any(data.impact);
-    if (kick.load == 0 && !settings.impact) settings.least_scale = kick.remembered_scale;
+    // A kick's step has impulses of the last one to be judged by; between kicks there are none.
+    const bool met = world.comm.any(data.impact);
+    settings.impact = met || kick.load > 0;
+    if (!settings.impact) settings.least_scale = kick.remembered_scale;
     const SolverResult result =
         solve(data.view(contacts, dimension), rigid.neighbours.ghosts, settings, contacts.impulse);
     report.solver = result.report;
@@ -242,7 +244,7 @@ StepReport nonsmooth_step(World& world, Rigid& rigid, const StepRequest& request
       for (Index c = 0; c < contacts.size(); ++c)
         pairs.impulse[contacts.pair[c]] = contacts.impulse[c];
       kick.remembered_load = kick.load;
-      kick.remembered_scale = settings.impact ? 0 : result.report.scale;
+      kick.remembered_scale = met ? 0 : result.report.scale;
     }
   }
   {
