@@ -1,4 +1,4 @@
-// Error against time of the gravity methods, as CSV: bench_gravity SET BODIES, SET = ball or pile.
+// Error against time of the gravity methods, as CSV: bench_gravity ball|plummer|pile BODIES.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <malloc.h>
 #include <time.h>
@@ -25,10 +25,11 @@ struct Points {
   std::size_t size() const { return mass.size(); }
 };
 
-/// "ball": homogeneous. "pile": two touching balls, radii 10 : 1 and of one density, in an ejecta
-/// cloud a hundred radii wide that holds a tenth of the bodies.
+/// "ball": homogeneous. "plummer": a core and a halo. "pile": two touching balls, radii 10 : 1 and
+/// of one density, in an ejecta cloud a hundred radii wide that holds a tenth of the bodies.
 Points make_set(const std::string& name, std::size_t count) {
-  require(name == "ball" || name == "pile", "set '{}': must be ball or pile", name);
+  require(name == "ball" || name == "plummer" || name == "pile",
+          "set '{}': must be ball, plummer or pile", name);
   std::mt19937_64 random(1);
   std::uniform_real_distribution<double> uniform(-1, 1);
   Points points;
@@ -36,6 +37,8 @@ Points make_set(const std::string& name, std::size_t count) {
     Vec3 x(uniform(random), uniform(random), uniform(random));
     if (x.norm() > 1) continue;
     double mass = 1;
+    if (name == "plummer")
+      x /= x.norm() * std::sqrt(std::pow((1 + uniform(random)) / 2, -2.0 / 3) - 1);
     const double part = name == "pile" ? uniform(random) : 1;  // -1 … 1
     if (part < -0.8) {
       x = x.normalized() * std::pow(10, 1 + uniform(random));
@@ -84,11 +87,11 @@ void complete(const Comm& comm, const TreeSettings& settings, Octree octree) {
     case 4:
       EssentialTree<4>(comm, std::move(octree), settings);
       break;
-    case 5:
-      EssentialTree<5>(comm, std::move(octree), settings);
+    case 6:
+      EssentialTree<6>(comm, std::move(octree), settings);
       break;
     default:
-      EssentialTree<6>(comm, std::move(octree), settings);
+      EssentialTree<8>(comm, std::move(octree), settings);
   }
 }
 
@@ -217,7 +220,7 @@ void run(const Comm& comm, const std::string& name, std::size_t count) {
 int main(int argc, char** argv) {
   spall::Session session(argc, argv);
   try {
-    spall::require(argc == 3, "usage: bench_gravity ball|pile BODIES");
+    spall::require(argc == 3, "usage: bench_gravity ball|plummer|pile BODIES");
     spall::run(session.world(), argv[1], std::stoul(argv[2]));
   } catch (const std::exception& error) {
     spall::Session::abort_all(error.what());

@@ -36,7 +36,7 @@ Outcome impact(const Comm& comm, const RestartState& state, const SolverSettings
       if (phase.cohesion) set_cohesion(world.contact, *phase.cohesion);
       Outcome outcome;
       outcome.report = nonsmooth_step(world, phase.step, solver, 1);
-      outcome.seconds = comm.max(world.times["solver"]);
+      outcome.seconds = comm.max(world.stages["solver"].seconds);
       outcome.energy = diagnose(world).kinetic;
       return outcome;
     }

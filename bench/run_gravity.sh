@@ -4,7 +4,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 set -eu
 build=$1
-sets=${2:-"ball:10307 ball:100000 pile:100000 ball:1000000 ball:4000000"}
+sets=${2:-"ball:10307 ball:100000 plummer:100000 pile:100000 ball:1000000 ball:4000000"}
 counts=${3:-"1 2"}
 here=$(dirname "$0")
 mkdir -p "$here/results"

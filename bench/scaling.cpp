@@ -77,7 +77,7 @@ void measure_plate(const Comm& comm, int across) {
     contacts = comm.sum(report.contacts);
   }
   print(comm, "thesis's plate: solving", count_bodies(comm, world.bodies), contacts,
-        comm.max(world.times["solver"]) / 12, "step of 50 iterations", "");
+        comm.max(world.stages["solver"].seconds) / 12, "step of 50 iterations", "");
   print(comm, "thesis's plate", count_bodies(comm, world.bodies), contacts, median(seconds),
         "step of 50 iterations",
         fmt::format("max {:.2g} % of the speed", 100 * report.solver.residual_max / 6700));

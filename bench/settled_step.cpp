@@ -35,14 +35,14 @@ void measure(const Comm& comm, const RestartState& state, double h, double toler
   std::vector<double> whole, solving, products, relative, rms;
   double contacts = 0;
   for (int step = -3; step < steps; ++step) {
-    const double before = world.times["solver"];
+    const double before = world.stages["solver"].seconds;
     MPI_Barrier(comm.raw);
     const double start = MPI_Wtime();
     const StepReport report = nonsmooth_step(world, h, solver, 1);
     const double seconds = comm.max(MPI_Wtime() - start);
     if (step < 0) continue;
     whole.push_back(seconds);
-    solving.push_back(comm.max(world.times["solver"] - before));
+    solving.push_back(comm.max(world.stages["solver"].seconds - before));
     products.push_back(report.solver.products);
     relative.push_back(report.solver.residual);
     rms.push_back(report.solver.residual_rms);

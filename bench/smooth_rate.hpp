@@ -31,7 +31,7 @@ void measure_rate(Lab& world, const NearPairs& near, int steps, int repetitions,
   const Comm& comm = world.comm;
   const double count = comm.sum(static_cast<double>(world.bodies.owned));
   for (int r = 0; r < repetitions; ++r) {
-    world.times = {};
+    world.stages = {};
     const auto searches = near.searches;
     MPI_Barrier(comm.raw);
     const double begin = MPI_Wtime(), worked = processor_seconds();
@@ -48,8 +48,8 @@ void measure_rate(Lab& world, const NearPairs& near, int steps, int repetitions,
           "bodies {} ranks {} Msteps/s {:.4g} by cpu {:.4g} searches {} neighbours_s {:.3g} "
           "forces_s {:.3g} partners {:.3g} bytes {:.4g} of the program {:.4g}\n",
           count, comm.size, 1e-6 * count * steps / seconds, 1e-6 * count * steps / busy,
-          near.searches - searches, world.times["neighbours"], world.times["forces"], slots / count,
-          bytes / count, before / count);
+          near.searches - searches, world.stages["neighbours"].seconds,
+          world.stages["forces"].seconds, slots / count, bytes / count, before / count);
   }
 }
 

@@ -7,7 +7,7 @@ packages=(
   openmpi-bin libopenmpi-dev libpetsc-real-dev libhdf5-openmpi-dev libmetis-dev
   libeigen3-dev libfmt-dev libcli11-dev libtomlplusplus-dev
   libgtest-dev libbenchmark-dev clang-format-14
-  clang-14 libclang-rt-14-dev
+  clang-14 libclang-rt-14-dev valgrind valgrind-mpi
   debhelper reuse
   python3 python3-h5py python3-numpy python3-matplotlib
   chromium chromium-driver python3-selenium

@@ -33,7 +33,8 @@ man --warnings --local-file root/usr/share/man/man1/spall.1.gz >/dev/null
 # A program outside is built with the library of the packages.
 cmake -S "$tree/tests/outside" -B outside -DCMAKE_PREFIX_PATH="$work/root/usr" -DCMAKE_BUILD_TYPE=Release >/dev/null
 cmake --build outside
-ldd outside/pile | grep -q "$work/root/usr/lib/.*libspall.so"
+ldd outside/pile > ldd.log
+grep -q "$work/root/usr/lib/.*libspall.so" ldd.log
 outside/pile >/dev/null
 
 [ -z "$kept" ] || cp ./*.deb "$kept"

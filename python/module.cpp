@@ -120,6 +120,9 @@ PYBIND11_MODULE(_spall, module) {
   module.def("rank", [] { return world().rank; });
   module.def("ranks", [] { return world().size; });
   module.def("end", &Running::end_all);
+  module.def("end_others", [](const std::string& why) {
+    if (session() && session()->world().size > 1) Session::abort_all(why);
+  });
 
   py::class_<Scene>(module, "Scene")
       .def_static("from_file", &Scene::from_file)

@@ -18,9 +18,11 @@
 #include "base/kernels.hpp"
 #include "keys/units.hpp"
 #include "output/snapshot.hpp"
+#include "run/plan.hpp"
 #include "run/run.hpp"
 #include "run/solve_file.hpp"
 #include "scene/case.hpp"
+#include "scene/material_library.hpp"
 #include "spall/comm.hpp"
 #include "spall/error.hpp"
 
@@ -39,6 +41,9 @@ struct Options {
       .tolerance = 1e-4, .max_iterations = 1 << 30, .max_products = 10000, .prox = 0};
   bool evaluate = false;
   bool time = false;
+  PlanRequest plan;
+  std::string latency, bandwidth;
+  std::string material;
 };
 
 /// What a user may choose, by name.
@@ -158,6 +163,22 @@ int dispatch(const Comm& comm, int argc, char** argv) {
   check->add_option("--set", options.overrides, "change keys")->take_all();
   check->add_flag("--time", options.time,
                   "foretell the time of the first phase from two seconds of its steps");
+  auto* planning = app.add_subcommand(
+      "plan", "what more ranks bring: bodies, ghosts, messages, memory, time; write nothing");
+  planning
+      ->add_option("case", options.file,
+                   "case file (TOML), as its first phase begins, or a restart file")
+      ->required();
+  planning->add_option("--ranks", options.plan.ranks, "how many, such as 64,1024,10000")
+      ->required()
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->check(CLI::PositiveNumber);
+  planning->add_option("--set", options.overrides, "change keys")->take_all();
+  planning->add_option("--latency", options.latency, "of a message; default: \"2 us\"");
+  planning->add_option("--bandwidth", options.bandwidth, "of a rank; default: \"1 GB/s\"");
+  planning->add_flag("--calibrate", options.plan.calibrate,
+                     "measure both between the first two ranks, under mpirun");
   auto* page = app.add_subcommand(
       "report", "make report.html in the folder of a run: bodies in 3-D, curves, verdicts");
   page->add_option("folders", options.folders,
@@ -184,6 +205,9 @@ int dispatch(const Comm& comm, int argc, char** argv) {
       ->capture_default_str();
   solve->add_flag("--evaluate", options.evaluate, "solve nothing: E of the file's own /solution/r");
   auto* list = app.add_subcommand("list", "list the cases under ./cases");
+  auto* materials = app.add_subcommand(
+      "materials", "list the solids that a case may name; one with its constants and sources");
+  materials->add_option("name", options.material, "one of the list");
   auto* keys = app.add_subcommand(
       "keys", "print every key of a case file, every field of snapshots, and all units");
 
@@ -219,9 +243,21 @@ int dispatch(const Comm& comm, int argc, char** argv) {
                              foretold);
     if (comm.rank == 0) fmt::print("{}", text);
   }
+  if (*planning) {
+    PlanRequest& request = options.plan;
+    request.overrides = options.overrides;
+    if (!options.latency.empty())
+      request.latency = parse_quantity(options.latency, dimension::time);
+    if (!options.bandwidth.empty()) request.bandwidth = parse_bandwidth(options.bandwidth);
+    const std::string text = plan(comm, options.file, request);
+    if (comm.rank == 0) fmt::print("{}", text);
+  }
   if (comm.rank != 0) return 0;  // what follows needs no second rank
   if (*page) return run_script("report.py", options.folders);
   if (*list) list_cases();
+  if (*materials)
+    fmt::print("{}", options.material.empty() ? describe_material_library()
+                                              : library_material(options.material).text);
   if (*keys) fmt::print("{}{}{}", case_reference(), describe_output_fields(), describe_units());
   return 0;
 }

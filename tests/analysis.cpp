@@ -10,6 +10,7 @@
 #include "analysis/clumps.hpp"
 #include "analysis/deflection.hpp"
 #include "analysis/interior.hpp"
+#include "scene/orbit.hpp"
 #include "testing.hpp"
 
 namespace spall {
@@ -202,6 +203,7 @@ TEST(Deflection, the_thesis_s_orbits_follow_from_its_dv) {
   }
   EXPECT_NEAR(new_orbit(binary, 0.0019).dT / 60, 25.215, 0.0005);
   EXPECT_NEAR(new_orbit(binary, 0).dT / 60, 0, 0.0005);
+  EXPECT_EQ(new_orbit(binary, 0.1).T_new, infinity);               // faster than it can be held
   EXPECT_GT(new_orbit(binary, 1e-6).dT, new_orbit(binary, 0).dT);  // a push lengthens the period
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "run/account.hpp"
 #include "run_series.hpp"
 
 namespace spall {
@@ -171,6 +172,29 @@ std::string turns(double part) {
   return grains() + phase("rigid", 1e-4 * part, 0.02) +
          phase("soft", 12e-6 * part, 0.03, "method = \"penalty\"") +
          phase("rigid_again", 1e-4 * part, 0.02);
+}
+
+TEST(Books, of_what_dissipates_next_to_nothing_are_measured_by_its_motion) {
+  const auto told = [](double kinetic, double dissipated) {
+    Account account;
+    Diagnostics sums;
+    sums.kinetic = kinetic;
+    account.balance(sums, 0, 0);
+    sums.kinetic += 0.25;
+    sums.dissipated = dissipated;
+    account.balance(sums, 0, -dissipated);
+    ResultTable table;
+    account.add_energies(table, sums, 0);
+    return table.toml();
+  };
+  const auto says = [](const std::string& toml, const std::string& words) {
+    return toml.find(words) != toml.npos;
+  };
+  EXPECT_TRUE(says(told(1, 0), "energy_unexplained = 0.2 ")) << told(1, 0);
+  EXPECT_TRUE(says(told(1, 0), "energy_measure = 1.25 "));
+  EXPECT_TRUE(says(told(1, 1e-9), "energy_unexplained = 0.2 "));
+  EXPECT_TRUE(says(told(1, 0.5), "energy_unexplained = 0.5 ")) << told(1, 0.5);
+  EXPECT_FALSE(says(told(1, 0.5), "energy_measure"));
 }
 
 TEST(Books, go_on_from_rigid_spheres_to_springs_and_back) {

@@ -10,6 +10,7 @@
 
 #include "potential/embedding.hpp"
 #include "potential/settings.hpp"
+#include "scene/material_library.hpp"
 #include "scene/scene.hpp"
 #include "scene/shape.hpp"
 #include "spall/error.hpp"
@@ -27,7 +28,8 @@ const Solid aluminium{.density = 2703,
                       .poisson_ratio = 0.33,
                       .yield_strength = 276e6,
                       .tensile_strength = 310e6,
-                      .spall_strength = 1.2e9};
+                      .spall_strength = 1.2e9,
+                      .johnson_cook = {}};
 const Lattice fcc{12, std::sqrt(0.5), 0.25e-3};
 
 /// The twelve neighbours of a site.
@@ -56,7 +58,8 @@ PairPotential whole_law() {
 }
 
 TEST(Solid, warms_by_its_specific_heat_but_while_it_melts) {
-  const Solid solid{.specific_heat = 900, .melting_point = 850, .melt_energy = 1e6};
+  const Solid solid{
+      .specific_heat = 900, .melting_point = 850, .melt_energy = 1e6, .johnson_cook = {}};
   EXPECT_EQ(temperature(solid, 0), 298);
   EXPECT_EQ(temperature(solid, 9e4), 398);
   EXPECT_EQ(temperature(solid, 6e5), 850);
@@ -299,11 +302,55 @@ TEST(Constitutive, a_material_s_file_is_read_once_and_named_in_messages) {
   }
   // A restart has the case as it was read, and its overrides.
   std::filesystem::remove_all(folder);
-  const Case again = parse_case(scene.text, scene.file, scene.overrides);
+  const Case again =
+      parse_case(scene.text, scene.file, scene.overrides, Groups::needed, {}, scene.constants);
   EXPECT_EQ(again.engines.find<PotentialSettings>()->law.common().depth,
             scene.engines.find<PotentialSettings>()->law.common().depth);
   EXPECT_EQ(again.materials[0].density, 2703);
   EXPECT_EQ(complaint(text), "x.toml:2: materials.al.file: there is no file 'al.toml'");
+}
+
+TEST(Constitutive, what_a_case_says_comes_before_its_library) {
+  const auto copper = [](const std::string& own, const std::vector<std::string>& overrides = {}) {
+    return parse_case("[materials.al]\nlibrary = \"copper\"\n" + own + bodies, "x.toml", overrides);
+  };
+  const Solid known = *copper("").materials[0].solid;
+  EXPECT_EQ(known.density, 8930);
+  EXPECT_EQ(known.yield_strength, 90e6);
+  const Case changed = copper("solid = {yield_strength = \"300 MPa\"}\n");
+  EXPECT_EQ(changed.materials[0].solid->yield_strength, 300e6);
+  EXPECT_EQ(changed.materials[0].solid->density, known.density);
+  EXPECT_EQ(changed.materials[0].density, known.density);
+  const Case set = copper("", {"materials.al.solid.yield_strength=300 MPa"});
+  EXPECT_EQ(set.materials[0].solid->yield_strength, 300e6);
+  // What goes on keeps its constants whatever the library says then; so does the resolved case.
+  std::string text = set.text;
+  text.replace(text.find("copper"), 6, "no_longer_there");
+  const Solid again = *parse_case(text, set.file, set.overrides, Groups::needed, {}, set.constants)
+                           .materials[0]
+                           .solid;
+  EXPECT_EQ(again.yield_strength, 300e6);
+  EXPECT_EQ(again.johnson_cook.d, known.johnson_cook.d);
+  EXPECT_EQ(parse_case(set.resolved, set.file).materials[0].solid->yield_strength, 300e6);
+}
+
+TEST(Constitutive, every_material_of_the_library_is_one) {
+  EXPECT_GE(material_library().size(), 16u);
+  for (const LibraryMaterial& material : material_library()) {
+    const Case scene = parse_case(fmt::format("[materials.al]\nlibrary = \"{}\"\n{}", material.name,
+                                              "[[groups]]\nname = \"plate\"\nmaterial = \"al\"\n"
+                                              "volume = {shape = \"sphere\", radius = \"1 m\"}\n"
+                                              "packing = {kind = \"fcc\", diameter = \"0.2 m\"}\n"
+                                              "[[phases]]\nname = \"only\"\nmethod = \"solid\"\n"
+                                              "step = 1e-6\nduration = 1e-6\n"),
+                                  "x.toml");
+    const Solid& solid = *scene.materials[0].solid;
+    // Two ways to the bulk modulus: shocks, and elastic constants. They differ most for polymers.
+    const double elastic = solid.youngs_modulus / (3 * (1 - 2 * solid.poisson_ratio));
+    EXPECT_NEAR(elastic / solid.bulk_modulus(), 1, 0.4) << material.name;
+    // By Dugdale & MacDonald and by Slater, Gruneisen's parameter is 2 s - 1 but for some tenths.
+    EXPECT_NEAR(solid.gruneisen, 2 * solid.hugoniot_slope - 1, 0.9) << material.name;
+  }
 }
 
 TEST(Constitutive, what_a_law_lacks_is_told) {

@@ -61,6 +61,26 @@ inline std::array<double, 2> net_force_and_torque(const Comm& comm, const Points
   return {comm.sum(force).norm() / comm.sum(forces), comm.sum(torque).norm() / comm.sum(torques)};
 }
 
+/// Equal bodies in a cube.
+inline Points random_cube(std::size_t count, unsigned seed) {
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  Points points{std::vector<double>(count, 1e5), std::vector<Vec3>(count),
+                std::vector<Vec3>(count, Vec3::Zero())};
+  for (Vec3& x : points.position) x = 80 * Vec3(uniform(random), uniform(random), uniform(random));
+  return points;
+}
+
+/// Plummer's sphere: a core, and a halo whose density falls with the fifth power of the distance.
+inline Points plummer_sphere(std::size_t count, unsigned seed) {
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  Points points = random_cube(count, seed);
+  for (Vec3& x : points.position)
+    x *= 80 / x.norm() / std::sqrt(std::pow(uniform(random), -2.0 / 3) - 1);
+  return points;
+}
+
 /// Two touching balls, radii 10 : 1 and of one density, in a thin cloud that reaches a hundred
 /// radii.
 inline Points pile_and_ejecta(std::size_t count, unsigned seed) {

@@ -49,6 +49,11 @@ TEST(GravityTree, derivatives_of_one_over_r_are_the_known_ones) {
   EXPECT_NEAR(at(1, 0, 1), 3 * x * z / std::pow(r, 5), 1e-15);
   EXPECT_NEAR(at(0, 2, 0), 3 * y * y / std::pow(r, 5) - 1 / std::pow(r, 3), 1e-15);
   EXPECT_NEAR(at(1, 1, 1), -15 * x * y * z / std::pow(r, 7), 1e-15);
+  for (int axis : {0, 2}) {
+    const double s = axis == 0 ? x : z;
+    EXPECT_NEAR(axis == 0 ? at(4, 0, 0) : at(0, 0, 4),
+                (105 * std::pow(s / r, 4) - 90 * std::pow(s / r, 2) + 9) / std::pow(r, 5), 1e-14);
+  }
   // 1/r is harmonic, and so are its derivatives.
   for (MultiIndex n : multi_indices<4>)
     EXPECT_NEAR(at(n.x + 2, n.y, n.z) + at(n.x, n.y + 2, n.z) + at(n.x, n.y, n.z + 2), 0, 1e-13);
@@ -56,13 +61,16 @@ TEST(GravityTree, derivatives_of_one_over_r_are_the_known_ones) {
 
 TEST(GravityTree, force_error_is_the_one_asked_for) {
   const Comm comm = testing_world();
-  for (const Points& all : {random_ball(6000, 3), pile_and_ejecta(6000, 5)}) {
+  for (const auto& [name, all] :
+       {std::pair{"ball", random_ball(6000, 3)}, std::pair{"cube", random_cube(6000, 3)},
+        std::pair{"Plummer", plummer_sphere(6000, 3)},
+        std::pair{"pile", pile_and_ejecta(6000, 5)}}) {
     const Points mine = share(comm, all);
     const GravityField exact = direct(comm, mine);
-    for (double accuracy : {1e-2, 1e-3, 1e-4, 1e-5}) {
+    for (double accuracy : {1e-2, 1e-3, 1e-4, 1e-5, 1e-6}) {
       const double error = rms_error(comm, tree(comm, mine, accuracy), exact);
-      EXPECT_LE(error, accuracy);
-      EXPECT_GE(error, accuracy / 20);  // much better than asked for is too slow
+      EXPECT_LE(error, accuracy) << name;
+      EXPECT_GE(error, accuracy / 3) << name << ' ' << accuracy;  // much better would be too slow
     }
   }
 }
@@ -103,7 +111,7 @@ TEST(GravityTree, potential_and_rate_agree_with_the_exact_sum) {
     EXPECT_NEAR(field.potential[b], exact.potential[b], -1e-4 * exact.potential[b]);
     // A bound: never below, and not so far above that fields would be refreshed for nothing.
     EXPECT_GE(field.rate[b], 0.999 * exact.rate[b]);
-    EXPECT_LE(field.rate[b], 2 * exact.rate[b]);
+    EXPECT_LE(field.rate[b], 2.5 * exact.rate[b]);
   }
 }
 
@@ -185,7 +193,8 @@ TEST(GravityTree, a_lattice_of_equal_cells_keeps_momentum_too) {
     force += a;
     forces += a.norm();
   }
-  EXPECT_LE(comm.sum(force).norm(), 1e-15 * comm.sum(forces));
+  // Terms that cancel leave round-off several times that of what is left.
+  EXPECT_LE(comm.sum(force).norm(), 0x1p-48 * comm.sum(forces));
 }
 
 TEST(GravityTree, automatic_takes_the_tree_for_many_bodies) {

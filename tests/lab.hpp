@@ -5,6 +5,7 @@
 #include "penalty/step.hpp"
 #include "potential/step.hpp"
 #include "rigid/step.hpp"
+#include "solid/step.hpp"
 
 namespace spall {
 
@@ -12,6 +13,7 @@ struct Lab : World {
   Rigid rigid;
   Potential potential{PairPotential{}};
   Penalty penalty{PenaltySettings{}};
+  Elastoplastic solid{{}};
 
   Lab() = default;
   Lab(World&& world) : World(std::move(world)) {}  // NOLINT: a world becomes one
@@ -29,6 +31,9 @@ inline double potential_energy(Lab& lab) {
 }
 inline StepReport penalty_steps(Lab& lab, double h, int most_steps) {
   return penalty_steps(lab, lab.penalty, {.h = h, .most_steps = most_steps});
+}
+inline StepReport solid_steps(Lab& lab, double h, int most_steps) {
+  return solid_steps(lab, lab.solid, {.h = h, .most_steps = most_steps});
 }
 inline double contact_energy(Lab& lab) {
   return contact_energy(lab, lab.penalty);

@@ -14,7 +14,7 @@ FLOORS = [
     ["pairs"],
     ["gravity", "solver"],
     ["engine"],
-    ["rigid", "potential", "penalty"],
+    ["rigid", "potential", "penalty", "solid"],
     ["scene"],
     ["analysis"],
     ["output"],

@@ -120,8 +120,7 @@ std::map<std::string, double> physics_of(const RestartState& state) {
   return kept;
 }
 
-TEST(Simulation, saved_between_two_kicks_of_gravity_goes_on_with_the_same_bits) {
-  const Case scene = parse_case(R"(
+const std::string fall = R"(
 [materials.rock]
 density = "1600 kg/m^3"
 [contact]
@@ -140,8 +139,10 @@ packing = {kind = "random", radius = "1 m", count = 40}
 name = "fall"
 step = "5 s"
 duration = "2000 s"
-)",
-                                "fall.toml");
+)";
+
+TEST(Simulation, saved_between_two_kicks_of_gravity_goes_on_with_the_same_bits) {
+  const Case scene = parse_case(fall, "fall.toml");
   const Comm comm = testing_world();
   Simulation first(comm, Scene(std::make_shared<Case>(scene)));
   first.begin_phase();
@@ -176,6 +177,24 @@ duration = "2000 s"
   EXPECT_EQ(a.bodies.velocity, b.bodies.velocity);
   EXPECT_EQ(a.bodies.angular_velocity, b.bodies.angular_velocity);
   EXPECT_EQ(a.bodies.acceleration, b.bodies.acceleration);
+}
+
+TEST(Stages, stay_where_timers_book_them_while_a_state_is_kept) {
+  const Comm comm = testing_world();
+  const Case scene = parse_case(fall, "fall.toml");
+  Simulation simulation(comm, Scene(std::make_shared<Case>(scene)));
+  StageUses& stages = simulation.world().stages;
+  for (const char* name : {"a", "b", "c", "d", "e", "f"}) stages[name].seconds = name[0];
+  const auto places = [&] {
+    std::map<std::string, const StageUse*> found;
+    for (const auto& [stage, use] : stages) found[stage] = &use;
+    return found;
+  };
+  const auto before = places();
+  const StageUses uses = stages;
+  simulation.save();
+  EXPECT_EQ(before, places());
+  for (const auto& [stage, use] : uses) EXPECT_EQ(use.seconds, stages[stage].seconds) << stage;
 }
 
 TEST(World, brings_each_scalar_back_into_its_own_place) {

@@ -214,6 +214,7 @@ TEST(Snapshot, a_resumed_run_goes_on_and_a_new_one_starts_over) {
     EXPECT_EQ(times(), (std::vector<double>{10, 20, 30}));
     // A run killed while it wrote the next one.
     std::ofstream(folder + "/snapshots/000003.h5.unfinished") << "half a file";
+    std::ofstream(folder + "/snapshots/averages.h5") << "of somebody else";
   }
   SnapshotWriter writer(comm, folder, {}, {}, 2);  // the restart was written before the third
   writer.write(dealt(comm, 5), 25, 25);
@@ -221,6 +222,7 @@ TEST(Snapshot, a_resumed_run_goes_on_and_a_new_one_starts_over) {
     EXPECT_EQ(times(), (std::vector<double>{10, 20, 25}));
     EXPECT_FALSE(std::filesystem::exists(folder + "/snapshots/000003.h5.unfinished"));
     EXPECT_FALSE(std::filesystem::exists(folder + "/snapshots/000003.h5"));
+    EXPECT_TRUE(std::filesystem::exists(folder + "/snapshots/averages.h5"));
   }
   for (int step = 26; step < 50; ++step) writer.write(dealt(comm, 5), step, step);
   writer.write_index();
@@ -290,6 +292,7 @@ RestartState some_state(const Comm& comm, BodyId bodies) {
   RestartState state;
   state.case_file = "cases/some.toml";
   state.case_text = "title = \"µ\"\n";
+  state.constants = {"materials.al.solid={density = 1}"};
   state.overrides = {"step.dt=1e-4", "title=\"\"\"two\nlines\"\"\"", "seed=7"};
   state.clock = {123456789012, 2, 345, 0.1 + 0.2, 1.0 / 3, -1};
   state.scalars = {{"dissipated", 1e-300}, {"work", -0.0}, {"unknown", std::nan("")}};
@@ -322,6 +325,7 @@ TEST(Restart, the_same_ranks_get_the_same_rows_with_the_same_bits) {
   EXPECT_EQ(in.case_text, out.case_text);
   EXPECT_EQ(in.case_file, out.case_file);
   EXPECT_EQ(in.overrides, out.overrides);
+  EXPECT_EQ(in.constants, out.constants);
   EXPECT_EQ(in.clock.step, out.clock.step);
   EXPECT_EQ(in.clock.phase, out.clock.phase);
   EXPECT_EQ(in.clock.step_in_phase, out.clock.step_in_phase);

@@ -5,13 +5,16 @@ set -euo pipefail
 build=$1 source=$2
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
+trap 'echo "line $LINENO failed" >&2; tail -n 20 "$work"/*.log >&2' ERR
 cmake --install "$build" --prefix "$work/first" > "$work/install.log"
 mv "$work/first" "$work/prefix"  # no path of the tree or of the first prefix may be in it
 
 cmake -S "$source/tests/outside" -B "$work/build" -DCMAKE_PREFIX_PATH="$work/prefix" \
   -DCMAKE_BUILD_TYPE=Release > "$work/configure.log"
 cmake --build "$work/build" > "$work/build.log"
-ldd "$work/build/pile" | grep -q "$work/prefix/.*libspall.so"
+# By a file: grep -q leaves a pipe at its first match, and ldd would end by SIGPIPE.
+ldd "$work/build/pile" > "$work/ldd.log"
+grep -q "$work/prefix/.*libspall.so" "$work/ldd.log"
 for program in pile pile_static; do
   for ranks in 1 2; do
     mpirun --oversubscribe -n "$ranks" "$work/build/$program" > "$work/out_$ranks"

@@ -15,7 +15,8 @@ out = Path("paraview_run")
 subprocess.run([spall, "run", f"{cases}/hello/case.toml", "--out", out, "--overwrite", "--set",
                 "phases.aggregation.duration=100", "--set", "phases.evolution.duration=1", "--set", 'read_out=["1 s"]'],
                check=True, stdout=subprocess.DEVNULL)
-subprocess.run(["xvfb-run", "--auto-servernum", "--server-args=-screen 0 1280x1024x24", "pvpython", script, out], check=True)
+# A server that resets itself when its last client leaves would refuse ParaView's second connection.
+subprocess.run(["xvfb-run", "--auto-servernum", "--server-args=-screen 0 1280x1024x24 -noreset", "pvpython", script, out], check=True)
 assert "<ServerManagerState" in (out / "scene.pvsm").read_text()
 
 from matplotlib import image  # noqa: E402

@@ -4,6 +4,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "output/diagnostics.hpp"
 #include "penalty_worlds.hpp"
 #include "spall/error.hpp"
 
@@ -102,7 +103,7 @@ TEST(PenaltyScene, bond_holds_a_pull_below_its_strength_and_parts_above) {
       if (turn++ % comm.size != comm.rank) continue;
       // Nothing damps what swings for ever: twice its static strain must hold.
       const bool swings = restitution == 1;
-      const int steps = swings || bond.settings.model == PenaltyModel::hooke ? 100000 : 1000000;
+      const int steps = swings || bond.settings.model == PenaltyModel::hooke ? 100000 : 200000;
       const Pulled held =
           pull(bond.settings, bond.contact, bond.strength, swings ? 0.3 : 0.8, steps);
       EXPECT_FALSE(held.parted) << bond.strength;
@@ -228,6 +229,30 @@ TEST(PenaltyScene, a_pair_across_the_boundary_is_a_pair) {
   EXPECT_THROW(penalty_steps(there, 2e-4, 1), Error);
 }
 
+TEST(PenaltyScene, what_rubs_across_the_boundary_rubs_alike_from_both_sides) {
+  // Springs last through searches, in which either side finds those of its own image of a pair.
+  const int side = 5, count = side * side * side;
+  const double edge = 5.5;
+  std::mt19937 random(7);
+  std::normal_distribution<double> normal;
+  std::vector<Sphere> spheres;
+  for (int k = 0; k < count; ++k) {
+    const double x = normal(random), y = normal(random), z = normal(random);
+    spheres.push_back({.radius = 0.5,
+                       .position = edge / side * Vec3(k % side, k / side % side, k / side / side),
+                       .velocity = {x, y, z}});
+  }
+  Lab world = penalty_world(testing_world(), spheres, {.rolling_friction = 0.1},
+                            {.friction = 0.5, .restitution = 0.6});
+  world.period.size = Vec3::Constant(edge);
+  const Diagnostics before = diagnose(world);
+  penalty_steps(world, 4e-5, 6000);
+  const Diagnostics after = diagnose(world);
+  EXPECT_LT((after.momentum - before.momentum).norm(), 1e-12 * before.momentum_scale);
+  EXPECT_GT(after.dissipated, 0.02 * before.kinetic);
+  EXPECT_GT(world.penalty.touch.searches, 3);
+}
+
 TEST(PenaltyScene, no_collision_of_a_gas_is_missed) {
   // Free flights many skins long, images across every face, two sizes.
   const int side = 6, count = side * side * side;
@@ -265,7 +290,7 @@ TEST(PenaltyScene, no_collision_of_a_gas_is_missed) {
   EXPECT_GT(world.penalty.touch.searches, 3);
 }
 
-/// T over that of Haff's law at 1, 2, ... 9 tau, and T at the end over that at the start.
+/// T over that of Haff's law at 1, 2, ... 5 tau, and T at the end over that at the start.
 std::vector<double> cooling_of_a_gas(unsigned seed) {
   // T = T0/(1 + t/tau)^2, 1/tau = (1 - e^2) w_E/6, w_E = 4 n d^2 g sqrt(pi T/m).
   const double e = 0.9, r = 0.5, m = 1, phi = 0.1;
@@ -301,7 +326,7 @@ std::vector<double> cooling_of_a_gas(unsigned seed) {
   const double rate = 4 * n * 4 * r * r * crowding * std::sqrt(pi * start / m);
   const double tau = 6 / ((1 - e * e) * rate);
   std::vector<double> ratios;
-  for (int step = 0; step * h < 9 * tau;) {
+  for (int step = 0; step * h < 5 * tau;) {
     const int steps = static_cast<int>(tau / h);
     penalty_steps(world, h, steps);
     step += steps;
@@ -326,7 +351,7 @@ TEST(PenaltyScene, gas_of_inelastic_spheres_cools_as_haff_says) {
     }
     EXPECT_NEAR(mean, 1, 0.025 + 3 * 0.02 / std::sqrt(3)) << k;
   }
-  for (const auto& gas : gases) EXPECT_LT(gas.back(), 0.011);
+  for (const auto& gas : gases) EXPECT_LT(gas.back(), 0.03);  // 1/36 by the law
 }
 
 TEST(PenaltyScene, sphere_in_a_cylinder_swings_like_a_pendulum_and_bounces_off_it) {

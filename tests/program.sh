@@ -109,7 +109,7 @@ refuses_problem "a missing problem" nowhere.hdf5 "spall: " nowhere.hdf5
 refuses_problem "no HDF5 file" plain.toml "spall: " plain.toml
 refuses_problem "an unknown method" "plain.toml --method newton" newton accelerated sor
 
-for arguments in --help "solve --help" keys "check $cases/hello/case.toml" "check --time still.toml"; do
+for arguments in --help "solve --help" keys materials "materials copper" "check $cases/hello/case.toml" "check --time still.toml"; do
   # shellcheck disable=SC2086
   on_ranks "$ranks" $arguments || fail "spall $arguments: exit code is not 0"
   [ -s stdout ] || fail "spall $arguments: prints nothing"

@@ -210,6 +210,20 @@ packing = {kind = "simple_cubic", radius = 0.1, spacing = 0.2}
   }
 }
 
+TEST(Walls, count_planes_first_and_cylinders_after_them) {
+  std::vector<Plane> planes;
+  for (double height : {0.0, 1.0}) planes.push_back({.point = {0, 0, height}});
+  const std::vector<Cylinder> cylinders{{.point = {1, 2, 3}, .material = 4, .name = "first"},
+                                        {.point = {5, 6, 7}, .material = 8, .name = "second"}};
+  const Walls walls{planes, cylinders};
+  EXPECT_EQ(walls.size(), 4u);
+  for (std::size_t k = 0; k < 2; ++k) {
+    EXPECT_EQ(walls.point(planes.size() + k), cylinders[k].point);
+    EXPECT_EQ(walls.material(planes.size() + k), cylinders[k].material);
+    EXPECT_EQ(walls.name(planes.size() + k), cylinders[k].name);
+  }
+}
+
 TEST(Reactions, columns_bear_the_names_of_walls_and_held_groups) {
   const Case scene = parse_case(R"(
 materials.rock.density = 1600
@@ -222,6 +236,9 @@ name = "bin"
 size = [50, 50, 50]
 [[cylinders]]
 radius = 9
+[[cylinders]]
+name = "drum"
+radius = 8
 [[groups]]
 name = "a, b"
 material = "rock"
@@ -247,10 +264,10 @@ duration = 1
   for (const Column& column : ReactionRows(scene).columns())
     if (column.name.ends_with("_force_x")) names.push_back(column.name);
   EXPECT_EQ(names,
-            (std::vector<std::string>{"floor_force_x", "plane_1_force_x", "bin_x_low_force_x",
-                                      "bin_x_high_force_x", "bin_y_low_force_x",
-                                      "bin_y_high_force_x", "bin_z_low_force_x",
-                                      "bin_z_high_force_x", "cylinder_0_force_x", "a_ b_force_x"}));
+            (std::vector<std::string>{
+                "floor_force_x", "plane_1_force_x", "bin_x_low_force_x", "bin_x_high_force_x",
+                "bin_y_low_force_x", "bin_y_high_force_x", "bin_z_low_force_x",
+                "bin_z_high_force_x", "cylinder_0_force_x", "drum_force_x", "a_ b_force_x"}));
   const auto columns = ReactionRows(scene).columns();
   EXPECT_EQ(columns[5].name, "floor_torque_z");
   EXPECT_EQ(columns[5].unit, "N m");

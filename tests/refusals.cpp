@@ -140,9 +140,9 @@ const std::vector<Refused> table = {
      "0, -1) m by 0.5 m"},
     // Walls.
     {bodies + phase + "[[planes]]\npoint = [0, 0, -0.5]\n",
-     "x.toml:3:1: groups.a: body 0 at (0, 0, 0) m lies 0.5 m deep in planes.0"},
+     "x.toml:3:1: groups.a: body 0 at (0, 0, 0) m lies 0.5 m deep in the wall plane_0"},
     {bodies + springs + "stiffness = 1e6\n[[cylinders]]\nradius = 3\n" + phase + by_springs,
-     "x.toml:7:1: groups.b: body 1 at (3, 0, 0) m lies 1 m deep in cylinders.0"},
+     "x.toml:7:1: groups.b: body 1 at (3, 0, 0) m lies 1 m deep in the wall cylinder_0"},
     {bodies + phase + "[[cylinders]]\nradius = 30\n",
      "x.toml:11:1: phases.only: [[cylinders]] and [periodic] act in phases of method = "
      "\"penalty\""},
@@ -151,7 +151,11 @@ const std::vector<Refused> table = {
          by_law,
      "x.toml:20:1: phases.only: [periodic] needs gravity.method"},
     {bodies + phase + impactor + "[[planes]]\npoint = [-1.5, 0, 0]\nnormal = [1, 0, 0]\n",
-     "x.toml:15:12: phases.only.impactor: it begins 0.7 m deep in planes.0"},
+     "x.toml:15:12: phases.only.impactor: it begins 0.7 m deep in the wall plane_0"},
+    {bodies + springs + "stiffness = 1e3\n[[cylinders]]\npoint = [1.5, 0, 0]\nradius = 2.5\n" +
+         phase + by_springs +
+         "impactor = {mass = 1, radius = 0.1, speed = \"1 mm/s\", distance = 1}\n",
+     "x.toml:24:12: phases.only.impactor: it begins 1.2 m deep in the wall cylinder_0"},
     // Images too near.
     {bodies + springs + "stiffness = 1e6\n[periodic]\nsize = [9, 3.9, 9]\n" + phase + by_springs,
      "x.toml:18:1: phases.only: periodic.size: 3.9 m in direction y is less than twice 2 m"},

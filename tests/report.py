@@ -59,6 +59,7 @@ class Page(unittest.TestCase):
 
     def test_places_and_fields_are_those_of_the_snapshots_within_what_the_page_says(self):
         run = data_of(self.page)["runs"][0]
+        self.assertIs(run["free"], True)
         header = run["bodies"]
         self.assertEqual(len(run["frames"]), 4)
         for frame in run["frames"]:
@@ -115,6 +116,24 @@ class Page(unittest.TestCase):
         self.assertIn("Of 41 bodies 10 are shown", report_page.footer([data]))
 
 
+class Scenes(unittest.TestCase):
+    """What fits one scene and misleads in another."""
+
+    def of(self, **case):
+        frame = types.SimpleNamespace(mass=np.array([3.0, np.inf]))
+        return types.SimpleNamespace(case=case, results={}, before=frame, size=2.0)
+
+    def test_momentum_drifts_where_nothing_acts_from_outside(self):
+        self.assertTrue(Run.is_free(self.of(gravity={"method": "direct"})))
+        self.assertFalse(Run.is_free(self.of(boxes=[{}])))
+        self.assertFalse(Run.is_free(self.of(gravity={"uniform": [0, 0, -9.81]})))
+
+    def test_what_does_not_attract_has_no_escape_speed(self):
+        self.assertEqual([name for _, name, _ in Run.marked_speeds(self.of(gravity={"method": "tree"}))], ["escape"])
+        self.assertEqual(Run.marked_speeds(self.of(gravity={"uniform": [0, 0, -9.81]})), [])
+        self.assertEqual(Run.marked_speeds(self.of()), [])
+
+
 class Verdicts(unittest.TestCase):
     """Each sentence, and its grade, from results that are known."""
 
@@ -143,10 +162,13 @@ class Verdicts(unittest.TestCase):
         def books(**values):
             return self.of({"conservation": {"dissipated": 1.0, **values}})
         self.check(books(linear=1e-15, angular=1e-14), "good", "kept to round-off")
-        self.check(books(linear=1e-15, angular=1e-6), "bad", "not kept")
+        self.check(books(linear=1e-15, angular=1e-6), "note", "by a tree")
+        self.check(books(linear=1e-15, angular=1e-3), "bad", "not kept")
+        self.check(books(linear=1e-6, angular=1e-15), "bad", "not kept")
         self.check(books(), "note", "Walls")
         for rest, grade in ((-0.009, "good"), (0.02, "note"), (-0.2, "bad")):
             self.check(books(energy_unexplained=rest), grade, "The energy account")
+            self.check(books(energy_unexplained=rest, dissipated=0.0, energy_measure=2.0), grade, "of the kinetic energy")
 
     def test_beta_that_is_only_a_bounce_is_said_to_be_so(self):
         def beta(value, **more):

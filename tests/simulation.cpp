@@ -131,6 +131,31 @@ TEST(Simulation, a_change_of_bodies_is_booked_and_followed) {
   EXPECT_GT(positions(simulation)[1].x(), 2);
 }
 
+TEST(Simulation, what_no_step_can_go_on_with_is_refused) {
+  Scene scene = Scene::from_text(rock + phase("step = 0.01\nduration = 1\n"));
+  const double nan = std::nan("");
+  const std::string of_sphere = "scene: sphere 0: position, velocity and spin must be finite";
+  EXPECT_EQ(complaint_of([&] {
+              scene.add({.material = "rock", .radius = 1, .position = {0, nan, 0}});
+            }),
+            of_sphere);
+  EXPECT_EQ(complaint_of([&] {
+              scene.add({.material = "rock", .radius = 1, .velocity = {infinity, 0, 0}});
+            }),
+            of_sphere);
+  Simulation simulation(testing_world(), four(rock + phase("step = 0.01\nduration = 1\n")));
+  EXPECT_EQ(complaint_of([&] { simulation.step(0); }),
+            "step: 0 steps are asked for; 1 or more are wanted");
+  EXPECT_EQ(complaint_of([&] { simulation.run_until(nan); }),
+            "run_until: the time is not a number");
+  simulation.add_force([&](const Bodies& bodies, std::span<Vec3> force) {
+    for (Index b = 0; b < bodies.owned; ++b)
+      if (bodies.id[b] == 2) force[b] = {nan, 0, 0};
+  });
+  EXPECT_EQ(complaint_of([&] { simulation.step(); }),
+            "the program's own force on body 2 is not finite");
+}
+
 TEST(Simulation, phases_follow_each_other_and_end) {
   Simulation simulation(
       testing_world(),

@@ -77,7 +77,12 @@ TEST(Units, wrong_ones_are_told_with_an_example) {
   EXPECT_EQ(complaint("6.7", dimension::speed),
             "\"6.7\" is a number; a speed such as \"6.7 km/s\" is wanted");
   EXPECT_EQ(complaint("3 furlong", dimension::length),
-            "\"3 furlong\": \"furlong\" is not a unit known here");
+            "\"3 furlong\": \"furlong\" is not a unit known here; a length such as \"0.237 mm\" is "
+            "wanted");
+  EXPECT_EQ(
+      complaint("1 Hz", dimension::spin),
+      "\"1 Hz\": \"Hz\" is not a unit known here; a rate such as \"0.1 rad/s\" or \"2 rev/h\" is "
+      "wanted");
   EXPECT_EQ(complaint("m", dimension::length),
             "\"m\" does not begin with a number; a length such as \"0.237 mm\" is wanted");
   EXPECT_EQ(complaint("inf m", dimension::length),

@@ -44,7 +44,14 @@ inline constexpr unsigned kept = migrated | restarted;
   X(double, heat, 0, "J", kept | written, "left by damping, less the work of its pressure")        \
   X(Vec3, kick, Vec3::Zero(), "m s-1", kept | ghosted | written, "by potentials in the last step") \
   X(std::int32_t, bonds, 0, "", kept | written, "that the body was made with")                     \
-  X(double, damage, 0, "", kept | written, "share of its bonds that are broken")
+  X(double, damage, 0, "", kept | ghosted | written,                                               \
+    "share of its bonds that are broken; of a solid with a stress: from 1 on it has failed")       \
+  X(double, compression, 1, "", kept | ghosted | written, "density, of that at rest")              \
+  X(double, pressure, 0, "Pa", kept | written, "")                                                 \
+  X(Vec3, direct_stress, Vec3::Zero(), "Pa", kept | written, "deviator: xx, yy, zz")               \
+  X(Vec3, shear_stress, Vec3::Zero(), "Pa", kept | written, "deviator: yz, zx, xy")                \
+  X(double, plastic_strain, 0, "", kept | written, "equivalent, that has accumulated")             \
+  X(double, internal_energy, 0, "J", kept | written, "elastic, and heat")
 
 enum class Field {
 #define SPALL_FIELD(type, name, initial, unit, traits, meaning) name,

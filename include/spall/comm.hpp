@@ -4,6 +4,7 @@
 
 #include <mpi.h>
 
+#include <map>
 #include <span>
 #include <string>
 #include <vector>
@@ -11,6 +12,10 @@
 #include "spall/types.hpp"
 
 namespace spall {
+
+/// Numbers for or from ranks; a rank that is not named gets or sent none.
+template <class T>
+using ByRank = std::map<int, std::vector<T>>;
 
 /// A handle, passed by value; the communicator belongs to whoever made it. All calls are
 /// collective.
@@ -36,10 +41,10 @@ struct Comm {
   /// Every rank's values, one rank after another, on every rank.
   std::vector<double> all_gather(std::span<const double> values) const;
   std::vector<std::int64_t> all_gather(std::span<const std::int64_t> values) const;
-  /// Row r of `outgoing` goes to rank r; returns the rows received, row r from rank r.
-  std::vector<std::vector<double>> exchange(const std::vector<std::vector<double>>& outgoing) const;
-  std::vector<std::vector<std::int64_t>> exchange(
-      const std::vector<std::vector<std::int64_t>>& outgoing) const;
+  /// Sends each rank what is named for it; returns what came, in the order of the ranks. Messages
+  /// go between these ranks alone; who sends is found in a logarithmic number of steps.
+  ByRank<double> exchange(ByRank<double> outgoing) const;
+  ByRank<std::int64_t> exchange(ByRank<std::int64_t> outgoing) const;
 };
 
 /// The first of `total` rows that part `part` of `parts` nearly equal ones holds.

@@ -70,7 +70,8 @@ class Simulation {
   /// One step; at the start of a phase its events come first, at its end the next phase is due.
   /// Where forces are smooth, up to `most` steps, until gravity's next kick at the latest.
   StepSummary step(int most = 1);
-  /// Steps until this time (s) is reached or all phases are over; `each` is called after each step.
+  /// Steps until the whole step that ends nearest to this time (s), or until all phases are over;
+  /// `each` is called after each step.
   void run_until(double time, const std::function<void()>& each = {});
 
   /// This rank's bodies; rows [0, owned) are its own. They move to other rows and ranks as steps

@@ -14,6 +14,8 @@ All calls but those of Run are collective: under `mpirun -n 4 python3 program.py
 share of the bodies.
 """
 import atexit
+import sys
+import traceback
 
 from spall import _spall
 from spall._spall import Error
@@ -24,6 +26,15 @@ __version__ = _spall.version
 __all__ = ["Bodies", "Error", "Run", "Scene", "Simulation", "check", "draw", "rank", "ranks", "resume", "run"]
 
 atexit.register(_spall.end)
+
+
+def _end_all_ranks(kind, error, trace, own_hook=sys.excepthook):
+    """What nobody catches ends all ranks: others would wait for this one for ever."""
+    _spall.end_others("".join(traceback.format_exception(kind, error, trace)).rstrip())
+    own_hook(kind, error, trace)
+
+
+sys.excepthook = _end_all_ranks
 
 
 def rank():

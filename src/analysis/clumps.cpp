@@ -79,24 +79,42 @@ std::vector<BodyId> find_clumps(const Comm& comm, const Ghosts& ghosts, const Bo
   return {name.begin(), name.end()};
 }
 
-ClumpList weigh_clumps(const Comm& comm, const Bodies& bodies, std::span<const BodyId> name,
-                       std::size_t listed) {
+namespace {
+
+/// Each clump is summed on one rank, in the order of ranks: the same bits on a repeated run.
+std::map<BodyId, Sums> sums_of_share(const Comm& comm, const Bodies& bodies,
+                                     std::span<const BodyId> name) {
   std::map<BodyId, Sums> mine;
   for (Index b = 0; b < bodies.owned; ++b)
     if (name[b] >= 0) add(mine[name[b]], sums_of(bodies, b));
+  ByRank<double> outgoing;
+  for (const auto& [clump, sums] : mine)
+    pack(outgoing[static_cast<int>(clump % comm.size)], clump, sums);
+  std::map<BodyId, Sums> share;
+  for (const auto& [rank, rows] : comm.exchange(std::move(outgoing)))
+    for_each_packed(rows, [&](BodyId clump, const Sums& sums) { add(share[clump], sums); });
+  return share;
+}
 
-  // Each clump is summed on one rank, in the order of ranks: the same bits on a repeated run.
-  std::vector<std::vector<double>> outgoing(comm.size);
-  for (const auto& [clump, sums] : mine) pack(outgoing[clump % comm.size], clump, sums);
-  std::map<BodyId, Sums> here;
-  for (const auto& rows : comm.exchange(outgoing))
-    for_each_packed(rows, [&](BodyId clump, const Sums& sums) { add(here[clump], sums); });
+}  // namespace
+
+std::vector<Clump> share_of_clumps(const Comm& comm, const Bodies& bodies,
+                                   std::span<const BodyId> name) {
+  std::vector<Clump> clumps;
+  for (const auto& [clump, sums] : sums_of_share(comm, bodies, name))
+    clumps.push_back(clump_of(clump, sums));
+  return clumps;
+}
+
+ClumpList weigh_clumps(const Comm& comm, const Bodies& bodies, std::span<const BodyId> name,
+                       std::size_t listed) {
+  const std::map<BodyId, Sums> share = sums_of_share(comm, bodies, name);
 
   // Only the heaviest of each rank can be among the heaviest of all.
   const auto heavier = [](const auto& a, const auto& b) {
     return a.second[1] != b.second[1] ? a.second[1] > b.second[1] : a.first < b.first;
   };
-  std::vector<std::pair<BodyId, Sums>> order(here.begin(), here.end());
+  std::vector<std::pair<BodyId, Sums>> order(share.begin(), share.end());
   std::sort(order.begin(), order.end(), heavier);
   std::vector<double> rows;
   for (std::size_t k = 0; k < std::min(listed, order.size()); ++k)
@@ -107,7 +125,7 @@ ClumpList weigh_clumps(const Comm& comm, const Bodies& bodies, std::span<const B
   std::sort(order.begin(), order.end(), heavier);
 
   ClumpList list;
-  list.clumps = comm.sum(static_cast<std::int64_t>(here.size()));
+  list.clumps = comm.sum(static_cast<std::int64_t>(share.size()));
   for (std::size_t k = 0; k < std::min(listed, order.size()); ++k)
     list.largest.push_back(clump_of(order[k].first, order[k].second));
   return list;

@@ -36,6 +36,10 @@ struct ClumpList {
 ClumpList weigh_clumps(const Comm& comm, const Bodies& bodies, std::span<const BodyId> name,
                        std::size_t listed = 10);
 
+/// This rank's share of all clumps, each on one of the ranks. Collective.
+std::vector<Clump> share_of_clumps(const Comm& comm, const Bodies& bodies,
+                                   std::span<const BodyId> name);
+
 /// Whether the gravity of `clump` holds a body that is not in it: with the clump taken as a point
 /// mass at its centre of mass, the energy of their relative motion is negative,
 ///

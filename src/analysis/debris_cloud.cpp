@@ -281,20 +281,27 @@ Fragments find_fragments(const Comm& comm, const Ghosts& ghosts, const Bodies& b
                 [&](Index b, const Flight& f) { chosen[b] = is_debris(target, f); });
   for (Index b = 0; b < bodies.owned; ++b)
     if (!chosen[b]) name[b] = -1;
-  const ClumpList list = weigh_clumps(comm, bodies, name, std::numeric_limits<std::size_t>::max());
-  Fragments fragments;
-  for (const Clump& clump : list.largest) {
-    fragments.largest = std::max(fragments.largest, clump.mass);
+  constexpr int most_decades = std::numeric_limits<std::int64_t>::digits10 + 1;
+  std::array<double, 2 + most_decades> sums{};  // pieces, singles, by decades
+  double largest = 0;
+  for (const Clump& clump : share_of_clumps(comm, bodies, name)) {
+    largest = std::max(largest, clump.mass);
     if (clump.count == 1) {
-      ++fragments.singles;
+      ++sums[1];
       continue;
     }
-    ++fragments.pieces;
+    ++sums[0];
     std::size_t decade = 0;
     for (std::int64_t n = clump.count; n >= 10; n /= 10) ++decade;
-    if (fragments.counts.size() <= decade) fragments.counts.resize(decade + 1, 0.0);
-    fragments.counts[decade] += 1;
+    ++sums[2 + decade];
   }
+  comm.sum(sums);
+  Fragments fragments{.pieces = static_cast<std::int64_t>(sums[0]),
+                      .singles = static_cast<std::int64_t>(sums[1]),
+                      .largest = comm.max(largest),
+                      .counts = {}};
+  fragments.counts.assign(sums.begin() + 2, sums.end());
+  while (!fragments.counts.empty() && fragments.counts.back() == 0) fragments.counts.pop_back();
   return fragments;
 }
 

@@ -151,17 +151,4 @@ Deflection measure_deflection(const Comm& comm, const Ghosts& ghosts, const Bodi
   return result;
 }
 
-Orbit new_orbit(const Binary& binary, double dv) {
-  const double mu = binary.parameter, v = binary.speed + dv;
-  Orbit orbit;
-  orbit.a_new = -(mu / 2) / (v * v / 2 - mu / binary.separation);
-  orbit.T_new = orbit_period(orbit.a_new, mu);
-  orbit.dT = orbit.T_new - binary.period;
-  return orbit;
-}
-
-double orbit_period(double a, double mu) {
-  return 2 * pi * std::sqrt(a * a * a / mu);
-}
-
 }  // namespace spall

@@ -1,4 +1,4 @@
-// What an impact did: the clump that is left, its velocity change, the ejecta, the new orbit.
+// What an impact did: the clump that is left, its velocity change, the ejecta.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -63,17 +63,5 @@ struct Deflection {
 Deflection measure_deflection(const Comm& comm, const Ghosts& ghosts, const Bodies& bodies,
                               const Links& links, double gravity_constant,
                               const BeforeImpact& before, double since_impact);
-
-/// The orbit of a binary's secondary after a velocity change along its motion (thesis
-/// eqs. 3.3, 3.4).
-struct Orbit {
-  double a_new = 0;  ///< m, semi-major axis
-  double T_new = 0;  ///< s
-  double dT = 0;     ///< s, T_new - T_old
-};
-Orbit new_orbit(const Binary& binary, double dv);
-
-/// s, of an orbit with semi-major axis `a` (m) about `mu` (m^3/s^2).
-double orbit_period(double a, double mu);
 
 }  // namespace spall

@@ -3,6 +3,7 @@
 #include "analysis/interior.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -97,15 +98,28 @@ Interior measure_interior(const Comm& comm, const Bodies& bodies, std::span<cons
 
   const auto spread = directions(2000);
   std::vector<double> ends(2 * spread.size(), -infinity);  // support along a direction, against it
-  for (Index b : rows)
-    for (std::size_t k = 0; k < spread.size(); ++k) {
-      const double along = spread[k].dot(bodies.position[b] - pile.center);
-      ends[2 * k] = std::max(ends[2 * k], along + bodies.radius[b]);
-      ends[2 * k + 1] = std::max(ends[2 * k + 1], bodies.radius[b] - along);
+  // Rows that follow each other are near each other: few groups of them reach beyond the others.
+  constexpr std::size_t most = 64;
+  for (std::size_t at = 0; at < rows.size(); at += most) {
+    const auto group = std::span(rows).subspan(at, std::min(most, rows.size() - at));
+    Eigen::AlignedBox3d box;  // of the centres, about the pile's
+    double largest = 0;
+    for (Index b : group) {
+      box.extend(bodies.position[b] - pile.center);
+      largest = std::max(largest, bodies.radius[b]);
     }
-  check_mpi(MPI_Allreduce(MPI_IN_PLACE, ends.data(), static_cast<int>(ends.size()), MPI_DOUBLE,
-                          MPI_MAX, comm.raw),
-            "MPI_Allreduce");
+    const Vec3 middle = box.center(), half = box.sizes() / 2;
+    for (std::size_t k = 0; k < spread.size(); ++k) {
+      const double along = spread[k].dot(middle), more = spread[k].cwiseAbs().dot(half) + largest;
+      if (along + more <= ends[2 * k] && more - along <= ends[2 * k + 1]) continue;
+      for (Index b : group) {
+        const double x = spread[k].dot(bodies.position[b] - pile.center);
+        ends[2 * k] = std::max(ends[2 * k], x + bodies.radius[b]);
+        ends[2 * k + 1] = std::max(ends[2 * k + 1], bodies.radius[b] - x);
+      }
+    }
+  }
+  comm.max(ends);
   for (std::size_t k = 0; k < spread.size(); ++k) {
     const double width = ends[2 * k] + ends[2 * k + 1];
     pile.extent = std::max(pile.extent, width);

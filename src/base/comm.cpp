@@ -11,10 +11,12 @@
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <limits>
 #include <new>
 #include <numeric>
 
 #include "base/kernels.hpp"
+#include "base/traffic.hpp"
 #include "spall/error.hpp"
 
 namespace spall {
@@ -31,8 +33,18 @@ MPI_Datatype mpi_type<std::int64_t>() {
   return MPI_INT64_T;
 }
 
+void reduce(MPI_Comm comm, std::span<double> values, MPI_Op op) {
+  ++traffic().collectives;
+  traffic().reduced += static_cast<std::int64_t>(values.size_bytes());
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_DOUBLE,
+                          op, comm),
+            "MPI_Allreduce");
+}
+
 template <class T>
 T reduce(MPI_Comm comm, T value, MPI_Op op) {
+  ++traffic().collectives;
+  traffic().reduced += static_cast<std::int64_t>(sizeof(T));
   T result = value;
   check_mpi(MPI_Allreduce(&value, &result, 1, mpi_type<T>(), op, comm), "MPI_Allreduce");
   return result;
@@ -49,33 +61,53 @@ std::vector<T> all_gather_values(const Comm& comm, std::span<const T> values) {
   check_mpi(MPI_Allgatherv(values.data(), count, mpi_type<T>(), all.data(), counts.data(),
                            starts.data(), mpi_type<T>(), comm.raw),
             "MPI_Allgatherv");
+  ++traffic().collectives;
+  traffic().gathered +=
+      static_cast<std::int64_t>(sizeof(int) * counts.size() + sizeof(T) * all.size());
   return all;
 }
 
 template <class T>
-std::vector<std::vector<T>> exchange_rows(const Comm& comm,
-                                          const std::vector<std::vector<T>>& outgoing) {
-  std::vector<int> send(comm.size), receive(comm.size);
-  for (int r = 0; r < comm.size; ++r) send[r] = static_cast<int>(outgoing[r].size());
-  check_mpi(MPI_Alltoall(send.data(), 1, MPI_INT, receive.data(), 1, MPI_INT, comm.raw),
-            "MPI_Alltoall");
-  // From and to where the rows are: they may be most of what a rank holds.
-  std::vector<std::vector<T>> incoming(comm.size);
-  std::vector<MPI_Request> requests;
-  for (int r = 0; r < comm.size; ++r) {
-    incoming[r].resize(receive[r]);
-    if (receive[r] > 0)
-      check_mpi(MPI_Irecv(incoming[r].data(), receive[r], mpi_type<T>(), r, 0, comm.raw,
-                          &requests.emplace_back()),
-                "MPI_Irecv");
+ByRank<T> exchange_rows(const Comm& comm, ByRank<T> outgoing) {
+  ++traffic().collectives;
+  ByRank<T> incoming;
+  std::erase_if(outgoing, [](const auto& row) { return row.second.empty(); });
+  if (auto own = outgoing.extract(comm.rank)) incoming.insert(std::move(own));
+  if (comm.size == 1) return incoming;
+  std::vector<PetscMPIInt> to, lengths;
+  for (const auto& [rank, rows] : outgoing) {
+    require(rows.size() <= std::numeric_limits<int>::max(),
+            "a message of {} numbers to rank {}: MPI takes 2^31 at most", rows.size(), rank);
+    to.push_back(rank);
+    lengths.push_back(static_cast<int>(rows.size()));
   }
-  for (int r = 0; r < comm.size; ++r)
-    if (send[r] > 0)
-      check_mpi(MPI_Isend(outgoing[r].data(), send[r], mpi_type<T>(), r, 0, comm.raw,
-                          &requests.emplace_back()),
-                "MPI_Isend");
+  // Up to 1,024 ranks by a reduction, beyond by messages and a barrier that does not block
+  // (Hoefler, Siebert, Lumsdaine 2010).
+  PetscMPIInt count = 0, *from = nullptr, *coming = nullptr;
+  check_petsc(PetscCommBuildTwoSided(comm.raw, 1, MPI_INT, static_cast<int>(to.size()), to.data(),
+                                     lengths.data(), &count, &from, &coming),
+              "PetscCommBuildTwoSided");
+  std::vector<MPI_Request> requests;
+  for (int k = 0; k < count; ++k) {
+    std::vector<T>& rows = incoming[from[k]];
+    rows.resize(coming[k]);
+    check_mpi(MPI_Irecv(rows.data(), coming[k], mpi_type<T>(), from[k], 0, comm.raw,
+                        &requests.emplace_back()),
+              "MPI_Irecv");
+  }
+  for (const auto& [rank, rows] : outgoing)
+    check_mpi(MPI_Isend(rows.data(), static_cast<int>(rows.size()), mpi_type<T>(), rank, 0,
+                        comm.raw, &requests.emplace_back()),
+              "MPI_Isend");
   check_mpi(MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE),
             "MPI_Waitall");
+  traffic().sources = std::max<std::int64_t>(traffic().sources, count);
+  for (int length : lengths) {
+    ++traffic().messages;
+    traffic().bytes += static_cast<std::int64_t>(sizeof(T)) * length;
+  }
+  check_petsc(PetscFree(from), "PetscFree");
+  check_petsc(PetscFree(coming), "PetscFree");
   return incoming;
 }
 
@@ -106,6 +138,10 @@ void share_word() {
   MPI_Comm_free(&node);
 }
 
+/// PETSc's copy of the communicator of all ranks, which each exchange asks for. Where nobody holds
+/// it, it is made and freed each time.
+MPI_Comm held_by_petsc = MPI_COMM_NULL;
+
 int say_nothing(const char*, const char*, bool, ...) {
   return 0;
 }
@@ -119,6 +155,11 @@ void silence_open_mpi() {
 }
 
 }  // namespace
+
+Traffic& traffic() {
+  static Traffic own;
+  return own;
+}
 
 Comm::Comm(MPI_Comm communicator) : raw(communicator) {
   check_mpi(MPI_Comm_rank(raw, &rank), "MPI_Comm_rank");
@@ -148,23 +189,21 @@ Vec3 Comm::sum(const Vec3& value) const {
 }
 
 void Comm::sum(std::span<double> values) const {
-  check_mpi(MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_DOUBLE,
-                          MPI_SUM, raw),
-            "MPI_Allreduce");
+  reduce(raw, values, MPI_SUM);
 }
 void Comm::max(std::span<double> values) const {
-  check_mpi(MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_DOUBLE,
-                          MPI_MAX, raw),
-            "MPI_Allreduce");
+  reduce(raw, values, MPI_MAX);
 }
 
 std::int64_t Comm::sum_before(std::int64_t value) const {
+  ++traffic().collectives;
   std::int64_t before = 0;
   check_mpi(MPI_Exscan(&value, &before, 1, MPI_INT64_T, MPI_SUM, raw), "MPI_Exscan");
   return rank == 0 ? 0 : before;  // MPI leaves rank 0's result undefined
 }
 
 void Comm::broadcast(std::span<double> values, int root) const {
+  ++traffic().collectives;
   check_mpi(MPI_Bcast(values.data(), static_cast<int>(values.size()), MPI_DOUBLE, root, raw),
             "MPI_Bcast");
 }
@@ -176,13 +215,11 @@ std::vector<std::int64_t> Comm::all_gather(std::span<const std::int64_t> values)
   return all_gather_values(*this, values);
 }
 
-std::vector<std::vector<double>> Comm::exchange(
-    const std::vector<std::vector<double>>& outgoing) const {
-  return exchange_rows(*this, outgoing);
+ByRank<double> Comm::exchange(ByRank<double> outgoing) const {
+  return exchange_rows(*this, std::move(outgoing));
 }
-std::vector<std::vector<std::int64_t>> Comm::exchange(
-    const std::vector<std::vector<std::int64_t>>& outgoing) const {
-  return exchange_rows(*this, outgoing);
+ByRank<std::int64_t> Comm::exchange(ByRank<std::int64_t> outgoing) const {
+  return exchange_rows(*this, std::move(outgoing));
 }
 
 Session::Session(int& argc, char**& argv) {
@@ -193,6 +230,7 @@ Session::Session(int& argc, char**& argv) {
   setenv("OMPI_MCA_io", "romio321", 0);
   if (PetscInitialize(nullptr, nullptr, nullptr, nullptr) != 0) std::abort();
   PetscPopSignalHandler();
+  check_petsc(PetscCommDuplicate(PETSC_COMM_WORLD, &held_by_petsc, nullptr), "PetscCommDuplicate");
   share_word();
   use_instructions(static_cast<Instructions>(world().min(static_cast<double>(instructions()))));
 }
@@ -200,6 +238,7 @@ Session::Session(int& argc, char**& argv) {
 Session::~Session() {
   has_spoken = nullptr;
   MPI_Win_free(&shared_word);
+  PetscCommDestroy(&held_by_petsc);
   PetscFinalize();
 }
 

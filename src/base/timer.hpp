@@ -1,4 +1,4 @@
-// Where the time goes: wall seconds a stage, on this rank.
+// Where the time goes: wall seconds and messages of a stage, on this rank.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -6,21 +6,34 @@
 
 #include <map>
 #include <string>
+#include <utility>
+
+#include "base/traffic.hpp"
 
 namespace spall {
 
-using StageTimes = std::map<std::string, double>;
+struct StageUse {
+  double seconds = 0;
+  Traffic traffic;
+};
+using StageUses = std::map<std::string, StageUse>;
 
-/// Adds the seconds of its own lifetime to a stage.
+/// Adds the seconds and messages of its own lifetime to a stage.
 class StageTimer {
  public:
-  StageTimer(StageTimes& times, const char* stage) : seconds_(times[stage]), start_(MPI_Wtime()) {}
-  ~StageTimer() { seconds_ += MPI_Wtime() - start_; }
+  StageTimer(StageUses& uses, const char* stage)
+      : use_(uses[stage]), before_(std::exchange(traffic(), {})), start_(MPI_Wtime()) {}
+  ~StageTimer() {
+    use_.seconds += MPI_Wtime() - start_;
+    use_.traffic.add(traffic());
+    traffic().add(before_);
+  }
   StageTimer(const StageTimer&) = delete;
   StageTimer& operator=(const StageTimer&) = delete;
 
  private:
-  double& seconds_;
+  StageUse& use_;
+  Traffic before_;
   double start_;
 };
 

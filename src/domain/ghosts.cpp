@@ -4,8 +4,10 @@
 
 #include <petscsf.h>
 
+#include <algorithm>
 #include <map>
 
+#include "base/traffic.hpp"
 #include "spall/error.hpp"
 
 namespace spall {
@@ -15,6 +17,9 @@ struct Ghosts::Plan {
   Index owned = 0;
   Index ghosts = 0;
   PetscSF sf = nullptr;
+  std::int64_t told = 0;              // other ranks with copies of rows of this one
+  std::int64_t copies = 0;            // rows that they have
+  std::int64_t asked = 0;             // other ranks whose rows are copied here
   std::map<int, MPI_Datatype> units;  // contiguous doubles, by width; committed once
 
   MPI_Datatype unit(int width) {
@@ -24,6 +29,15 @@ struct Ghosts::Plan {
       check_mpi(MPI_Type_commit(&it->second), "MPI_Type_commit");
     }
     return it->second;
+  }
+  /// Books an exchange of rows of so many doubles, from their owners to all copies or back.
+  void count(int width, bool to_copies) const {
+    const std::int64_t rows = to_copies ? copies : ghosts;
+    traffic().messages += to_copies ? told : asked;
+    traffic().bytes += rows * width * static_cast<std::int64_t>(sizeof(double));
+    traffic().sources = std::max(traffic().sources, to_copies ? asked : told);
+    ++traffic().exchanges;
+    traffic().row_bytes += width * static_cast<std::int64_t>(sizeof(double));
   }
   ~Plan() {
     for (auto& [width, type] : units) MPI_Type_free(&type);
@@ -49,6 +63,19 @@ Ghosts::Ghosts(Comm comm, Index owned, std::span<const Origin> origins)
                               PETSC_COPY_VALUES, remote.data(), PETSC_COPY_VALUES),
               "PetscSFSetGraph");
   check_petsc(PetscSFSetUp(plan_->sf), "PetscSFSetUp");
+  PetscInt count = 0;
+  const PetscMPIInt* ranks = nullptr;
+  const PetscInt *offsets = nullptr, *rows = nullptr, *remote_rows = nullptr;
+  check_petsc(PetscSFGetRootRanks(plan_->sf, &count, &ranks, &offsets, &rows, &remote_rows),
+              "PetscSFGetRootRanks");
+  plan_->asked = std::count_if(ranks, ranks + count, [&](int r) { return r != comm.rank; });
+  check_petsc(PetscSFGetLeafRanks(plan_->sf, &count, &ranks, &offsets, &rows),
+              "PetscSFGetLeafRanks");
+  for (PetscInt k = 0; k < count; ++k) {
+    if (ranks[k] == comm.rank) continue;  // images of own bodies
+    ++plan_->told;
+    plan_->copies += offsets[k + 1] - offsets[k];
+  }
 }
 
 Ghosts::~Ghosts() = default;
@@ -67,6 +94,7 @@ const Comm& Ghosts::comm() const {
 
 void Ghosts::gather_begin(double* rows, int width) const {
   if (!plan_->sf) return;
+  plan_->count(width, true);
   check_petsc(PetscSFBcastBegin(plan_->sf, plan_->unit(width), rows, rows, MPI_REPLACE),
               "PetscSFBcastBegin");
 }
@@ -79,6 +107,7 @@ void Ghosts::gather_end(double* rows, int width) const {
 
 void Ghosts::scatter_add(double* rows, int width) const {
   if (!plan_->sf) return;
+  plan_->count(width, false);
   // MPI_SUM has no meaning for a derived type in MPI itself; PetscSF defines it for contiguous
   // doubles.
   check_petsc(PetscSFReduceBegin(plan_->sf, plan_->unit(width), rows, rows, MPI_SUM),

@@ -3,6 +3,8 @@
 #include "domain/halo.hpp"
 
 #include <algorithm>
+#include <map>
+#include <set>
 
 #include "base/morton.hpp"
 #include "base/sort_by_key.hpp"
@@ -191,34 +193,64 @@ struct Neighbour {
   RoundBox whole;     // moved by the shift
 };
 
-/// Collective.
-std::vector<Neighbour> neighbours_of(const Comm& comm, const RoundBox& whole,
+/// Of one rank, among the wholes of all.
+std::vector<Neighbour> neighbours_of(int own, std::span<const RoundBox> wholes,
                                      const std::vector<Vec3>& shifts) {
-  std::vector<double> own;
-  append(own, whole);
-  const std::vector<double> wholes = comm.all_gather(std::span<const double>(own));
   std::vector<Neighbour> neighbours;
-  for (int rank = 0; rank < comm.size; ++rank)
+  for (int rank = 0; rank < std::ssize(wholes); ++rank)
     for (std::size_t s = 0; s < shifts.size(); ++s) {
-      if (rank == comm.rank && s == 0) continue;
-      const RoundBox theirs = box_from(wholes.data() + rank * doubles_a_box).moved(shifts[s]);
-      if (theirs.meets(whole)) neighbours.push_back({rank, s, theirs});
+      if (rank == own && s == 0) continue;
+      const RoundBox theirs = wholes[rank].moved(shifts[s]);
+      if (theirs.meets(wholes[own])) neighbours.push_back({rank, s, theirs});
     }
   return neighbours;
 }
 
-/// Row r: boxes of rank r's clusters that bodies of this rank may meet, each after the number of
-/// the shift by which they are moved then; shift by shift. Collective.
-std::vector<std::vector<double>> boxes_of_neighbours(const Comm& comm, const ClusterTree& tree,
-                                                     const std::vector<Neighbour>& neighbours) {
-  std::vector<std::vector<double>> outgoing(comm.size);
+/// Collective.
+std::vector<RoundBox> gather_wholes(const Comm& comm, const RoundBox& own) {
+  std::vector<double> row;
+  append(row, own);
+  const std::vector<double> rows = comm.all_gather(std::span<const double>(row));
+  std::vector<RoundBox> wholes;
+  for (std::size_t at = 0; at < rows.size(); at += doubles_a_box)
+    wholes.push_back(box_from(&rows[at]));
+  return wholes;
+}
+
+/// By rank: boxes of own clusters that its bodies may meet, each after the number of the shift by
+/// which its bodies are moved then; shift by shift.
+ByRank<double> boxes_for(const std::vector<Neighbour>& neighbours, const ClusterTree& tree) {
+  ByRank<double> outgoing;
   for (const Neighbour& beside : neighbours)
     tree.for_each_meeting(std::span(&beside.whole, 1), [&](const Cluster& cluster, const auto&) {
       outgoing[beside.rank].push_back(static_cast<double>(beside.shift));
       append(outgoing[beside.rank], cluster.box);
     });
-  return comm.exchange(outgoing);
+  return outgoing;
 }
+
+/// Calls `f(move, b)` with each owned body that meets one of a rank's boxes once it is moved.
+template <class F>
+void for_each_asked(const Bodies& bodies, std::span<const double> reach, const ClusterTree& tree,
+                    const std::vector<Vec3>& moves, const std::vector<double>& boxes, F&& f) {
+  std::vector<RoundBox> beside;  // as seen from bodies that are not moved
+  for (auto box = boxes.begin(); box != boxes.end();) {
+    const double number = *box;
+    const Vec3& move = moves[static_cast<std::size_t>(number)];
+    beside.clear();
+    for (; box != boxes.end() && *box == number; box += 1 + doubles_a_box)
+      beside.push_back(box_from(&box[1]).moved(-move));
+    tree.for_each_meeting(beside, [&](const Cluster& cluster, const std::vector<RoundBox>& near) {
+      for (Index b : cluster.rows) {
+        const RoundBox own = ball(bodies, reach, b);
+        if (std::ranges::any_of(near, [&](const RoundBox& other) { return other.meets(own); }))
+          f(move, b);
+      }
+    });
+  }
+}
+
+constexpr std::size_t doubles_before_row = 5;  // of a ghost: its shift, row and reach
 
 }  // namespace
 
@@ -227,55 +259,125 @@ Ghosts make_halo(const Comm& comm, Bodies& bodies, std::vector<double>& reach, c
   resize(bodies, bodies.owned);
   reach.resize(bodies.owned);
   const std::vector<Vec3> moves = shifts_of(period);
-  const auto neighbours = neighbours_of(comm, whole_of(bodies, reach), moves);
+  const auto wholes = gather_wholes(comm, whole_of(bodies, reach));
+  const auto neighbours = neighbours_of(comm.rank, wholes, moves);
   // Without any, as on one rank without a period, neither curve nor clusters are needed.
   const ClusterTree tree = neighbours.empty() ? ClusterTree() : ClusterTree(bodies, reach);
-  const auto boxes = boxes_of_neighbours(comm, tree, neighbours);
 
-  std::vector<std::vector<double>> outgoing(comm.size);
-  std::vector<RoundBox> beside;  // of one rank, as seen from bodies that are not moved
-  for (int rank = 0; rank < comm.size; ++rank)
-    for (auto box = boxes[rank].begin(); box != boxes[rank].end();) {
-      const double number = *box;
-      const Vec3& move = moves[static_cast<std::size_t>(number)];
-      beside.clear();
-      for (; box != boxes[rank].end() && *box == number; box += 1 + doubles_a_box)
-        beside.push_back(box_from(&box[1]).moved(-move));
-      tree.for_each_meeting(beside, [&](const Cluster& cluster, const std::vector<RoundBox>& near) {
-        for (Index b : cluster.rows) {
-          const RoundBox own = ball(bodies, reach, b);
-          if (std::none_of(near.begin(), near.end(),
-                           [&](const RoundBox& other) { return other.meets(own); }))
-            continue;
-          auto& row = outgoing[rank];
-          row.insert(row.end(), move.data(), move.data() + 3);
-          row.push_back(b);
-          row.push_back(reach[b]);
-          pack_row(bodies, b, trait::ghosted, row);
-        }
-      });
-    }
+  ByRank<double> outgoing;
+  for (const auto& [rank, boxes] : comm.exchange(boxes_for(neighbours, tree))) {
+    std::vector<double>& row = outgoing[rank];
+    for_each_asked(bodies, reach, tree, moves, boxes, [&](const Vec3& move, Index b) {
+      row.insert(row.end(), move.data(), move.data() + 3);
+      row.push_back(b);
+      row.push_back(reach[b]);
+      pack_row(bodies, b, trait::ghosted, row);
+    });
+  }
 
-  const auto incoming = comm.exchange(outgoing);
-  const std::size_t width = 5 + packed_row_width(bodies, trait::ghosted);
+  const auto incoming = comm.exchange(std::move(outgoing));
+  const std::size_t width = doubles_before_row + packed_row_width(bodies, trait::ghosted);
   // Fields grow once, and by no more than they need.
   std::size_t arriving = 0;
-  for (const auto& rows : incoming) arriving += rows.size();
+  for (const auto& [rank, rows] : incoming) arriving += rows.size();
   const std::size_t size = bodies.owned + arriving / width;
   for_each_field(bodies, [&](const auto&, auto& field) { field.reserve(size); });
   std::vector<Origin> origins;
   shifts.clear();
-  for (int rank = 0; rank < comm.size; ++rank) {
-    const auto& rows = incoming[rank];
+  for (const auto& [rank, rows] : incoming)
     for (std::size_t k = 0; k < rows.size(); k += width) {
       shifts.emplace_back(rows[k], rows[k + 1], rows[k + 2]);
       origins.push_back({rank, static_cast<Index>(rows[k + 3])});
       reach.push_back(rows[k + 4]);
-      unpack_rows(bodies, std::span(rows).subspan(k + 5, width - 5), trait::ghosted);
+      unpack_rows(bodies,
+                  std::span(rows).subspan(k + doubles_before_row, width - doubles_before_row),
+                  trait::ghosted);
       bodies.position.back() += shifts.back();
     }
-  }
   return Ghosts(comm, bodies.owned, origins);
+}
+
+namespace {
+
+/// A rank that is not there: its bodies are rows of another one's.
+struct AbsentRank {
+  Bodies bodies;  // with the fields that a halo is made by
+  std::vector<double> reach;
+  ClusterTree tree;
+
+  AbsentRank(const Bodies& all, std::span<const double> reach_of_all, std::span<const Index> rows) {
+    resize(bodies, static_cast<Index>(rows.size()));
+    bodies.owned = bodies.size();
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+      bodies.position[k] = all.position[rows[k]];
+      bodies.radius[k] = all.radius[rows[k]];
+      reach.push_back(reach_of_all[rows[k]]);
+    }
+    if (!rows.empty()) tree = ClusterTree(bodies, reach);
+  }
+};
+
+}  // namespace
+
+std::vector<HaloShare> foretell_halo(const Bodies& bodies, std::span<const double> reach,
+                                     std::span<const int> owner, int ranks, const Period& period,
+                                     std::span<const int> sample) {
+  std::vector<std::vector<Index>> rows(ranks);
+  std::vector<RoundBox> wholes(ranks);
+  for (Index b = 0; b < bodies.owned; ++b) {
+    rows[owner[b]].push_back(b);
+    wholes[owner[b]].hold(ball(bodies, reach, b));
+  }
+  std::map<int, AbsentRank> made;
+  const auto rank_of = [&](int rank) -> const AbsentRank& {
+    return made.try_emplace(rank, bodies, reach, rows[rank]).first->second;
+  };
+  const std::vector<Vec3> moves = shifts_of(period);
+  std::map<int, ByRank<double>> boxes_made;
+  const auto boxes_of = [&](int rank) -> const ByRank<double>& {
+    const auto [at, is_new] = boxes_made.try_emplace(rank);
+    if (is_new) at->second = boxes_for(neighbours_of(rank, wholes, moves), rank_of(rank).tree);
+    return at->second;
+  };
+  const auto count_asked = [&](int rank, const std::vector<double>& boxes) {
+    const AbsentRank& of = rank_of(rank);
+    std::int64_t count = 0;
+    for_each_asked(of.bodies, of.reach, of.tree, moves, boxes,
+                   [&](const Vec3&, Index) { ++count; });
+    return count;
+  };
+
+  const auto width =
+      static_cast<std::int64_t>(doubles_before_row + packed_row_width(bodies, trait::ghosted));
+  std::vector<HaloShare> shares;
+  for (int own : sample) {
+    HaloShare& share = shares.emplace_back();
+    std::int64_t doubles = 0, boxes_came = 0;
+    for (const auto& [other, boxes] : boxes_of(own)) {
+      const std::int64_t came = count_asked(other, boxes);
+      share.ghosts += came;
+      if (other == own) continue;
+      share.sources += came > 0;
+      ++share.search.messages;
+      doubles += std::ssize(boxes);
+    }
+    std::set<int> others;
+    for (const Neighbour& beside : neighbours_of(own, wholes, moves)) others.insert(beside.rank);
+    for (int other : others) {
+      const ByRank<double>& boxes = boxes_of(other);
+      const auto for_own = boxes.find(own);
+      if (for_own == boxes.end() || other == own) continue;
+      ++boxes_came;
+      const std::int64_t went = count_asked(own, for_own->second);
+      share.copies += went;
+      share.holders += went > 0;
+      share.search.messages += went > 0;
+      doubles += width * went;
+    }
+    share.search.bytes = static_cast<std::int64_t>(sizeof(double)) * doubles;
+    share.search.sources = std::max(boxes_came, share.sources);
+  }
+  return shares;
 }
 
 void refresh_ghosts(const Ghosts& ghosts, Bodies& bodies) {

@@ -10,48 +10,59 @@
 #include "base/morton.hpp"
 #include "spall/error.hpp"
 #include "state/pack.hpp"
+#include "state/rows_of_ids.hpp"
 
 namespace spall {
 namespace {
 
-/// Where each of `wanted` lives now, from a directory in which rank (id mod ranks) keeps the owner
-/// of id.
+/// Where each of `wanted` goes, from a directory in which rank (id mod ranks) keeps what becomes of
+/// the body `id`.
 std::unordered_map<BodyId, int> find_owners(const Comm& comm, const Bodies& bodies,
+                                            const std::vector<int>& owner,
                                             const std::vector<BodyId>& wanted) {
-  using Rows = std::vector<std::vector<std::int64_t>>;
-  Rows mine(comm.size);
-  for (Index b = 0; b < bodies.owned; ++b) mine[bodies.id[b] % comm.size].push_back(bodies.id[b]);
-  const Rows owned_by = comm.exchange(mine);
+  if (!comm.any(!wanted.empty())) return {};
+  const auto keeper = [&](BodyId id) { return static_cast<int>(id % comm.size); };
+  ByRank<std::int64_t> mine;
+  for (Index b = 0; b < bodies.owned; ++b) {
+    auto& known = mine[keeper(bodies.id[b])];
+    known.insert(known.end(), {bodies.id[b], owner[b]});
+  }
   std::unordered_map<BodyId, int> directory;
-  for (int r = 0; r < comm.size; ++r)
-    for (BodyId id : owned_by[r]) directory[id] = r;
+  for (const auto& [rank, known] : comm.exchange(std::move(mine)))
+    for (std::size_t k = 0; k < known.size(); k += 2)
+      directory[known[k]] = static_cast<int>(known[k + 1]);
 
-  Rows questions(comm.size);
-  for (BodyId id : wanted) questions[id % comm.size].push_back(id);
-  const Rows asked = comm.exchange(questions);
-  Rows answers(comm.size);
-  for (int r = 0; r < comm.size; ++r)
-    for (BodyId id : asked[r]) answers[r].push_back(directory.at(id));
-  const Rows answered = comm.exchange(answers);
+  ByRank<std::int64_t> questions, answers;
+  for (BodyId id : wanted) questions[keeper(id)].push_back(id);
+  for (const auto& [rank, ids] : comm.exchange(questions))
+    for (BodyId id : ids) answers[rank].push_back(directory.at(id));
   std::unordered_map<BodyId, int> owners;
-  for (int r = 0; r < comm.size; ++r)
-    for (std::size_t k = 0; k < questions[r].size(); ++k)
-      owners[questions[r][k]] = static_cast<int>(answered[r][k]);
+  for (const auto& [rank, answered] : comm.exchange(std::move(answers)))
+    for (std::size_t k = 0; k < answered.size(); ++k)
+      owners[questions[rank][k]] = static_cast<int>(answered[k]);
   return owners;
 }
 
-void send_memory(const Comm& comm, const Bodies& bodies, ContactMemory& memory) {
-  std::vector<BodyId> wanted(memory.i);
-  for (BodyId id : memory.j)
-    if (id >= 0) wanted.push_back(id);
-  std::sort(wanted.begin(), wanted.end());
-  wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
-  const auto owners = find_owners(comm, bodies, wanted);
+/// What goes to each rank: to those of both bodies.
+ByRank<double> pack_memory(const Comm& comm, const Bodies& bodies, const ContactMemory& memory,
+                           const std::vector<int>& owner) {
+  const RowsOfIds rows(bodies, static_cast<Index>(owner.size()));
+  std::vector<BodyId> unknown;
+  for (const auto* ids : {&memory.i, &memory.j})
+    for (BodyId id : *ids)
+      if (id >= 0 && rows.find(id) < 0) unknown.push_back(id);
+  std::sort(unknown.begin(), unknown.end());
+  unknown.erase(std::unique(unknown.begin(), unknown.end()), unknown.end());
+  const auto owners = find_owners(comm, bodies, owner, unknown);
+  const auto goes_to = [&](BodyId id) {
+    const Index row = rows.find(id);
+    return row >= 0 ? owner[row] : owners.at(id);
+  };
 
-  std::vector<std::vector<double>> outgoing(comm.size);
+  ByRank<double> outgoing;
   for (std::size_t c = 0; c < memory.i.size(); ++c) {
-    const int first = owners.at(memory.i[c]);
-    const int second = memory.j[c] < 0 ? first : owners.at(memory.j[c]);
+    const int first = goes_to(memory.i[c]);
+    const int second = memory.j[c] < 0 ? first : goes_to(memory.j[c]);
     for (int rank : {first, second}) {
       auto& row = outgoing[rank];
       row.push_back(std::bit_cast<double>(memory.i[c]));
@@ -61,12 +72,16 @@ void send_memory(const Comm& comm, const Bodies& bodies, ContactMemory& memory) 
       if (second == first) break;
     }
   }
-  memory = {};
-  for (const auto& row : comm.exchange(outgoing)) {
+  return outgoing;
+}
+
+ContactMemory unpack_memory(const ByRank<double>& incoming) {
+  ContactMemory memory;
+  for (const auto& [rank, row] : incoming)
     for (std::size_t k = 0; k < row.size(); k += 8)
       memory.add(std::bit_cast<BodyId>(row[k]), std::bit_cast<BodyId>(row[k + 1]),
                  {row[k + 2], row[k + 3], row[k + 4]}, {row[k + 5], row[k + 6], row[k + 7]});
-  }
+  return memory;
 }
 
 }  // namespace
@@ -93,14 +108,17 @@ void sort_bodies(const Comm& comm, Bodies& bodies) {
 
 void migrate(const Comm& comm, Bodies& bodies, ContactMemory& memory,
              const std::vector<int>& owner) {
+  ByRank<double> remembered = pack_memory(comm, bodies, memory, owner);
+  memory = {};
+  memory = unpack_memory(comm.exchange(std::move(remembered)));
   // Most bodies stay: only those that leave are packed. They may be half of all: nothing here grows
   // by more than it needs.
   const std::size_t width = packed_row_width(bodies, trait::migrated);
-  std::vector<std::size_t> leave(comm.size, 0);
-  for (Index b = 0; b < bodies.owned; ++b) ++leave[owner[b]];
-  std::vector<std::vector<double>> outgoing(comm.size);
-  for (int r = 0; r < comm.size; ++r)
-    if (r != comm.rank) outgoing[r].reserve(width * leave[r]);
+  std::map<int, std::size_t> leave;
+  for (Index b = 0; b < bodies.owned; ++b)
+    if (owner[b] != comm.rank) ++leave[owner[b]];
+  ByRank<double> outgoing;
+  for (const auto& [rank, count] : leave) outgoing[rank].reserve(width * count);
   std::vector<Index> stays;
   for (Index b = 0; b < bodies.owned; ++b)
     if (owner[b] == comm.rank)
@@ -112,16 +130,14 @@ void migrate(const Comm& comm, Bodies& bodies, ContactMemory& memory,
   });
   resize(bodies, static_cast<Index>(stays.size()));
   stays = std::vector<Index>();
-  auto incoming = comm.exchange(outgoing);
-  outgoing.clear();
+  auto incoming = comm.exchange(std::move(outgoing));
   std::size_t arriving = 0;
-  for (const auto& rows : incoming) arriving += rows.size() / width;
+  for (const auto& [rank, rows] : incoming) arriving += rows.size() / width;
   for_each_field(bodies, [&](const auto&, auto& field) { field.reserve(field.size() + arriving); });
-  for (const auto& rows : incoming) unpack_rows(bodies, rows, trait::migrated);
+  for (const auto& [rank, rows] : incoming) unpack_rows(bodies, rows, trait::migrated);
   incoming.clear();
   bodies.owned = bodies.size();
   sort_bodies(comm, bodies);
-  send_memory(comm, bodies, memory);
 }
 
 }  // namespace spall

@@ -1,4 +1,4 @@
-// Cells are few (some 64 a rank), so every rank holds the whole graph and cuts it the same way.
+// Planes by bisection; or METIS, for which every rank holds the whole graph of coarse cells.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "domain/partition.hpp"
 
@@ -11,6 +11,7 @@
 #include <numeric>
 #include <set>
 
+#include "domain/bisection.hpp"
 #include "spall/error.hpp"
 
 namespace spall {
@@ -40,15 +41,15 @@ std::vector<CellIndex> cells_of(const Bodies& bodies, double edge) {
 /// How many different cells the bodies of all ranks are in, whoever owns them.
 std::int64_t count_cells(const Comm& comm, const std::vector<CellIndex>& cell) {
   const std::set<CellIndex> mine(cell.begin(), cell.end());
-  std::vector<std::vector<std::int64_t>> outgoing(comm.size);
+  ByRank<std::int64_t> outgoing;
   for (const auto& index : mine) {
     // Any rule will do by which all ranks send a cell to the same one.
     const auto mixed = static_cast<std::uint64_t>(index[0] + 31 * index[1] + 1009 * index[2]);
-    auto& row = outgoing[mixed % comm.size];
+    auto& row = outgoing[static_cast<int>(mixed % comm.size)];
     row.insert(row.end(), index.begin(), index.end());
   }
   std::set<CellIndex> here;
-  for (const auto& row : comm.exchange(outgoing))
+  for (const auto& [rank, row] : comm.exchange(std::move(outgoing)))
     for (std::size_t k = 0; k < row.size(); k += 3) here.insert({row[k], row[k + 1], row[k + 2]});
   return comm.sum(static_cast<std::int64_t>(here.size()));
 }
@@ -166,10 +167,16 @@ double sum(std::span<const double> work) {
   return std::accumulate(work.begin(), work.end(), 0.0);
 }
 
+double imbalance(int ranks, double most, double total) {
+  return total > 0 ? most * ranks / total : 1;
+}
+
 }  // namespace
 
-std::vector<int> partition(const Comm& comm, const Bodies& bodies, std::span<const double> work) {
+std::vector<int> partition(const Comm& comm, const Bodies& bodies, std::span<const double> work,
+                           Cut by) {
   if (comm.size == 1) return std::vector<int>(bodies.owned, 0);
+  if (by == Cut::bisection) return bisect(comm, bodies, work);
   const auto cell_of = choose_cells(comm, bodies);
   const auto cells = gather_cells(comm, cell_of, work);
   if (cells.size() < 4 * static_cast<std::size_t>(comm.size)) return deal(comm, bodies);
@@ -184,15 +191,17 @@ std::vector<int> partition(const Comm& comm, const Bodies& bodies, std::span<con
 }
 
 double imbalance(const Comm& comm, double work) {
-  const double total = comm.sum(work);
-  return total > 0 ? comm.max(work) * comm.size / total : 1;
+  return imbalance(comm.size, comm.max(work), comm.sum(work));
 }
 
 bool needs_cut(const Comm& comm, std::span<const double> work, const Ghosts& ghosts,
                const LastCut& last) {
   const bool mixed = ghosts.ghosts() > ghost_limit * last.ghosts + 0.1 * ghosts.owned();
-  const double now = imbalance(comm, sum(work));
-  return last.imbalance == 0 || now > imbalance_limit * last.imbalance || comm.any(mixed) ||
+  const double own = sum(work);
+  std::array<double, 2> most{own, mixed ? 1.0 : 0.0};
+  comm.max(most);
+  const double now = imbalance(comm.size, most[0], comm.sum(own));
+  return last.imbalance == 0 || now > imbalance_limit * last.imbalance || most[1] > 0 ||
          last.searches >= longest_without_cut;
 }
 

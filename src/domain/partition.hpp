@@ -1,4 +1,4 @@
-// Who should own which body: coarse cells of space, cut by METIS into parts of equal work.
+// Who should own which body: parts of space with equal work, as compact as they can be.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -8,13 +8,15 @@
 #include "domain/ghosts.hpp"
 #include "spall/bodies.hpp"
 #include "spall/comm.hpp"
+#include "state/cut.hpp"
 
 namespace spall {
 
 /// The rank that should own each owned body. `work` is any measure of a body's cost, one for each.
 /// It must be counted, not timed, since it decides the result: the same run then gives the same
-/// bits again. A part of space stays with the rank that owns most of it already. Collective.
-std::vector<int> partition(const Comm& comm, const Bodies& bodies, std::span<const double> work);
+/// bits again. Most of space stays with the rank that owns it already. Collective.
+std::vector<int> partition(const Comm& comm, const Bodies& bodies, std::span<const double> work,
+                           Cut by = Cut::bisection);
 
 /// Largest over mean work of the ranks; 1 where there is none. Collective.
 double imbalance(const Comm& comm, double work);

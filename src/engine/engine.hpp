@@ -9,6 +9,7 @@
 #include "domain/ghosts.hpp"
 #include "pairs/bonds.hpp"
 #include "pairs/links.hpp"
+#include "pairs/search.hpp"
 #include "solver/report.hpp"
 #include "state/contact_memory.hpp"
 #include "state/world.hpp"
@@ -47,6 +48,15 @@ struct PairMemory {
   std::optional<Bonds> bonds;
 };
 
+/// What the last search for pairs went by and found: what a plan for other ranks begins with.
+struct FoundPairs {
+  const Search* search;  ///< bodies are where it found them
+  std::vector<double>
+      reach;                 ///< m, beyond its sphere, up to which an owned body was to meet others
+  std::vector<double> work;  ///< of owned bodies, as the domain is cut by
+  Links pairs;               ///< each once; of bodies alone
+};
+
 /// A method of phases. Questions are const and move nothing; all calls are collective.
 class Engine {
  public:
@@ -72,6 +82,8 @@ class Engine {
   virtual void measure_fields(World&) const {}
   /// Pairs that hold together: that touch, are within the range of cohesion, or are bound.
   virtual LinkedBodies links(const World& world) const = 0;
+  /// None before the first step, and of engines without pairs.
+  virtual std::optional<FoundPairs> found_pairs(const World&) const { return {}; }
 };
 
 }  // namespace spall

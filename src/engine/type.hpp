@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "engine/engine.hpp"
 #include "engine/settings.hpp"
@@ -19,6 +20,8 @@ struct MaterialUse {
   std::string group;     ///< its name
   int material = 0;      ///< index into the materials
   Lattice lattice = {};  ///< no neighbours: none
+  double diameter = 0;   ///< m, of the lattice's spheres
+  bool scaled = false;   ///< total_mass changes the density of its bodies
   double mass = 0;       ///< kg, of its lightest body; 0: not known yet
   bool fixed = false;    ///< or moves as prescribed: infinite mass
 };
@@ -45,6 +48,8 @@ struct EngineType {
   bool deflects = false;      ///< its contacts tell what hangs together: read-outs of dv
   bool solves = false;        ///< for impulses: results tell its residuals
   bool moves_groups = false;  ///< its steps move groups as prescribed: engine/prescribed.hpp
+
+  std::vector<std::string_view> tables = {};  ///< of a case, which say nothing to others
 
   /// Reads its own tables of a case.
   void (*read)(Section& in, EngineSettings& settings);

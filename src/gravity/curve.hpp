@@ -1,9 +1,10 @@
-// The space-filling curve of gravity's tree: bodies' places on it, and its cuts known to all ranks.
-// SPDX-License-Identifier: BSD-3-Clause
+// The space-filling curve of gravity's tree: bodies' places on it, and its stretches known to all
+// ranks. SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -61,13 +62,32 @@ struct Stretch {
   std::uint64_t middle() const { return low + (std::uint64_t{1} << bit); }
 };
 
-/// Halves the curve until no stretch holds more than `grain` of all `bodies`: the same on every
-/// rank. Collective.
-std::vector<Stretch> divide_curve(const Comm& comm, std::span<const KeyedRow> rows, double bodies,
-                                  double grain);
+/// The shortest stretch that holds both keys: they lie in different halves of it. Of one key it has
+/// no halves.
+inline Stretch stretch_of(std::uint64_t first, std::uint64_t last) {
+  const int bit = std::bit_width(first ^ last) - 1;
+  const std::uint64_t low = first >> (bit + 1) << (bit + 1);
+  return {low, low + (std::uint64_t{1} << (bit + 1)), bit};
+}
 
-/// The rank of each stretch without children, -1 of the others: equal numbers of bodies to each
-/// rank, along the curve.
-std::vector<int> deal_out(const Comm& comm, std::span<const Stretch> all);
+/// Halves the curve until no stretch holds more than 1/512 of all `bodies`, or `leaf_size` of them:
+/// the same on every rank. Collective.
+std::vector<Stretch> divide_curve(const Comm& comm, std::span<const KeyedRow> rows, double bodies,
+                                  int leaf_size);
+
+/// Calls `f(stretch, begin, end)` for those without halves that hold some of `rows`, which are
+/// sorted, along the curve.
+void for_each_stretch(std::span<const Stretch> all, std::span<const KeyedRow> rows, auto&& f) {
+  const auto visit = [&](auto&& self, Index s, std::size_t begin, std::size_t end) -> void {
+    if (begin == end) return;
+    if (all[s].children[0] == Cell::none) return f(s, begin, end);
+    for (Index half : all[s].children) {
+      const auto part = rows.subspan(begin, end - begin);
+      self(self, half, begin + first_at(part, all[half].low),
+           begin + first_at(part, all[half].high));
+    }
+  };
+  visit(visit, 0, 0, rows.size());
+}
 
 }  // namespace spall

@@ -1,255 +1,178 @@
-// Every rank measures its own cells, learns the top cells of all, and sends what others must open.
+// Every rank measures its own cells, and asks others for what its cells have to open.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "gravity/essential_tree.hpp"
 
-#include <algorithm>
-#include <bit>
-#include <cmath>
+#include <map>
+#include <utility>
 
-#include "gravity/expansion.hpp"
+#include "gravity/askers.hpp"
 
 namespace spall {
 namespace {
-
-/// What a rank tells the others of a cell: enough to decide whether they need more of it.
-struct Outline {
-  Box box;
-  double largest_leaf = 0;  ///< radius
-};
 
 template <int P, bool rates>
 class Completion {
  public:
   Completion(const Comm& comm, EssentialTree<P>& tree)
-      : comm_(comm), tree_(tree), octree_(tree.octree), outlines_(octree_.cells.size()) {}
+      : comm_(comm), tree_(tree), measures_(tree), tops_(tree, measures_) {}
 
   void run() {
-    measure_own_cells();
-    share_top_cells();
-    share_near_cells();
+    measures_.template measure_own_cells<rates>();
+    unopened_ = tops_.climb(comm_);
+    const Askers askers = askers_of(tree_, measures_, tops_, tree_.octree.parts[0].roots);
+    keep_needed(askers);
+    // A cell that is left to the next round is known to a smaller block.
+    for (int level = block_levels(comm_.size); level-- > 0;) ask(askers);
+  }
+
+  /// What each of the ranks `sample` would send, where this one has the parts of all.
+  std::vector<Traffic> foretell(std::span<const int> sample) {
+    measures_.template measure_own_cells<rates>();
+    const auto ranks = static_cast<int>(tree_.octree.parts.size());
+    std::vector<Traffic> sent(ranks);
+    tops_.climb_for_all(sent);
+    std::vector<bool> in_sample(ranks);
+    for (int rank : sample) in_sample[rank] = true;
+    for (int rank = 0; rank < ranks; ++rank) foretell_asking(rank, in_sample, sent);
+    std::vector<Traffic> of_sample;
+    for (int rank : sample) of_sample.push_back(sent[rank]);
+    for (Traffic& traffic : of_sample) traffic.collectives = 3 * block_levels(ranks);
+    return of_sample;
   }
 
  private:
-  using Row = Moments<P>;
-
-  /// Centre, radius and moments of a cell from its bodies or from its two halves.
-  void measure(Index c) {
-    if (octree_.cells[c].inner())
-      measure_inner(c);
-    else
-      measure_leaf(c);
+  void keep_needed(const Askers& askers) {
+    std::erase_if(unopened_, [&](Index c) {
+      return askers.empty() || !is_opened(tree_, tree_.octree.cells[c], askers);
+    });
   }
 
-  void measure_leaf(Index c) {
-    Cell& cell = octree_.cells[c];
-    Row& row = tree_.moments[c];
-    Outline& outline = outlines_[c];
-    Vec3 place = Vec3::Zero(), momentum = Vec3::Zero();
-    double mass = 0;
-    for (const Eight& e : tree_.eights(cell)) {
-      mass += sum_of_lanes(e.mass);
-      place +=
-          Vec3(sum_of_lanes(e.mass * e.x), sum_of_lanes(e.mass * e.y), sum_of_lanes(e.mass * e.z));
-      momentum += Vec3(sum_of_lanes(e.mass * e.vx), sum_of_lanes(e.mass * e.vy),
-                       sum_of_lanes(e.mass * e.vz));
-      for (std::size_t k = 0; k < lane_count; ++k) {
-        const Vec3 x(e.x[k], e.y[k], e.z[k]);
-        outline.box.low = outline.box.low.cwiseMin(x);
-        outline.box.high = outline.box.high.cwiseMax(x);
+  /// The unopened cells by whom `rank` asks for their inside.
+  std::map<int, std::vector<Index>> take_unopened(int rank) {
+    std::map<int, std::vector<Index>> asked;
+    for (Index c : std::exchange(unopened_, {}))
+      asked[tops_[c].known_to.partner_of(rank)].push_back(c);
+    return asked;
+  }
+
+  /// Asks for the inside of unopened cells. What those asked do not know is unopened afterwards.
+  void ask(const Askers& askers) {
+    const auto asked = take_unopened(comm_.rank);
+    ByRank<double> questions, answers;
+    for (const auto& [rank, cells] : asked) questions[rank] = question(cells, askers);
+    for (const auto& [rank, row] : comm_.exchange(std::move(questions)))
+      answers[rank] = answer(row, comm_.rank);
+    unopened_.clear();  // other ranks'
+    answers = comm_.exchange(std::move(answers));
+    std::size_t cells = tree_.octree.cells.size(), others = tree_.others.size();
+    for (const auto& [rank, row] : answers) {
+      cells += static_cast<std::size_t>(row[0]);
+      others += static_cast<std::size_t>(row[1]);
+    }
+    tree_.octree.cells.reserve(cells);
+    tree_.moments.reserve(cells);
+    tree_.others.reserve(others);
+    for (const auto& [rank, row] : answers) {
+      RowReader reader(row.data() + 2);
+      for (Index c : asked.at(rank)) read(reader, c);
+    }
+  }
+
+  /// The questions of `rank` and the answers to them. An answer about a single rank's cells leaves
+  /// nothing open: it is not made where nobody wants to know its length.
+  void foretell_asking(int rank, const std::vector<bool>& in_sample, std::vector<Traffic>& sent) {
+    const auto& roots = tree_.octree.parts[rank].roots;
+    const Askers askers = askers_of(tree_, measures_, tops_, roots);
+    unopened_ = tops_.unknown_to(rank);
+    keep_needed(askers);
+    const auto send = [&](int from, const std::vector<double>& row) {
+      ++sent[from].messages;
+      sent[from].bytes += static_cast<std::int64_t>(sizeof(double) * row.size());
+    };
+    while (!unopened_.empty())
+      for (auto& [partner, cells] : take_unopened(rank)) {
+        if (!in_sample[rank] && !in_sample[partner])
+          std::erase_if(cells, [&](Index c) { return tops_[c].known_to.count == 1; });
+        if (cells.empty()) continue;
+        const std::vector<double> row = question(cells, askers);
+        send(rank, row);
+        send(partner, answer(row, partner));
       }
+  }
+
+  std::vector<double> question(std::span<const Index> cells, const Askers& askers) const {
+    std::vector<double> row{static_cast<double>(cells.size())};
+    for (Index c : cells) tops_.append_name(c, row);
+    append_askers(askers_for(tree_, cells, askers), row);
+    return row;
+  }
+
+  /// How many cells and eights it holds, then what is inside of the cells that were asked for.
+  std::vector<double> answer(const std::vector<double>& question, int rank) {
+    RowReader reader(question.data());
+    std::vector<Index> cells(reader.index());
+    for (Index& c : cells) c = tops_.find(reader);
+    const Askers askers = read_askers(reader);
+    std::vector<double> row(2);
+    for (Index c : cells) tell(c, rank, false, askers, row);
+    return row;
+  }
+
+  enum class Content : char { closed, elsewhere, halves, bodies };
+
+  /// What is inside of cell `c`, as far as `rank` knows and the askers may need it. `owned`: inside
+  /// of a cell that only this rank has bodies in.
+  void tell(Index c, int rank, bool owned, const Askers& askers, std::vector<double>& row) {
+    const Cell& cell = tree_.octree.cells[c];
+    const auto begin = [&](Content content) { row.push_back(static_cast<double>(content)); };
+    if (!is_opened(tree_, cell, askers)) return begin(Content::closed);
+    if (!owned && !tops_[c].known_to.has(rank)) {
+      begin(Content::elsewhere);
+      tops_.append_top(c, row);
+      unopened_.push_back(c);
+      return;
     }
-    cell.center = mass > 0 ? Vec3(place / mass) : Vec3((outline.box.low + outline.box.high) / 2);
-    cell.mass = mass;
-    start_row(row, mass, cell.center, mass > 0 ? Vec3(momentum / mass) : Vec3(Vec3::Zero()));
-    double squared_radius = 0;
-    for (const Eight& e : tree_.eights(cell)) {
-      const Lanes x = e.x - cell.center.x(), y = e.y - cell.center.y(), z = e.z - cell.center.z();
-      const Lanes r2 = x * x + (y * y + z * z);
-      for (std::size_t k = 0; k < lane_count; ++k) squared_radius = std::max(squared_radius, r2[k]);
-    }
-    measure_bodies<P, rates>(tree_.eights(cell), row);
-    cell.radius = std::sqrt(squared_radius);
-    outline.largest_leaf = cell.radius;
-  }
-
-  void measure_inner(Index c) {
-    Cell& cell = octree_.cells[c];
-    Row& row = tree_.moments[c];
-    Outline& outline = outlines_[c];
-    Vec3 place = Vec3::Zero(), momentum = Vec3::Zero();
-    double mass = 0;
-    for (Index half : cell.children) {
-      const double m = tree_.moments[half].row[0];
-      mass += m;
-      place += m * octree_.cells[half].center;
-      momentum += m * tree_.moments[half].mean_velocity();
-      const Outline& part = outlines_[half];
-      outline.box.low = outline.box.low.cwiseMin(part.box.low);
-      outline.box.high = outline.box.high.cwiseMax(part.box.high);
-      outline.largest_leaf = std::max(outline.largest_leaf, part.largest_leaf);
-    }
-    cell.center = mass > 0 ? Vec3(place / mass) : Vec3((outline.box.low + outline.box.high) / 2);
-    cell.mass = mass;
-    start_row(row, mass, cell.center, mass > 0 ? Vec3(momentum / mass) : Vec3(Vec3::Zero()));
-    // Two bounds of the distance of the farthest body: by the halves' spheres and by the box.
-    const Vec3 corner = (cell.center - outline.box.low).cwiseMax(outline.box.high - cell.center);
-    double reach = 0;
-    for (Index half : cell.children) {
-      const Cell& part = octree_.cells[half];
-      reach = std::max(reach, (part.center - cell.center).norm() + part.radius);
-      add_moments(row, tree_.moments[half]);
-    }
-    cell.radius = std::min(reach, corner.norm());
-    cell.pull =
-        std::min(octree_.cells[cell.children[0]].pull, octree_.cells[cell.children[1]].pull);
-    cell.key = octree_.cells[cell.children[0]].key;
-    const auto holder = octree_.cells[cell.children[0]].holder;
-    cell.holder = holder == octree_.cells[cell.children[1]].holder ? holder : Cell::Holder::both;
-  }
-
-  static void start_row(Row& row, double mass, const Vec3& center, const Vec3& velocity) {
-    row.row[0] = mass;
-    Vec3::Map(&row.row[1]) = center;
-    Vec3::Map(&row.row[Row::velocity]) = velocity;
-  }
-
-  void measure_own_cells() {
-    for (auto c = static_cast<Index>(octree_.cells.size()); c-- > octree_.top;) measure(c);
-    for (Index c = 0; c < octree_.top; ++c)
-      if (octree_.owner[c] == comm_.rank) measure(c);
-  }
-
-  /// All ranks learn the cells at which the curve is dealt out, and make those above them alike.
-  void share_top_cells() {
-    constexpr std::size_t width = Row::width + 11;
-    std::vector<double> records;
-    for (Index c = 0; c < octree_.top; ++c) {
-      if (octree_.owner[c] != comm_.rank) continue;
-      const Cell& cell = octree_.cells[c];
-      const Outline& outline = outlines_[c];
-      records.insert(records.end(), tree_.moments[c].row.begin(), tree_.moments[c].row.end());
-      records.insert(records.end(), outline.box.low.begin(), outline.box.low.end());
-      records.insert(records.end(), outline.box.high.begin(), outline.box.high.end());
-      records.insert(records.end(), {outline.largest_leaf, cell.radius, cell.pull,
-                                     std::bit_cast<double>(cell.key), static_cast<double>(c)});
-    }
-    records = comm_.all_gather(records);
-    for (std::size_t at = 0; at < records.size(); at += width) {
-      const double* r = records.data() + at;
-      const auto c = static_cast<Index>(r[width - 1]);
-      if (octree_.owner[c] == comm_.rank) continue;
-      Cell& cell = octree_.cells[c];
-      std::copy_n(r, Row::width, tree_.moments[c].row.begin());
-      r += Row::width;
-      outlines_[c] = {{Vec3::Map(r), Vec3::Map(r + 3)}, r[6]};
-      cell.center = tree_.moments[c].center();
-      cell.radius = r[7];
-      cell.mass = tree_.moments[c].row[0];
-      cell.pull = r[8];
-      cell.key = std::bit_cast<std::uint64_t>(r[9]);
-      cell.holder = Cell::Holder::elsewhere;
-    }
-    for (Index c = octree_.top; c-- > 0;)
-      if (octree_.owner[c] < 0) measure_inner(c);
-  }
-
-  /// Whether rank `rank` holds bodies of a top cell.
-  bool has_part(Index top_cell, int rank) const {
-    if (octree_.owner[top_cell] >= 0) return octree_.owner[top_cell] == rank;
-    return std::ranges::any_of(octree_.cells[top_cell].children,
-                               [&](Index half) { return has_part(half, rank); });
-  }
-
-  /// Whether `cell`, which is this rank's, may have to be opened for some cell of rank `rank` in
-  /// `top_cell`. That may be the top cell itself, or one below it, of which bounds are known:
-  /// only cells that are not larger than `cell`, and leaves, open it.
-  bool is_needed(const Cell& cell, int rank, Index top_cell = 0) const {
-    const Cell& by = octree_.cells[top_cell];
-    const Outline& outline = outlines_[top_cell];
-    constexpr double slack = 1 - 1e-12;  // for round-off
-    if (tree_.are_far({cell.radius + std::max(cell.radius, outline.largest_leaf),
-                       slack * outline.box.squared_distance(cell.center),
-                       cell.mass / by.pull + by.mass / cell.pull}))
-      return false;
-    if (octree_.owner[top_cell] >= 0 ||
-        (!is_larger(by, cell) && !tree_.are_far(measure_pair(by, cell))))
-      return has_part(top_cell, rank);
-    return std::ranges::any_of(by.children,
-                               [&](Index half) { return is_needed(cell, rank, half); });
-  }
-
-  enum class Content : char { closed, halves, bodies };
-
-  /// What a message holds, so that memory is taken once.
-  struct Contents {
-    std::vector<Content> of_cells;  // in the order of the descent
-    std::size_t halves = 0, eights = 0;
-  };
-
-  /// What `rank` needs to know about the inside of cell `c`.
-  void choose(Index c, int rank, Contents& chosen) const {
-    const Cell& cell = octree_.cells[c];
-    const Content content = !is_needed(cell, rank) ? Content::closed
-                            : cell.inner()         ? Content::halves
-                                                   : Content::bodies;
-    chosen.of_cells.push_back(content);
-    if (content == Content::bodies) chosen.eights += cell.count;
-    if (content == Content::halves) {
-      chosen.halves += 2;
-      for (Index half : cell.children) choose(half, rank, chosen);
-    }
-  }
-
-  /// Appends it.
-  void pack(Index c, const Content*& chosen, std::vector<double>& message) {
-    const Cell& cell = octree_.cells[c];
-    const Content content = *chosen++;
-    message.push_back(static_cast<double>(content));
-    if (content == Content::halves)
+    owned = owned || tops_[c].known_to.count == 1;
+    if (cell.inner()) {
+      begin(Content::halves);
       for (Index half : cell.children) {
-        const Cell& part = octree_.cells[half];
-        message.insert(message.end(), tree_.moments[half].row.begin(),
-                       tree_.moments[half].row.end());
-        message.insert(message.end(), {part.radius, part.pull, std::bit_cast<double>(part.key)});
-        pack(half, chosen, message);
+        append_cell(tree_, half, row);
+        ++row[0];
+        tell(half, rank, owned, askers, row);
       }
-    if (content == Content::bodies) {
-      message.push_back(cell.count);
+    } else {
+      begin(Content::bodies);
+      row.push_back(cell.count);
+      row[1] += cell.count;
       for (const Eight& e : tree_.eights(cell))
         for (const Lanes* field : sent_fields(e))
-          for (std::size_t k = 0; k < lane_count; ++k) message.push_back((*field)[k]);
+          for (std::size_t k = 0; k < lane_count; ++k) row.push_back((*field)[k]);
     }
   }
 
-  const double* unpack(Index c, const double* message) {
-    const auto content = static_cast<Content>(*message++);
+  /// What was told of cell `c`.
+  void read(RowReader& row, Index c) {
+    const auto content = static_cast<Content>(row.index());
+    if (content == Content::elsewhere) {
+      tops_.read_top(row, c);
+      unopened_.push_back(c);
+    }
     if (content == Content::halves)
       for (int k = 0; k < 2; ++k) {
-        const auto half = static_cast<Index>(octree_.cells.size());
-        Cell& part = octree_.cells.emplace_back();
-        Row& row = tree_.moments.emplace_back();
-        octree_.cells[c].children[k] = half;
-        std::copy_n(message, Row::width, row.row.begin());
-        message += Row::width;
-        part.center = row.center();
-        part.radius = *message++;
-        part.pull = *message++;
-        part.mass = row.row[0];
-        part.key = std::bit_cast<std::uint64_t>(*message++);
-        part.holder = Cell::Holder::elsewhere;
-        message = unpack(half, message);
+        const Index half = read_cell(row, tree_);
+        tree_.octree.cells[c].children[k] = half;
+        read(row, half);
       }
     if (content == Content::bodies) {
-      Cell& cell = octree_.cells[c];
+      Cell& cell = tree_.octree.cells[c];
       cell.first = static_cast<Index>(tree_.others.size());
-      cell.count = static_cast<Index>(*message++);
+      cell.count = row.index();
       for (Index n = 0; n < cell.count; ++n) {
         Eight& e = tree_.others.emplace_back();
         for (Lanes* field : sent_fields(e))
-          for (std::size_t k = 0; k < lane_count; ++k) (*field)[k] = *message++;
+          for (std::size_t k = 0; k < lane_count; ++k) (*field)[k] = row.number();
       }
     }
-    return message;
   }
 
   /// Lanes of bodies that other ranks are told.
@@ -261,71 +184,47 @@ class Completion {
       return std::array{&e.x, &e.y, &e.z, &e.mass};
   }
 
-  /// How many cells and eights come, then what is inside of this rank's top cells.
-  std::vector<double> message_to(int rank) {
-    Contents chosen;
-    const auto for_each_top = [&](auto&& f) {
-      for (Index c = 0; c < octree_.top; ++c)
-        if (octree_.owner[c] == comm_.rank) f(c);
-    };
-    for_each_top([&](Index c) { choose(c, rank, chosen); });
-    std::vector<double> message;
-    constexpr std::size_t lanes_sent =
-        std::tuple_size_v<decltype(sent_fields(std::declval<Eight&>()))>;
-    message.reserve(2 + 2 * chosen.of_cells.size() + chosen.halves * (Row::width + 3) +
-                    chosen.eights * lanes_sent * lane_count);
-    message.push_back(static_cast<double>(chosen.halves));
-    message.push_back(static_cast<double>(chosen.eights));
-    const Content* next = chosen.of_cells.data();
-    for_each_top([&](Index c) { pack(c, next, message); });
-    return message;
-  }
-
-  void share_near_cells() {
-    if (comm_.size == 1) return;
-    std::vector<std::vector<double>> messages(comm_.size);
-    for (int r = 0; r < comm_.size; ++r)
-      if (r != comm_.rank) messages[r] = message_to(r);
-    messages = comm_.exchange(messages);
-    std::size_t cells = octree_.cells.size(), others = 0;
-    for (const auto& message : messages)
-      if (!message.empty()) {
-        cells += static_cast<std::size_t>(message[0]);
-        others += static_cast<std::size_t>(message[1]);
-      }
-    octree_.cells.reserve(cells);
-    tree_.moments.reserve(cells);
-    tree_.others.reserve(others);
-    for (int r = 0; r < comm_.size; ++r) {
-      if (r == comm_.rank) continue;
-      const double* message = messages[r].data() + 2;
-      for (Index c = 0; c < octree_.top; ++c)
-        if (octree_.owner[c] == r) message = unpack(c, message);
-    }
-  }
-
   const Comm& comm_;
   EssentialTree<P>& tree_;
-  Octree& octree_;
-  std::vector<Outline> outlines_;  // of own and top cells
+  CellMeasures<P> measures_;
+  TopCells<P> tops_;
+  std::vector<Index> unopened_;  // cells of which more is needed than is known
 };
 
 }  // namespace
 
 template <int P>
-EssentialTree<P>::EssentialTree(const Comm& comm, Octree grown, const TreeSettings& settings)
+EssentialTree<P>::EssentialTree(Octree grown, const TreeSettings& settings)
     : octree(std::move(grown)),
       squared_opening(settings.opening * settings.opening),
       squared_accuracy(settings.accuracy * settings.accuracy),
-      moments(octree.cells.size()) {
+      moments(octree.cells.size()) {}
+
+template <int P>
+EssentialTree<P>::EssentialTree(const Comm& comm, Octree grown, const TreeSettings& settings)
+    : EssentialTree(std::move(grown), settings) {
   if (octree.rates)
     Completion<P, true>(comm, *this).run();
   else
     Completion<P, false>(comm, *this).run();
 }
 
+template <int P>
+std::vector<Traffic> foretell_messages(const Comm& alone, Octree grown,
+                                       const TreeSettings& settings, std::span<const int> sample) {
+  EssentialTree<P> tree(std::move(grown), settings);
+  return tree.octree.rates ? Completion<P, true>(alone, tree).foretell(sample)
+                           : Completion<P, false>(alone, tree).foretell(sample);
+}
+
 template struct EssentialTree<4>;
-template struct EssentialTree<5>;
 template struct EssentialTree<6>;
+template struct EssentialTree<8>;
+template std::vector<Traffic> foretell_messages<4>(const Comm&, Octree, const TreeSettings&,
+                                                   std::span<const int>);
+template std::vector<Traffic> foretell_messages<6>(const Comm&, Octree, const TreeSettings&,
+                                                   std::span<const int>);
+template std::vector<Traffic> foretell_messages<8>(const Comm&, Octree, const TreeSettings&,
+                                                   std::span<const int>);
 
 }  // namespace spall

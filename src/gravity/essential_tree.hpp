@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "base/traffic.hpp"
 #include "gravity/multipole.hpp"
 #include "gravity/octree.hpp"
 #include "gravity/tree.hpp"
@@ -13,13 +14,13 @@ namespace spall {
 
 /// What of two cells decides whether they may attract each other by multipoles.
 struct PairMeasure {
-  double radii;             ///< sum
+  double radii, extents;    ///< sums
   double squared_distance;  ///< of the centres
   double weight;            ///< mass of one / acceleration of the other, summed over both ways
 };
 
 inline PairMeasure measure_pair(const Cell& a, const Cell& b) {
-  return {a.radius + b.radius, (b.center - a.center).squaredNorm(),
+  return {a.radius + b.radius, a.extent + b.extent, (b.center - a.center).squaredNorm(),
           a.mass / b.pull + b.mass / a.pull};
 }
 
@@ -35,8 +36,10 @@ struct EssentialTree {
   std::vector<Moments<P>> moments;  ///< of every cell
   std::vector<Eight> others{};      ///< bodies of leaves that are elsewhere
 
-  /// Moments up the tree, cells to the ranks that need them. Collective.
+  /// Moments up the tree, and other ranks' cells that this one's may have to open. Collective.
   EssentialTree(const Comm& comm, Octree grown, const TreeSettings& settings);
+  /// No moments yet.
+  EssentialTree(Octree grown, const TreeSettings& settings);
 
   std::span<Eight> eights(const Cell& leaf) {
     std::vector<Eight>& held = leaf.holder == Cell::Holder::elsewhere ? others : octree.eights;
@@ -45,16 +48,22 @@ struct EssentialTree {
 
   /// Whether two cells attract each other by their multipoles. The decision is symmetric and the
   /// same wherever it is made, or momentum would be lost. The terms left out are about
-  /// (mass / distance^2) (radii / distance)^P (Dehnen 2014, eq. 13). They have to be small against
-  /// the acceleration of either cell.
+  /// (mass / distance^2) (extents / distance)^P (Dehnen 2014, eq. 13). They have to be small
+  /// against the acceleration of either cell.
   bool are_far(const PairMeasure& pair) const {
-    const double q = pair.radii * pair.radii / pair.squared_distance;
+    const double q = pair.extents * pair.extents / pair.squared_distance;
     double power = 1;  // q^P
     for (int k = 0; k < P; ++k) power *= q;
-    return q < squared_opening && pair.weight * pair.weight * power < squared_accuracy *
-                                                                          pair.squared_distance *
-                                                                          pair.squared_distance;
+    return pair.radii * pair.radii < squared_opening * pair.squared_distance &&
+           pair.weight * pair.weight * power <
+               squared_accuracy * pair.squared_distance * pair.squared_distance;
   }
 };
+
+/// What each of the ranks `sample` would tell the others of its cells. All of them are here: it has
+/// the parts of all ranks.
+template <int P>
+std::vector<Traffic> foretell_messages(const Comm& alone, Octree grown,
+                                       const TreeSettings& settings, std::span<const int> sample);
 
 }  // namespace spall

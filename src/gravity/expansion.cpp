@@ -6,6 +6,14 @@
 
 namespace spall {
 
+template <int P>
+[[gnu::always_inline]] inline void add_folded(std::array<double, term_count(P - 1)>& moments,
+                                              Moments<P>& row) {
+  fold<P - 1>(moments);
+  for (int k = harmonic_count(1); k < harmonic_count(P - 1); ++k)
+    row.row[k] += moments[harmonic_indices<P - 1>[k].place()];
+}
+
 template <int P, bool rates>
 [[gnu::flatten]] void measure_bodies(std::span<const Eight> leaf, Moments<P>& row) {
   const Vec3 center = row.center(), v = row.mean_velocity();
@@ -18,7 +26,9 @@ template <int P, bool rates>
     const auto s = powers<P - 1>(e.x - center.x(), e.y - center.y(), e.z - center.z());
     unroll<term_count(P - 1)>([&](auto k) { sums[k] += e.mass * s[k]; });
   }
-  for (int k = term_count(1); k < term_count(P - 1); ++k) row.row[k] = sum_of_lanes(sums[k]);
+  std::array<double, term_count(P - 1)> moments;
+  for (int k = 0; k < term_count(P - 1); ++k) moments[k] = sum_of_lanes(sums[k]);
+  add_folded(moments, row);
   row.row[Moments<P>::spread] = spread;
 }
 
@@ -26,15 +36,17 @@ template <int P>
 [[gnu::flatten]] void add_moments(Moments<P>& whole, const Moments<P>& part) {
   const Vec3 s = part.center() - whole.center();
   const auto shift = powers<P - 1>(s.x(), s.y(), s.z());
+  std::array<double, term_count(P - 1)> moments{};
   unroll<term_count(P - 1)>([&](auto k) {
     constexpr MultiIndex n = multi_indices<P - 1>[k];
     if constexpr (n.order() >= 2)
-      unroll<term_count(P - 1)>([&](auto l) {
-        constexpr MultiIndex from = multi_indices<P - 1>[l];
+      unroll<harmonic_count(P - 1)>([&](auto l) {
+        constexpr MultiIndex from = harmonic_indices<P - 1>[l];
         if constexpr (from.inside(n) && from.order() != 1)
-          whole.row[k] += part.row[l] * shift[(n - from).place()];
+          moments[k] += part.row[l] * shift[(n - from).place()];
       });
   });
+  add_folded(moments, whole);
   whole.row[Moments<P>::spread] +=
       part.row[Moments<P>::spread] +
       part.row[0] * (part.mean_velocity() - whole.mean_velocity()).norm();
@@ -47,7 +59,7 @@ template <int P, bool rates>
   using Row = Moments<P>;
   Row nothing;  // at the target itself, where derivatives are 0
   Vec3::Map(&nothing.row[1]) = target.center();
-  std::array<Lanes, term_count(P)> sums{};
+  std::array<Lanes, harmonic_count(P)> sums{};
   Lanes rate{}, rate_by_speed{};
   for (std::size_t k = 0; k < far.size(); k += lane_count) {
     Lanes m[Row::width];
@@ -64,10 +76,10 @@ template <int P, bool rates>
     const Lanes r2 = x * x + (y * y + z * z);
     const Lanes inverse = inverse_sqrt(r2);
     const auto d = derivatives<P>(x, y, z, inverse);
-    unroll<term_count(P)>([&](auto to) {
-      constexpr MultiIndex n = multi_indices<P>[to];
-      unroll<term_count(P - 1)>([&](auto from) {
-        constexpr MultiIndex i = multi_indices<P>[from];
+    unroll<harmonic_count(P)>([&](auto to) {
+      constexpr MultiIndex n = harmonic_indices<P>[to];
+      unroll<harmonic_count(P - 1)>([&](auto from) {
+        constexpr MultiIndex i = harmonic_indices<P>[from];
         if constexpr (i.order() != 1 && i.order() + n.order() <= P)
           sums[to] += m[from] * d[(i + n).place()];
       });
@@ -83,10 +95,13 @@ template <int P, bool rates>
       rate_by_speed += weight * m[0];
     }
   }
-  unroll<term_count(P)>([&](auto to) {
-    constexpr double sign = multi_indices<P>[to].order() % 2 == 0 ? 1 : -1;
-    field.terms[to] += sign * sum_of_lanes(sums[to]);
+  std::array<double, term_count(P)> terms{};
+  unroll<harmonic_count(P)>([&](auto to) {
+    constexpr MultiIndex n = harmonic_indices<P>[to];
+    terms[n.place()] = (n.order() % 2 == 0 ? 1 : -1) * sum_of_lanes(sums[to]);
   });
+  unfold<P>(terms);
+  for (int k = 0; k < term_count(P); ++k) field.terms[k] += terms[k];
   field.rate += sum_of_lanes(rate);
   field.rate_by_speed += sum_of_lanes(rate_by_speed);
 }
@@ -143,7 +158,7 @@ template <int P, bool rates>
   SPALL_FOR_RATES(P, false)                                                     \
   SPALL_FOR_RATES(P, true)
 SPALL_FOR_ORDER(4)
-SPALL_FOR_ORDER(5)
 SPALL_FOR_ORDER(6)
+SPALL_FOR_ORDER(8)
 
 }  // namespace spall

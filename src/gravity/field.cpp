@@ -3,6 +3,7 @@
 #include "gravity/field.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "gravity/direct.hpp"
@@ -12,28 +13,33 @@
 namespace spall {
 namespace {
 
-/// Throws on every rank if any rank has rows that gravity cannot work with.
-void require_sound(const Comm& comm, std::span<const double> mass, std::span<const Vec3> position,
-                   std::span<const Vec3> velocity) {
-  std::int64_t bad_masses = 0, bad_places = 0;
-  for (double m : mass) bad_masses += !(m >= 0 && std::isfinite(m));
-  for (const Vec3& x : position) bad_places += !x.allFinite();
-  bad_masses = comm.sum(bad_masses);
-  bad_places = comm.sum(bad_places);
-  require(bad_masses == 0,
+/// How many bodies all ranks have. Throws on every rank if any has rows that gravity cannot work
+/// with.
+std::int64_t require_sound(const Comm& comm, std::span<const double> mass,
+                           std::span<const Vec3> position, std::span<const Vec3> velocity) {
+  const auto bad_masses =
+      std::ranges::count_if(mass, [](double m) { return !(m >= 0 && std::isfinite(m)); });
+  const auto bad_places =
+      std::ranges::count_if(position, [](const Vec3& x) { return !x.allFinite(); });
+  std::array<double, 6> sums{
+      static_cast<double>(mass.size()), static_cast<double>(bad_masses),
+      static_cast<double>(bad_places),  position.size() != mass.size() ? 1.0 : 0.0,
+      velocity.empty() ? 0.0 : 1.0,     velocity.size() != mass.size() ? 1.0 : 0.0};
+  comm.sum(sums);
+  require(sums[1] == 0,
           "self-gravity needs finite masses, but {} bodies have an infinite or negative one: a "
           "body that never moves cannot take part; give it a mass or switch self-gravity off",
-          bad_masses);
-  require(bad_places == 0, "self-gravity: {} bodies are at a place that is not finite", bad_places);
-  const bool rates = comm.any(!velocity.empty());
-  const bool odd = position.size() != mass.size() || (rates && velocity.size() != mass.size());
-  require(!comm.any(odd), "self-gravity: numbers of masses, positions and velocities differ");
+          sums[1]);
+  require(sums[2] == 0, "self-gravity: {} bodies are at a place that is not finite", sums[2]);
+  require(sums[3] == 0 && (sums[4] == 0 || sums[5] == 0),
+          "self-gravity: numbers of masses, positions and velocities differ");
+  return static_cast<std::int64_t>(sums[0]);
 }
 
 /// Bodies for which a tree costs as much as the exact sum, in which a body meets all others.
 /// Measured from accuracies of 1e-2 to 1e-6 (bench/results/gravity.md).
 double break_even(double accuracy) {
-  return 2500 * std::pow(1e-3 / accuracy, 0.25);
+  return 2000 * std::pow(1e-3 / accuracy, 0.22);
 }
 
 }  // namespace
@@ -67,8 +73,7 @@ GravityField evaluate_gravity(const Comm& comm, const GravitySettings& settings,
   if (settings.method == GravityMethod::none)
     return {std::vector<Vec3>(mass.size(), Vec3::Zero()), std::vector<double>(mass.size(), 0.0),
             std::vector<double>(velocity.size(), 0.0)};
-  require_sound(comm, mass, position, velocity);
-  const auto bodies = comm.sum(static_cast<std::int64_t>(mass.size()));
+  const std::int64_t bodies = require_sound(comm, mass, position, velocity);
   if (choose_gravity(settings, bodies) == GravityMethod::direct)
     return evaluate_gravity_direct(comm, settings.constant, mass, position, velocity);
   return evaluate_gravity_tree(comm, settings.constant, tree_settings(settings.accuracy), mass,
@@ -92,16 +97,16 @@ GravityField evaluate_gravity_at(const Comm& comm, const GravitySettings& settin
 
 double holding_time(const Comm& comm, const GravitySettings& settings, std::span<const double> mass,
                     const GravityField& field) {
-  double squares = 0, fastest_change = 0;  // N^2, N/s
+  std::array<double, 2> sums{0, static_cast<double>(mass.size())};  // of N^2, bodies
+  double fastest_change = 0;                                        // N/s
   for (std::size_t b = 0; b < mass.size(); ++b) {
-    squares += mass[b] * mass[b] * field.acceleration[b].squaredNorm();
+    sums[0] += mass[b] * mass[b] * field.acceleration[b].squaredNorm();
     fastest_change = std::max(fastest_change, mass[b] * field.rate[b]);
   }
-  squares = comm.sum(squares);
+  comm.sum(sums);
   fastest_change = comm.max(fastest_change);
-  const auto count = comm.sum(static_cast<std::int64_t>(mass.size()));
-  if (squares == 0 || fastest_change == 0) return infinity;
-  return settings.refresh * std::sqrt(squares / static_cast<double>(count)) / fastest_change;
+  if (sums[0] == 0 || fastest_change == 0) return infinity;
+  return settings.refresh * std::sqrt(sums[0] / sums[1]) / fastest_change;
 }
 
 }  // namespace spall

@@ -29,7 +29,7 @@ void evaluate_field(World& world) {
   if (kick.evaluated) return;
   kick.evaluated = true;
   if (!world.has_gravity()) return;
-  StageTimer timer(world.times, "gravity");
+  StageTimer timer(world.stages, "gravity");
   Bodies& bodies = world.bodies;
   require(bodies.has(Field::acceleration),
           "gravity needs a field that the bodies were made without");
@@ -38,20 +38,21 @@ void evaluate_field(World& world) {
   const auto velocity = std::span(bodies.velocity).first(kick.may_hold ? owned : 0);
   const GravityField field = evaluate_gravity(world.comm, world.gravity, mass,
                                               std::span(bodies.position).first(owned), velocity);
-  double largest = 0, fastest_fall = 0, potential = 0;
+  std::array<double, 2> most{};  // acceleration, and over a radius
+  double potential = 0;
   for (Index b = 0; b < bodies.owned; ++b) {
     if (!std::isfinite(bodies.mass[b])) continue;
     bodies.acceleration[b] = field.acceleration[b] + world.uniform_gravity;
     const double size = bodies.acceleration[b].norm();
-    largest = std::max(largest, size);
-    fastest_fall = std::max(fastest_fall, size / bodies.radius[b]);
+    most[0] = std::max(most[0], size);
+    most[1] = std::max(most[1], size / bodies.radius[b]);
     potential +=
         bodies.mass[b] * (field.potential[b] / 2 - world.uniform_gravity.dot(bodies.position[b]));
   }
-  kick.largest = world.comm.max(largest);
+  world.comm.max(most);
+  kick.largest = most[0];
   kick.potential = world.comm.sum(potential);
-  kick.fall =
-      world.uniform_gravity.isZero(0) ? std::sqrt(longest_fall / world.comm.max(fastest_fall)) : 0;
+  kick.fall = world.uniform_gravity.isZero(0) ? std::sqrt(longest_fall / most[1]) : 0;
   kick.hold =
       kick.may_hold ? std::min(kick.fall, holding_time(world.comm, world.gravity, mass, field)) : 0;
   ++kick.evaluations;
@@ -87,6 +88,11 @@ void kick_by_own_forces(World& world, double h) {
   Bodies& bodies = world.bodies;
   std::vector<Vec3> force(bodies.owned, Vec3::Zero());
   for (const OwnForce& add_force : world.own_forces) add_force(bodies, force);
+  double broken = -1;
+  for (Index b = 0; b < bodies.owned; ++b)
+    if (!force[b].allFinite()) broken = static_cast<double>(bodies.id[b]);
+  broken = world.comm.max(broken);
+  require(broken < 0, "the program's own force on body {:.0f} is not finite", broken);
   for (Index b = 0; b < bodies.owned; ++b) {
     if (force[b].isZero(0) || !std::isfinite(bodies.mass[b])) continue;
     const Vec3 change = h / bodies.mass[b] * force[b];

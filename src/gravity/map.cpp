@@ -35,9 +35,9 @@ void for_each_inside(const Grid& grid, const Vec3& center, double radius, F&& f)
 
 /// What a uniform sphere's field inside of it differs from that of its mass at its centre, as rows
 /// of point, potential and acceleration for the ranks that hold the points.
-std::vector<std::vector<double>> corrections(const Comm& comm, double constant,
-                                             const Bodies& bodies, const Grid& grid) {
-  std::vector<std::vector<double>> rows(comm.size);
+ByRank<double> corrections(const Comm& comm, double constant, const Bodies& bodies,
+                           const Grid& grid) {
+  ByRank<double> rows;
   for (Index b = 0; b < bodies.owned; ++b) {
     const double r = bodies.radius[b], gm = constant * bodies.mass[b];
     for_each_inside(grid, bodies.position[b], r, [&](std::int64_t point, const Vec3& place) {
@@ -86,7 +86,7 @@ GravityMap map_gravity(const Comm& comm, const GravitySettings& settings, const 
   map.potential = std::move(field.potential);
   map.acceleration = std::move(field.acceleration);
   constexpr std::size_t width = 5;
-  for (const auto& rows : comm.exchange(corrections(comm, settings.constant, bodies, grid)))
+  for (const auto& [rank, rows] : comm.exchange(corrections(comm, settings.constant, bodies, grid)))
     for (std::size_t at = 0; at < rows.size(); at += width) {
       const auto k = static_cast<std::size_t>(rows[at]) - static_cast<std::size_t>(map.first);
       map.potential[k] += rows[at + 1];

@@ -7,6 +7,10 @@
 //   field        psi(c + y) = sum_k L_k y^k / k!,  L_k = (-1)^|k| sum_n M_n D_{n+k}(R)
 // with R from the cell that feels to the one that is felt, and |n| + |k| <= P. This cut is the same
 // seen from either cell, so the forces of two cells on each other cancel exactly (Dehnen 2002).
+//
+// 1/|R| is harmonic: D_n + D_n' + D_n'' = 0 for n = (nx, ny, nz), n' = (nx + 2, ny, nz - 2),
+// n'' = (nx, ny + 2, nz - 2). So of the derivatives, and of moments and fields that meet them,
+// those with nz < 2 suffice, 2 |n| + 1 of each order. It saves a third to half of the products.
 #pragma once
 
 #include <array>
@@ -31,7 +35,16 @@ struct MultiIndex {
   constexpr bool inside(MultiIndex o) const { return x <= o.x && y <= o.y && z <= o.z; }
   /// Place in arrays: by order, then x before y before z.
   constexpr int place() const { return term_count(order() - 1) + (y + z) * (y + z + 1) / 2 + z; }
+  /// Among those with z < 2.
+  constexpr int harmonic_place() const {
+    return order() * order() + (z == 0 ? y : order() + 1 + y);
+  }
 };
+
+/// Number of multi-indices with |n| <= order and nz < 2.
+constexpr int harmonic_count(int order) {
+  return (order + 1) * (order + 1);
+}
 
 constexpr MultiIndex unit_index(int axis) {
   return {axis == 0, axis == 1, axis == 2};
@@ -43,6 +56,14 @@ inline constexpr auto multi_indices = [] {
   for (int x = 0; x <= P; ++x)
     for (int y = 0; x + y <= P; ++y)
       for (int z = 0; x + y + z <= P; ++z) all[MultiIndex{x, y, z}.place()] = {x, y, z};
+  return all;
+}();
+
+template <int P>
+inline constexpr auto harmonic_indices = [] {
+  std::array<MultiIndex, harmonic_count(P)> all{};
+  for (MultiIndex n : multi_indices<P>)
+    if (n.z < 2) all[n.harmonic_place()] = n;
   return all;
 }();
 
@@ -73,6 +94,33 @@ template <int P, class T>
   return result;
 }
 
+/// The two that a multi-index with nz >= 2 follows from.
+constexpr std::array<MultiIndex, 2> harmonic_parents(MultiIndex n) {
+  return {MultiIndex{n.x + 2, n.y, n.z - 2}, MultiIndex{n.x, n.y + 2, n.z - 2}};
+}
+
+/// Moments with nz >= 2 go over to those that act as they do.
+template <int P>
+[[gnu::always_inline]] inline void fold(std::array<double, term_count(P)>& moments) {
+  unroll<term_count(P)>([&](auto step) {
+    constexpr MultiIndex n = multi_indices<P>[term_count(P) - 1 - step];  // parents come later
+    if constexpr (n.z >= 2)
+      for (MultiIndex parent : harmonic_parents(n)) moments[parent.place()] -= moments[n.place()];
+  });
+}
+
+/// Terms with nz >= 2 from the others.
+template <int P, class T>
+[[gnu::always_inline]] inline void unfold(std::array<T, term_count(P)>& terms) {
+  unroll<term_count(P)>([&](auto k) {
+    constexpr MultiIndex n = multi_indices<P>[k];
+    if constexpr (n.z >= 2) {
+      constexpr auto parents = harmonic_parents(n);
+      terms[k] = -terms[parents[0].place()] - terms[parents[1].place()];
+    }
+  });
+}
+
 /// D_n for |n| <= P, eight separations at once; all 0 where the separation is 0.
 /// With f_m = (-1)^m (2m-1)!!/r^(2m+1): R^m_0 = f_m, R^m_{n+e} = n_e R^{m+1}_{n-e} + s_e R^{m+1}_n,
 /// D = R^0 (McMurchie & Davidson 1978).
@@ -90,7 +138,7 @@ template <int P>
     constexpr int m = P - 1 - step;
     unroll<term_count(P - m)>([&](auto k) {
       constexpr MultiIndex n = multi_indices<P>[k];
-      if constexpr (n.order() > 0) {
+      if constexpr (n.order() > 0 && n.z < 2) {
         // The axis with the smallest exponent: an exponent of 1 costs one multiplication.
         constexpr auto rank = [](int e) { return e == 0 ? 1000 : e; };
         constexpr int axis = rank(n.x) <= rank(n.y) && rank(n.x) <= rank(n.z) ? 0
@@ -103,14 +151,16 @@ template <int P>
       }
     });
   });
+  unfold<P>(r[0]);
   return r[0];
 }
 
 /// The moments of a cell in one row, as the kernels read them: mass, centre of mass (in the place
-/// of the dipole, which is zero about it), orders 2 … P-1, mean velocity, sum of m |v - mean|.
+/// of the dipole, which is zero about it), folded orders 2 … P-1, mean velocity, sum of
+/// m |v - mean|.
 template <int P>
 struct Moments {
-  static constexpr int velocity = term_count(P - 1);
+  static constexpr int velocity = harmonic_count(P - 1);
   static constexpr int spread = velocity + 3;
   static constexpr int width = (spread + 1 + 7) / 8 * 8;
   alignas(64) std::array<double, width> row{};

@@ -1,4 +1,4 @@
-// The cells that all ranks know, bodies to the ranks of their part of the curve, cells below.
+// Where the curve is cut, bodies to the ranks of their part of it, cells there.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "gravity/octree.hpp"
 
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "gravity/curve.hpp"
+#include "gravity/curve_parts.hpp"
 #include "gravity/rough_field.hpp"
 #include "spall/error.hpp"
 
@@ -20,15 +20,28 @@ struct Cube {
   double half;  // m, of an edge
 };
 
-Cube bounding_cube(const Comm& comm, std::span<const double> mass, std::span<const Vec3> position) {
-  std::array<double, 4> first{};  // sums of m, m x
+/// Sums over the bodies of all ranks.
+struct Sums {
+  double bodies = 0, with_velocity = 0, mass = 0;
+  Vec3 moment = Vec3::Zero();  // kg m
+};
+
+Sums sums_of(const Comm& comm, std::span<const double> mass, std::span<const Vec3> position,
+             std::span<const Vec3> velocity) {
+  std::array<double, 6> sums{static_cast<double>(mass.size()),
+                             static_cast<double>(velocity.size())};
   for (std::size_t b = 0; b < mass.size(); ++b) {
-    first[0] += mass[b];
-    for (int k = 0; k < 3; ++k) first[k + 1] += mass[b] * position[b][k];
+    sums[2] += mass[b];
+    for (int k = 0; k < 3; ++k) sums[k + 3] += mass[b] * position[b][k];
   }
-  comm.sum(first);
+  comm.sum(sums);
+  return {sums[0], sums[1], sums[2], Vec3::Map(&sums[3])};
+}
+
+Cube bounding_cube(const Comm& comm, const Sums& sums, std::span<const double> mass,
+                   std::span<const Vec3> position) {
   Cube cube{Vec3::Zero(), 0};
-  if (first[0] > 0) cube.center = Vec3::Map(&first[1]) / first[0];
+  if (sums.mass > 0) cube.center = sums.moment / sums.mass;
   double squares = 0, farthest = 0;
   for (std::size_t b = 0; b < mass.size(); ++b) {
     const Vec3 d = position[b] - cube.center;
@@ -38,44 +51,30 @@ Cube bounding_cube(const Comm& comm, std::span<const double> mass, std::span<con
   squares = comm.sum(squares);
   cube.half = comm.max(farthest);
   // 2^21 steps across 2000 rms distances still part neighbours in a pile of a million bodies.
-  if (squares > 0) cube.half = std::min(cube.half, 1000 * std::sqrt(squares / first[0]));
+  if (squares > 0) cube.half = std::min(cube.half, 1000 * std::sqrt(squares / sums.mass));
   return cube;
 }
 
-/// Rows of `width` doubles, `counts[r]` of them to rank r; returns those that come.
-std::vector<double> exchange_rows(const Comm& comm, std::vector<double> rows,
-                                  std::span<const int> counts, std::span<const int> coming,
-                                  int width) {
-  if (comm.size == 1) return rows;
-  const auto scaled = [&](std::span<const int> c) {
-    std::vector<int> n(c.begin(), c.end());
-    for (int& v : n) v *= width;
-    return n;
-  };
-  const auto starts = [](const std::vector<int>& n) {
-    std::vector<int> at(n.size());
-    std::exclusive_scan(n.begin(), n.end(), at.begin(), 0);
-    return at;
-  };
-  const std::vector<int> send = scaled(counts), receive = scaled(coming);
-  const std::vector<int> send_at = starts(send), receive_at = starts(receive);
-  std::vector<double> result(receive_at.back() + receive.back());
-  check_mpi(MPI_Alltoallv(rows.data(), send.data(), send_at.data(), MPI_DOUBLE, result.data(),
-                          receive.data(), receive_at.data(), MPI_DOUBLE, comm.raw),
-            "MPI_Alltoallv");
-  return result;
+/// One rank's rows after another's.
+std::vector<double> joined(ByRank<double> rows) {
+  if (rows.size() == 1) return std::move(rows.begin()->second);
+  std::vector<double> all;
+  std::size_t size = 0;
+  for (const auto& [rank, row] : rows) size += row.size();
+  all.reserve(size);
+  for (const auto& [rank, row] : rows) all.insert(all.end(), row.begin(), row.end());
+  return all;
 }
 
-/// Cells below one stretch of the curve.
+/// Cells of one part of the curve after another.
 struct Builder {
   Octree& tree;
   std::span<const KeyedRow> rows;
   std::span<const double> bodies;
   std::size_t width;  // of a row of them
-  const RoughField& rough;
+  RoughField& rough;
   std::size_t leaf_size;
   double reach;
-  std::size_t stretch = 0;  // the one below which cells grow
   struct Leaf {
     Index cell;
     std::size_t begin, end;  // rows
@@ -83,19 +82,37 @@ struct Builder {
   std::vector<Leaf> leaves{};
   Index eights = 0;  // of all leaves
 
+  /// The largest cells whose stretch of the curve is all in `part`: others may have bodies beyond.
+  void plant(Octree::Part& part, std::size_t begin, std::size_t end) {
+    if (begin == end) return;
+    const Stretch stretch = stretch_of(rows[begin].key, rows[end - 1].key);
+    if (stretch.low < part.begin || stretch.high > part.end) {
+      const std::size_t split = split_at(stretch, begin, end);
+      plant(part, begin, split);
+      plant(part, split, end);
+      return;
+    }
+    const auto cell = static_cast<Index>(tree.cells.size());
+    part.roots.push_back({cell, rows[end - 1].key});
+    tree.cells.emplace_back();
+    grow(cell, begin, end);
+  }
+
+  std::size_t split_at(const Stretch& stretch, std::size_t begin, std::size_t end) const {
+    return begin + first_at(rows.subspan(begin, end - begin), stretch.middle());
+  }
+
   void grow(Index cell, std::size_t begin, std::size_t end) {
     tree.cells[cell].key = rows[begin].key;
     if (is_leaf(tree.cells[cell], begin, end)) {
       tree.cells[cell].first = eights;
       eights += tree.cells[cell].count =
           static_cast<Index>((end - begin + lane_count - 1) / lane_count);
+      tree.cells[cell].bodies = static_cast<Index>(end - begin);
       leaves.push_back({cell, begin, end});
       return;
     }
-    // The highest bit in which the first and last key differ is where the cell has two halves.
-    const int bit = std::bit_width(rows[begin].key ^ rows[end - 1].key) - 1;
-    const std::uint64_t middle = rows[end - 1].key >> bit << bit;
-    const std::size_t split = begin + first_at(rows.subspan(begin, end - begin), middle);
+    const std::size_t split = split_at(stretch_of(rows[begin].key, rows[end - 1].key), begin, end);
     const std::array<std::size_t, 3> edges = {begin, split, end};
     for (int k = 0; k < 2; ++k) {
       const auto child = static_cast<Index>(tree.cells.size());
@@ -105,7 +122,7 @@ struct Builder {
     }
   }
 
-  /// Few bodies, and close together unless they weigh something in the field there.
+  /// Few bodies, and close together unless they are as dense as what makes the field there.
   bool is_leaf(Cell& cell, std::size_t begin, std::size_t end) {
     const bool divisible = rows[begin].key != rows[end - 1].key;
     if (divisible && end - begin > leaf_size) return false;
@@ -117,12 +134,22 @@ struct Builder {
       high = high.cwiseMax(Vec3::Map(body));
       mass += body[3];
     }
-    const RoughField::Sample field = rough.at((low + high) / 2, stretch);
-    cell.pull = field.pull;
+    rough.look_from(rows[begin].key);
+    const RoughField::Sample field = rough.at((low + high) / 2);
     const double radius = (high - low).norm() / 2;
-    constexpr double thin = 0.01;  // in a pile of equal bodies it is at least 0.05
-    return !divisible || radius * field.gradient <= reach * field.pull ||
-           mass >= thin * field.gradient * radius * radius * radius;
+    // A leaf that is thinner than what pulls it would feel that in many small parts, whose errors
+    // are alike and add up. A homogeneous ball has 0.2.
+    constexpr double thin = 0.1;
+    if (divisible && radius * field.gradient > reach * field.pull &&
+        mass < thin * field.gradient * radius * radius * radius)
+      return false;
+    cell.pull = field.pull;
+    // Where the field may change by half, its smallest value counts.
+    if (radius * field.gradient > field.pull / 2)
+      for (std::size_t k = begin; k < end; ++k)
+        cell.pull =
+            std::min(cell.pull, rough.at(Vec3::Map(bodies.data() + width * rows[k].row)).pull);
+    return true;
   }
 
   /// When all leaves are known: memory for no more than them.
@@ -148,72 +175,72 @@ struct Builder {
 }  // namespace
 
 Octree grow_octree(const Comm& comm, std::span<const double> mass, std::span<const Vec3> position,
-                   std::span<const Vec3> velocity, int leaf_size, double reach) {
+                   std::span<const Vec3> velocity, int leaf_size, double reach,
+                   PlannedRanks* planned) {
   Octree tree;
-  const double bodies = comm.sum(static_cast<double>(mass.size()));
-  if (bodies == 0) return tree;
-  const Cube cube = bounding_cube(comm, mass, position);
+  const Sums sums = sums_of(comm, mass, position, velocity);
+  if (sums.bodies == 0) return tree;
+  const Cube cube = bounding_cube(comm, sums, mass, position);
   tree.origin = cube.center;
 
   // Where the curve is cut, and who gets which part.
   auto rows = sorted_keys(
       mass.size(), [&](std::size_t b) -> Vec3 { return position[b] - cube.center; }, cube.half);
-  // Known to all: enough cells for a rough field, and shares that are equal to 1/16.
-  const double grain = bodies / std::max(512, 8 * comm.size);
-  const std::vector<Stretch> top =
-      divide_curve(comm, rows, bodies, std::max<double>(grain, leaf_size));
-  tree.owner = deal_out(comm, top);
-  tree.top = static_cast<Index>(top.size());
-  tree.cells.resize(top.size());
-  for (std::size_t s = 0; s < top.size(); ++s) tree.cells[s].children = top[s].children;
+  const std::vector<Stretch> stretches = divide_curve(comm, rows, sums.bodies, leaf_size);
+  const std::vector<CurvePart> parts =
+      planned ? foretell_parts(comm, rows, stretches, leaf_size, *planned)
+              : find_parts(comm, rows, stretches, leaf_size);
+  for (const CurvePart& part : parts)
+    if (planned || part.rank == comm.rank) tree.parts.push_back({part.begin, part.end});
 
-  const RoughField rough(comm, top, rows, mass, position, cube.center);
+  RoughField rough(comm, stretches, rows, mass, position, cube.center);
 
-  // Bodies go there.
-  tree.went.assign(comm.size, 0);
-  tree.came.assign(comm.size, 0);
-  for (std::size_t s = 0; s < top.size(); ++s)
-    if (tree.owner[s] >= 0)
-      tree.went[tree.owner[s]] +=
-          static_cast<int>(first_at(rows, top[s].high) - first_at(rows, top[s].low));
-  check_mpi(MPI_Alltoall(tree.went.data(), 1, MPI_INT, tree.came.data(), 1, MPI_INT, comm.raw),
-            "MPI_Alltoall");
-  tree.rates = comm.any(!velocity.empty());
+  // Bodies go there, to one rank after another.
+  tree.rates = sums.with_velocity > 0;
   const std::size_t width = body_width(tree.rates);
-  std::vector<double> going(rows.size() * width);
-  tree.went_row.resize(rows.size());
-  for (std::size_t k = 0; k < rows.size(); ++k) {
-    const Index b = tree.went_row[k] = rows[k].row;
-    write_body(position[b] - cube.center, mass[b], tree.rates ? &velocity[b] : nullptr,
-               going.data() + k * width);
+  ByRank<double> going;
+  for (const CurvePart& part : parts) {
+    const std::size_t begin = first_at(rows, part.begin), end = first_at(rows, part.end);
+    if (begin == end) continue;
+    tree.went[part.rank] = end - begin;
+    std::vector<double>& row = going[planned ? comm.rank : part.rank];
+    const std::size_t before = row.size();
+    row.resize(before + width * (end - begin));
+    for (std::size_t k = begin; k < end; ++k) {
+      const Index b = rows[k].row;
+      tree.went_row.push_back(b);
+      write_body(position[b] - cube.center, mass[b], tree.rates ? &velocity[b] : nullptr,
+                 row.data() + before + (k - begin) * width);
+    }
   }
   rows = {};
-  const std::vector<double> here =
-      exchange_rows(comm, std::move(going), tree.went, tree.came, body_width(tree.rates));
+  ByRank<double> coming = comm.exchange(std::move(going));
+  for (const auto& [rank, row] : coming) tree.came[rank] = row.size() / width;
+  const std::vector<double> here = joined(std::move(coming));
 
-  // Cells below the stretches that are this rank's.
   const std::size_t count = here.size() / width;
   const auto own = sorted_keys(
       count, [&](std::size_t b) -> Vec3 { return Vec3::Map(here.data() + b * width); }, cube.half);
   tree.place.resize(count);
-  tree.cells.reserve(top.size() + 4 * count / leaf_size);
+  tree.cells.reserve(4 * count / leaf_size);
   Builder builder{tree, own, here, width, rough, static_cast<std::size_t>(leaf_size), reach};
-  for (std::size_t s = 0; s < top.size(); ++s) {
-    if (tree.owner[s] == comm.rank)
-      builder.grow(static_cast<Index>(s), first_at(own, top[s].low), first_at(own, top[s].high));
-    if (tree.owner[s] >= 0) ++builder.stretch;
-  }
+  for (Octree::Part& part : tree.parts)
+    builder.plant(part, first_at(own, part.begin), first_at(own, part.end));
   builder.fill_leaves();
   return tree;
 }
 
 std::vector<double> Octree::take_felt(const Comm& comm) {
   const std::size_t width = felt_width(rates);
-  std::vector<double> rows(place.size() * width);
-  for (std::size_t b = 0; b < place.size(); ++b)
-    get_felt(eights[place[b] / lane_count], place[b] % lane_count, rates, rows.data() + b * width);
+  ByRank<double> felt;
+  for (std::size_t b = 0; const auto& [rank, bodies] : came) {
+    std::vector<double>& row = felt[rank];
+    row.resize(width * bodies);
+    for (std::size_t n = 0; n < bodies; ++n, ++b)
+      get_felt(eights[place[b] / lane_count], place[b] % lane_count, rates, row.data() + n * width);
+  }
   eights = {};
-  return exchange_rows(comm, std::move(rows), came, went, felt_width(rates));
+  return joined(comm.exchange(std::move(felt)));
 }
 
 }  // namespace spall

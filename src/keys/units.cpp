@@ -23,12 +23,13 @@ struct Unit {
 
 constexpr Dimension power{2, 1, -3};
 
+// No hertz: all rates here are of angles, and as one "1 Hz" could be a radian or a turn a second.
 constexpr Unit units_with_prefix[] = {
-    {"m", dimension::length},    {"g", dimension::mass, -3},
-    {"s", dimension::time},      {"N", dimension::force},
-    {"Pa", dimension::pressure}, {"bar", dimension::pressure, 5},
-    {"J", dimension::energy},    {"W", power},
-    {"Hz", dimension::spin},     {"K", dimension::temperature},
+    {"m", dimension::length},      {"g", dimension::mass, -3},
+    {"s", dimension::time},        {"N", dimension::force},
+    {"Pa", dimension::pressure},   {"bar", dimension::pressure, 5},
+    {"J", dimension::energy},      {"W", power},
+    {"K", dimension::temperature},
 };
 
 // The international inch, foot and pound of 1959 and the standard gravity of a pound-force are
@@ -128,7 +129,7 @@ bool is_joint(char c) {
 }
 
 /// The product of all units in `text`; after a '/' they divide.
-Unit parse_units(std::string_view text, std::string_view whole) {
+Unit parse_units(std::string_view text, std::string_view whole, Dimension wanted) {
   Unit product{text, {}};
   int sign = 1;
   while (true) {
@@ -150,7 +151,8 @@ Unit parse_units(std::string_view text, std::string_view whole) {
             "\"{}\": \"{}^\" has no power", whole, name);
     text.remove_prefix(static_cast<std::size_t>(end - text.data()));
     const std::optional<Unit> unit = find_unit(name);
-    require(unit.has_value(), "\"{}\": \"{}\" is not a unit known here", whole, name);
+    require(unit.has_value(), "\"{}\": \"{}\" is not a unit known here; {} is wanted", whole, name,
+            describe(wanted));
     const int n = sign * exponent;
     product.dimension.length += n * unit->dimension.length;
     product.dimension.mass += n * unit->dimension.mass;
@@ -171,7 +173,7 @@ double parse_quantity(std::string_view text, Dimension wanted) {
   require(code == std::errc() && std::isfinite(value),
           "\"{}\" does not begin with a number; {} is wanted", text, describe(wanted));
   const std::string_view number = rest.substr(0, static_cast<std::size_t>(end - rest.data()));
-  const Unit unit = parse_units(rest.substr(number.size()), text);
+  const Unit unit = parse_units(rest.substr(number.size()), text, wanted);
   require(unit.dimension == wanted, "\"{}\" is {}; {} is wanted", text, name_of(unit.dimension),
           describe(wanted));
   // The power of ten goes into the decimal text, so that the result is rounded once.

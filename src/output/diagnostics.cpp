@@ -85,13 +85,26 @@ Diagnostics diagnose(const World& world) {
   return d;
 }
 
+namespace {
+
+bool is_finite(const Bodies& bodies, Index b) {
+  return bodies.position[b].allFinite() && bodies.velocity[b].allFinite() &&
+         (!bodies.has(Field::angular_velocity) || bodies.angular_velocity[b].allFinite());
+}
+
+}  // namespace
+
 Index first_lost(const Bodies& bodies) {
-  const bool spins = bodies.has(Field::angular_velocity);
-  for (Index b = 0; b < bodies.owned; ++b)
-    if (!bodies.position[b].allFinite() || !bodies.velocity[b].allFinite() ||
-        (spins && !bodies.angular_velocity[b].allFinite()))
-      return b;
-  return bodies.owned;
+  Index b = 0;
+  while (b < bodies.owned && is_finite(bodies, b)) ++b;
+  return b;
+}
+
+double first_lost_id(const Comm& comm, const Bodies& bodies) {
+  double id = infinity;
+  for (Index b = first_lost(bodies); b < bodies.owned; ++b)
+    if (!is_finite(bodies, b)) id = std::min(id, static_cast<double>(bodies.id[b]));
+  return comm.min(id);
 }
 
 }  // namespace spall

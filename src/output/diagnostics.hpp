@@ -30,5 +30,7 @@ Diagnostics diagnose(const World& world);
 /// The first of this rank's bodies whose place, velocity or spin is no finite number; without one,
 /// their count.
 Index first_lost(const Bodies& bodies);
+/// The smallest id of such bodies of all ranks; infinity without one. Collective.
+double first_lost_id(const Comm& comm, const Bodies& bodies);
 
 }  // namespace spall

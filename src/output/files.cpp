@@ -3,8 +3,11 @@
 #include "output/files.hpp"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -17,6 +20,8 @@
 namespace spall {
 
 namespace {
+
+constexpr const char* mark = ".unfinished";
 
 void sync(const std::string& path) {
   const int descriptor = open(path.c_str(), O_RDONLY);
@@ -31,7 +36,22 @@ void sync(const std::string& path) {
 }  // namespace
 
 std::string unfinished(const std::string& path) {
-  return path + ".unfinished";
+  return path + mark;
+}
+
+std::string finished(const std::string& path) {
+  return path.ends_with(mark) ? path.substr(0, path.size() - std::strlen(mark)) : path;
+}
+
+std::string snapshot_name(std::size_t k) {
+  return fmt::format("snapshots/{:06}.h5", k);
+}
+
+bool is_snapshot(const std::filesystem::path& file) {
+  const std::filesystem::path name = finished(file.filename().string());
+  const std::string number = name.stem().string();
+  return name.extension() == ".h5" &&
+         std::ranges::all_of(number, [](unsigned char c) { return std::isdigit(c); });
 }
 
 void put_in_place(const std::string& path, Outlives what) {

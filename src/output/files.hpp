@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -11,6 +13,8 @@ namespace spall {
 
 /// Where a file is written before it takes its place.
 std::string unfinished(const std::string& path);
+/// The file that is to be there, of one that may be unfinished.
+std::string finished(const std::string& path);
 
 /// What a file that was put in place outlives: the end of the process, or that of the machine too,
 /// at the price of waiting for the disk.
@@ -21,6 +25,11 @@ enum class Outlives { process, power };
 void put_in_place(const std::string& path, Outlives what = Outlives::process);
 /// The same by rank 0 for all ranks, which see the file afterwards. Collective.
 void put_in_place(const Comm& comm, const std::string& path, Outlives what = Outlives::process);
+
+/// The path below a run's folder of its k-th snapshot, and whether a file of that folder is named
+/// like one, whole or unfinished.
+std::string snapshot_name(std::size_t k);
+bool is_snapshot(const std::filesystem::path& file);
 
 /// A text file that appears whole. This rank alone.
 void write_whole(const std::string& path, const std::string& text);

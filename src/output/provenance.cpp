@@ -13,8 +13,11 @@
 namespace spall {
 Provenance provenance_of(const Comm& comm, const Case& scene) {
   const auto of_first = [&](const std::string& text) { return text_of_first_rank(comm, text); };
-  std::string changes;
-  for (const std::string& change : scene.overrides) changes += change + "\n";
+  const auto lines = [](const std::vector<std::string>& changes) {
+    std::string text;
+    for (const std::string& change : changes) text += change + "\n";
+    return text;
+  };
   return {{"title", scene.title},
           {"command", of_first(command_line())},
           {"version", SPALL_VERSION},
@@ -24,7 +27,8 @@ Provenance provenance_of(const Comm& comm, const Case& scene) {
           {"ranks", std::int64_t{comm.size}},
           {"seed", static_cast<std::int64_t>(scene.seed)},
           {"case_file", scene.file},
-          {"overrides", changes},
+          {"overrides", lines(scene.overrides)},
+          {"constants", lines(scene.constants)},
           {"case", scene.text}};
 }
 

@@ -6,6 +6,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.colors import LinearSegmentedColormap, LogNorm
+from matplotlib.ticker import NullFormatter
 
 from report_run import readable_time
 from report_spheres import Camera, render
@@ -96,7 +97,8 @@ def velocities(run):
         figure.text(0.5, 0.5, "nothing moves", ha="center")
         return figure
     low, high = np.quantile(moving, [0.02, 0.9995])
-    norm = LogNorm(low, max(high, 1.01 * low), clip=True)
+    spread = np.sqrt(max(10 * low / high, 1))  # to a decade: what moves alike is coloured alike
+    norm = LogNorm(low / spread, high * spread, clip=True)
     colors = LinearSegmentedColormap.from_list(
         "speeds", plt.get_cmap("inferno")(np.linspace(0.22, 1, 256)))
 
@@ -124,10 +126,11 @@ def velocities(run):
     bar = figure.colorbar(plt.cm.ScalarMappable(norm, colors), ax=panel, fraction=0.03, pad=0.02,
                           shrink=0.75)
     bar.set_label("speed (m/s)")
+    bar.ax.yaxis.set_minor_formatter(NullFormatter())
     bar.outline.set_visible(False)
 
     panel = figure.add_subplot(grid[0, 1])
-    bins = np.geomspace(moving.min() * 0.99, moving.max() * 1.01, 60)
+    bins = np.geomspace(min(moving.min(), norm.vmin) * 0.99, max(moving.max(), norm.vmax) * 1.01, 60)
     _, _, patches = panel.hist(moving, bins)
     for patch, edge in zip(patches, bins):
         patch.set_facecolor(colors(float(norm(edge))))
@@ -142,11 +145,14 @@ def velocities(run):
     panel = figure.add_subplot(grid[1, 1])
     along = (frame.position - center) @ run.flight
     order = np.argsort(speed)
-    panel.scatter(along[order], frame.velocity[order] @ run.flight, s=7, c=rgb[order], linewidths=0)
+    forward = frame.velocity @ run.flight
+    panel.scatter(along[order], forward[order], s=7, c=rgb[order], linewidths=0)
     reach = 1.1 * size
     panel.set_xlim(-reach, reach)
-    panel.set_yscale("symlog", linthresh=10 ** np.ceil(np.log10(np.median(moving))))
-    panel.set(xlabel="place along the flight (m)", ylabel="velocity along it (m/s)",
+    if forward.any():
+        median = np.median(np.abs(forward[forward != 0]))
+        panel.set_yscale("symlog", linthresh=10 ** np.floor(np.log10(median)))
+    panel.set(xlabel=f"place along {'the flight' if run.has_impact else 'x'} (m)", ylabel="velocity along it (m/s)",
               title="Velocity along the flight of the impactor" if run.has_impact
               else "Velocity along x")
     return figure

@@ -139,7 +139,8 @@ def scale_of_momentum(run):
 
 def series_of(run):
     momentum, of_what = scale_of_momentum(run)
-    return {"series": pack_series(run), "impact": run.impact_time(), "momentum": momentum, "momentumName": of_what}
+    return {"series": pack_series(run), "impact": run.impact_time(), "momentum": momentum, "momentumName": of_what,
+            "free": run.is_free()}
 
 
 def data_of(run, name, bodies, numbers):

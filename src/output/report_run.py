@@ -195,11 +195,16 @@ class Run:
             return "before the impact"
         return f"{readable_time(frame.time - self.before.time)} after the impact"
 
+    def is_free(self):
+        """Whether neither walls nor a uniform field act, so that momentum is kept; as add_conservation has it."""
+        return not (any(walls in self.case for walls in ("planes", "boxes", "cylinders"))
+                    or "uniform" in self.case.get("gravity", {}))
+
     def marked_speeds(self):
         from report_figures import BLUE, GREEN
         mass = self.before.mass[np.isfinite(self.before.mass)].sum()
         marks = []
-        if "gravity" in self.case:
+        if self.case.get("gravity", {}).get("method", "none") != "none":
             marks.append((np.sqrt(4 * GRAVITY * mass / self.size), "escape", GREEN))
         if dv := self.results.get("deflection", {}).get("dv"):
             if dv > 0:

@@ -27,8 +27,15 @@ std::string place_of_contacts(const char* field) {
 }
 
 /// One text each: they may hold any sign, also the ends of lines.
-std::string override_place(std::size_t k) {
-  return fmt::format("/case/overrides/{}", k);
+std::string change_place(const char* list, std::size_t k) {
+  return fmt::format("/case/{}/{}", list, k);
+}
+
+/// `f(list, changes)` for both lists of changes of the case.
+template <class State, class F>
+void for_each_list(State& state, F&& f) {
+  f("overrides", state.overrides);
+  f("constants", state.constants);
 }
 
 /// `f(name, field)` for every field of the contacts.
@@ -102,9 +109,11 @@ RestartState read_state(const Comm& comm, const std::string& path) {
   RestartState state;
   state.case_file = file.read_text("/case/file");
   state.case_text = file.read_text("/case/text");
-  for (std::string name = override_place(0); file.exists(name);
-       name = override_place(state.overrides.size()))
-    state.overrides.push_back(file.read_text(name));
+  for_each_list(state, [&](const char* list, std::vector<std::string>& changes) {
+    for (std::string name = change_place(list, 0); file.exists(name);
+         name = change_place(list, changes.size()))
+      changes.push_back(file.read_text(name));
+  });
   const auto count = read_few<std::int64_t>(file, "/clock/counts", 3);
   const auto time = read_few<double>(file, "/clock/times", 3);
   state.clock = {count[0], count[1], count[2], time[0], time[1], time[2]};
@@ -143,8 +152,10 @@ void write_restart(const Comm& comm, const std::string& path, const RestartState
   file.write_text("/version", SPALL_VERSION);
   file.write_text("/case/file", state.case_file);
   file.write_text("/case/text", state.case_text);
-  for (std::size_t k = 0; k < state.overrides.size(); ++k)
-    file.write_text(override_place(k), state.overrides[k]);
+  for_each_list(state, [&](const char* list, const std::vector<std::string>& changes) {
+    for (std::size_t k = 0; k < changes.size(); ++k)
+      file.write_text(change_place(list, k), changes[k]);
+  });
   file.write<std::int64_t>("/clock/counts", counts(state.clock));
   file.write<double>("/clock/times", times(state.clock));
   std::vector<std::string> names;

@@ -7,7 +7,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cerrno>
 #include <climits>
 #include <csignal>
@@ -68,34 +67,24 @@ void lock(const std::string& folder) {
   require(written == std::ssize(own), "cannot write '{}': {}", path, std::strerror(reason));
 }
 
-bool ends_with(const std::string& text, const std::string& end) {
-  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
-}
-
-/// Files that runs write, by their names alone; snapshots are numbered.
+/// Files that runs write, by their names alone.
 std::vector<fs::path> files_of_runs(const fs::path& folder) {
   std::vector<fs::path> files;
   const auto add = [&](const fs::path& where, auto&& is_ours) {
     std::error_code none;
-    for (const auto& entry : fs::directory_iterator(where, none)) {
-      std::string name = entry.path().filename().string();
-      if (ends_with(name, ".unfinished")) name.resize(name.size() - std::strlen(".unfinished"));
-      if (entry.is_regular_file() && is_ours(name)) files.push_back(entry.path());
-    }
+    for (const auto& entry : fs::directory_iterator(where, none))
+      if (entry.is_regular_file() && is_ours(entry.path())) files.push_back(entry.path());
   };
-  add(folder, [](const std::string& name) {
+  add(folder, [](const fs::path& file) {
+    const std::string name = finished(file.filename().string());
     constexpr const char* names[] = {"results.toml",      "series.csv",        "series.h5",
                                      "restart.h5",        "trajectory.h5",     "trajectory.xdmf",
                                      "restart_before.h5", "reference.toml",    "report.html",
                                      "compared.html",     "resolved_case.toml"};
     return std::ranges::find(names, name) != std::end(names) ||
-           (name.starts_with("after_") && ends_with(name, ".h5"));
+           (name.starts_with("after_") && name.ends_with(".h5"));
   });
-  add(folder / "snapshots", [](const std::string& name) {
-    return ends_with(name, ".h5") && name.size() > 3 &&
-           std::all_of(name.begin(), name.end() - 3,
-                       [](unsigned char c) { return std::isdigit(c); });
-  });
+  add(folder / "snapshots", is_snapshot);
   return files;
 }
 

@@ -33,26 +33,22 @@ std::string dataset(const FieldInfo& info) {
   return std::string("/particles/all/") + info.name + (info.is(trait::fixed) ? "" : "/value");
 }
 
-std::string snapshot_name(std::size_t k) {
-  return fmt::format("snapshots/{:06}.h5", k);
-}
-
 /// The bodies of all ranks in order of id, this rank's equal part of them.
 Bodies in_order_of_id(const Comm& comm, const Bodies& bodies, const h5::Rows& rows) {
   std::vector<hsize_t> end(comm.size);
   for (int r = 0; r < comm.size; ++r) end[r] = h5::equal_rows(r, comm.size, rows.total).end();
-  std::vector<std::vector<double>> outgoing(comm.size);
+  ByRank<double> outgoing;
   for (Index b = 0; b < bodies.owned; ++b) {
     const auto id = static_cast<hsize_t>(bodies.id[b]);
     require(id < rows.total, "body id {} in a set of {} bodies: ids must be 0 … N-1", bodies.id[b],
             rows.total);
-    const auto rank = std::upper_bound(end.begin(), end.end(), id) - end.begin();
+    const auto rank = static_cast<int>(std::upper_bound(end.begin(), end.end(), id) - end.begin());
     pack_row(bodies, b, in_snapshots, outgoing[rank]);
   }
-  const auto incoming = comm.exchange(outgoing);
+  const auto incoming = comm.exchange(std::move(outgoing));
   const std::size_t width = packed_row_width(bodies, in_snapshots);
   std::vector<const double*> row_of(rows.count, nullptr);
-  for (const auto& packed : incoming)
+  for (const auto& [rank, packed] : incoming)
     for (std::size_t at = 0; at < packed.size(); at += width)  // the id is the first field
       row_of[std::bit_cast<BodyId>(packed[at]) - static_cast<BodyId>(rows.begin)] = &packed[at];
   Bodies block;
@@ -159,10 +155,8 @@ void SnapshotWriter::find_written(std::int64_t kept) {
   std::vector<double> found;  // step, time, rows of each, on rank 0
   on_first_rank(comm_, [&] {
     std::set<fs::path> files;
-    for (const auto& entry : fs::directory_iterator(folder_ + "/snapshots")) {
-      const auto extension = entry.path().extension();
-      if (extension == ".h5" || extension == ".unfinished") files.insert(entry.path());
-    }
+    for (const auto& entry : fs::directory_iterator(folder_ + "/snapshots"))
+      if (is_snapshot(entry.path())) files.insert(entry.path());
     for (std::int64_t k = 0; k < kept && !files.empty(); ++k) {
       const std::string path = folder_ + "/" + snapshot_name(k);
       require(fs::exists(path),

@@ -94,7 +94,7 @@ void migrate(const Comm& comm, Bodies& bodies, std::optional<Bonds>& bonds,
              const std::vector<int>& owner) {
   ContactMemory none;
   if (!bonds) return migrate(comm, bodies, none, owner);
-  std::vector<std::vector<std::int64_t>> rows(comm.size);
+  ByRank<std::int64_t> rows;
   for (Index b = 0; b < bodies.owned; ++b) {
     auto& row = rows[owner[b]];
     row.insert(row.end(), {bodies.id[b], bonds->count(b)});
@@ -102,12 +102,12 @@ void migrate(const Comm& comm, Bodies& bodies, std::optional<Bonds>& bonds,
     const auto first = bonds->other.begin() + bonds->start[b];
     row.insert(row.end(), first, first + bonds->count(b));
   }
-  rows = comm.exchange(rows);
+  rows = comm.exchange(std::move(rows));
   migrate(comm, bodies, none, owner);
 
   const RowsOfIds row_of(bodies);
   const auto for_each_body = [&](auto&& f) {
-    for (const auto& from : rows)
+    for (const auto& [rank, from] : rows)
       for (auto at = from.begin(); at != from.end(); at += 2 + at[1]) f(row_of.find(at[0]), at);
   };
   std::vector<Index> counts(bodies.owned, 0);

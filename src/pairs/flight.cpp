@@ -44,6 +44,14 @@ double approach_from(const World& world, std::span<const Vec3> from) {
   return std::sqrt(world.comm.max(furthest));
 }
 
+double approach_since_search(const World& world, const NearPairs& near) {
+  if (world.period.any() || world.walls().size() > 0) return approach_from(world, near.found_at);
+  std::vector<Vec3> displacement(near.found_at.size());
+  for (std::size_t b = 0; b < displacement.size(); ++b)
+    displacement[b] = world.bodies.position[b] - near.found_at[b];
+  return near.cells.approach(world.comm, near.reach + near.skin, displacement);
+}
+
 void book_motion(const Comm& comm, const Box& velocities, double h, NearPairs& near) {
   near.moved += h * velocities.united(comm).diagonal();
   require(std::isfinite(near.moved), "velocities are no longer finite: the step is too long");

@@ -43,6 +43,10 @@ Box velocities_with_walls(const World& world);
 /// giants, bodies meet from afar. Collective.
 double approach_from(const World& world, std::span<const Vec3> from);
 
+/// m, that two bodies have come nearer at most since the last search: place by place where none
+/// meet from afar, else as `approach_from`. Collective.
+double approach_since_search(const World& world, const NearPairs& near);
+
 /// Bodies have flown at these velocities for `h` (s): no two came nearer by more than the diagonal.
 /// Collective.
 void book_motion(const Comm& comm, const Box& velocities, double h, NearPairs& near);
@@ -65,6 +69,11 @@ struct SkinRange {
   double first, least, step, most;
   double search;  ///< a search costs as much as a sweep over so many pairs a body
 };
+
+/// For bodies in a lattice of this spacing (m).
+constexpr SkinRange skins_of_lattice(double spacing) {
+  return {.length = spacing, .first = 0.3, .least = 0.1, .step = 0.05, .most = 1.5, .search = 250};
+}
 
 /// m: the skin for which a step costs least if the bodies move on as since the last search. A sweep
 /// costs as much as there are pairs, a search is shared by the steps until the skin is used up.

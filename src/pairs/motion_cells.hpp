@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "domain/ghosts.hpp"
 #include "spall/comm.hpp"
 
 namespace spall {
@@ -17,7 +18,7 @@ namespace spall {
 class MotionCells {
  public:
   MotionCells() = default;
-  /// Owned bodies at `places` (m). Every rank learns of all cells. Collective.
+  /// Owned bodies at `places` (m). Ranks learn of others' cells that touch theirs. Collective.
   MotionCells(const Comm& comm, std::span<const Vec3> places, double edge);
 
   /// m: two bodies that were `range` apart, at least, and have been displaced since (m, one an
@@ -25,22 +26,26 @@ class MotionCells {
   double approach(const Comm& comm, double range, std::span<const Vec3> displacement) const;
 
   /// m/s, at most: the speed at which two bodies, here with these velocities (m/s), meet if they
-  /// fly straight on. Collective.
+  /// fly straight on. Ranks tell each other what their cells do, coarser than they know it where
+  /// all have more than `most_told`. Collective.
   double closing_speed(const Comm& comm, std::span<const Vec3> places,
-                       std::span<const Vec3> velocity) const;
+                       std::span<const Vec3> velocity, int most_told = 1 << 15) const;
 
- private:
-  /// That holds the vectors of all bodies of a cell.
+  /// That holds vectors of bodies.
   struct Ball {
     Vec3 centre = Vec3::Zero();
     double radius = 0;
   };
-  /// Of all cells of all ranks. Collective.
-  std::vector<Ball> balls(const Comm& comm, std::span<const Vec3> vectors) const;
+
+ private:
+  static constexpr int doubles_a_ball = 4;
+  static_assert(sizeof(Ball) == doubles_a_ball * sizeof(double));
+  std::vector<Ball> own_balls(std::span<const Vec3> vectors) const;  ///< of each cell
 
   double edge_ = 0;
-  std::vector<Index> cell_of_;                  // of this rank's, one an owned body
-  Index first_ = 0, count_ = 0;                 // this rank's among all
+  Index count_ = 0;                             // of this rank's cells
+  std::vector<Index> cell_of_;                  // one an owned body
+  Ghosts ghosts_;                               // other ranks' cells, after this rank's
   std::vector<std::array<Index, 2>> touching_;  // one of this rank's and one not before it
 };
 

@@ -118,6 +118,19 @@ std::vector<double> work_of(const Bodies& bodies, const NearPairs& near, double 
   return work;
 }
 
+std::vector<double> work_of(const Bodies& bodies, const NearPairs& near) {
+  return work_of(bodies, near, slot_work);
+}
+
+Links links_of(const std::vector<NearWindow>& windows) {
+  Links links;
+  for_each_pair(windows, [&](std::size_t, std::size_t, std::size_t, Index i, Index j) {
+    links.i.push_back(i);
+    links.j.push_back(j);
+  });
+  return links;
+}
+
 void book_search(const Comm& comm, NearPairs& near) {
   near.moved = 0;
   near.steps = 0;
@@ -155,7 +168,7 @@ void search_near_pairs(const Comm& comm, Bodies& bodies, const Period& period, d
   require(!bonded || bodies.has(Field::bonds),
           "bonds that break need fields that the bodies were made without");
   search_anew(
-      comm, bodies, near, [&] { return work_of(bodies, near, slot_work); },
+      comm, bodies, near, [&] { return work_of(bodies, near); },
       [&](bool) { return bonded ? bonds_of(bodies, near) : std::nullopt; },
       [&](const std::optional<Bonds>& bonds) {
         find_near_pairs(comm, bodies, period, reach, skin, bonded, bonds, near);

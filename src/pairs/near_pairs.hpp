@@ -7,6 +7,7 @@
 
 #include "pairs/bonds.hpp"
 #include "pairs/grid.hpp"
+#include "pairs/links.hpp"
 #include "pairs/motion_cells.hpp"
 #include "pairs/search.hpp"
 #include "spall/bodies.hpp"
@@ -93,8 +94,13 @@ void for_each_pair(const std::vector<NearWindow>& windows, F&& f) {
     });
 }
 
+/// All pairs.
+Links links_of(const std::vector<NearWindow>& windows);
+
 /// Of owned bodies: 1 each, and `slot` for each place for a partner.
 std::vector<double> work_of(const Bodies& bodies, const NearPairs& near, double slot);
+/// The same as the domain is cut by for forces that are swept over all pairs.
+std::vector<double> work_of(const Bodies& bodies, const NearPairs& near);
 /// Pairs are found. Collective.
 void book_search(const Comm& comm, NearPairs& near);
 

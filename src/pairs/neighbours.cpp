@@ -67,7 +67,8 @@ std::vector<double> reaches(const Comm& comm, const Bodies& bodies, const Vec3& 
   return reach;
 }
 
-/// Contacts and bodies are what a step costs; a pair with a ghost is work on both ranks.
+}  // namespace
+
 std::vector<double> work_of(const Bodies& bodies, const Pairs& pairs) {
   std::vector<double> work(bodies.owned, 1.0);
   for (Index p = 0; p < pairs.size(); ++p)
@@ -75,8 +76,6 @@ std::vector<double> work_of(const Bodies& bodies, const Pairs& pairs) {
       if (b != ground && b < bodies.owned) work[b] += 0.5;
   return work;
 }
-
-}  // namespace
 
 void update_neighbours(const Comm& comm, Bodies& bodies, const std::vector<Plane>& planes, double h,
                        double cohesion_range, Neighbours& neighbours) {

@@ -24,6 +24,10 @@ struct Neighbours : Search {
   Vec3 drifted = Vec3::Zero();  ///< m: by which places have moved with it since
 };
 
+/// Of owned bodies: contacts and bodies are what a step costs; a pair with a ghost is work on both
+/// ranks.
+std::vector<double> work_of(const Bodies& bodies, const Pairs& pairs);
+
 /// Makes ghosts and pairs current for a step `h` (s): copies the ghosts' new state, and where a
 /// body might leave its reach searches pairs anew; before a search cuts the domain anew where the
 /// ranks' work (bodies and contacts) differs by more than a tenth. Impulses stay with their pairs.

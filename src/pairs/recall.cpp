@@ -5,17 +5,14 @@
 #include <algorithm>
 #include <numeric>
 
-#include "state/rows_of_ids.hpp"
-
 namespace spall {
 
 Recall::Recall(const Bodies& bodies, const ContactMemory& memory)
-    : bodies_(bodies), start_(bodies.owned + 2, 0) {
-  const RowsOfIds rows(bodies);
+    : bodies_(bodies), rows_(bodies), start_(bodies.owned + 2, 0) {
   std::vector<Index> holder(memory.size());
   for (std::size_t m = 0; m < holder.size(); ++m) {
-    holder[m] = rows.find(memory.i[m]);
-    if (holder[m] < 0 && memory.j[m] >= 0) holder[m] = rows.find(memory.j[m]);
+    holder[m] = rows_.find(memory.i[m]);
+    if (holder[m] < 0 && memory.j[m] >= 0) holder[m] = rows_.find(memory.j[m]);
     if (holder[m] >= 0) ++start_[holder[m] + 2];
   }
   std::partial_sum(start_.begin(), start_.end(), start_.begin());

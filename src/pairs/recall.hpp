@@ -6,6 +6,7 @@
 
 #include "spall/bodies.hpp"
 #include "state/contact_memory.hpp"
+#include "state/rows_of_ids.hpp"
 
 namespace spall {
 
@@ -18,7 +19,9 @@ class Recall {
   /// is the first.
   Index of_pair(Index i, Index j) const {
     if (bodies_.id[i] > bodies_.id[j]) std::swap(i, j);
-    return i < bodies_.owned ? find(i, bodies_.id[j]) : find(j, bodies_.id[i]);
+    // A ghost may be the image of a body that this rank owns.
+    const Index lower = i < bodies_.owned ? i : rows_.find(bodies_.id[i]);
+    return lower >= 0 ? find(lower, bodies_.id[j]) : find(j, bodies_.id[i]);
   }
   /// Of an owned row and a wall or plane.
   Index of_wall(Index row, Index wall) const { return find(row, -1 - wall); }
@@ -27,6 +30,7 @@ class Recall {
   Index find(Index row, BodyId other) const;
 
   const Bodies& bodies_;
+  RowsOfIds rows_;
   struct Entry {
     BodyId other;
     Index at;  // in the memory

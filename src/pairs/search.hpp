@@ -21,6 +21,7 @@ struct Search {
   Ghosts ghosts;
   std::vector<Vec3> shifts;    ///< m, of ghosts that are images
   std::vector<Vec3> found_at;  ///< m, owned rows: where bodies were when pairs were found
+  Cut cut = Cut::bisection;
   LastCut last_cut;
   std::int64_t searches = 0;
 };
@@ -55,6 +56,17 @@ inline double skin_within(const Period& period, double reach, double skin) {
   return skin;
 }
 
+/// Adds what becomes of ghosts, where they are still those of the last search, to what becomes of
+/// owned bodies. Collective.
+inline void tell_ghosts(const Bodies& bodies, const Ghosts& ghosts, std::vector<int>& owner) {
+  const bool other = ghosts.owned() != bodies.owned || ghosts.ghosts() != bodies.ghosts();
+  if (ghosts.comm().any(other)) return;
+  std::vector<double> numbers(owner.begin(), owner.end());
+  numbers.resize(bodies.size());
+  ghosts.gather(numbers.data(), 1);
+  owner.assign(numbers.begin(), numbers.end());
+}
+
 /// Searches pairs anew; cuts the domain before where the ranks' work differs by more than a tenth.
 /// What pairs remember goes with them:
 ///
@@ -71,8 +83,9 @@ void search_anew(const Comm& comm, Bodies& bodies, Search& search, Work&& work, 
   search.found_at = std::vector<Vec3>();  // what comes needs the memory
   auto kept = keep(cut);
   if (cut) {
-    const std::vector<int> owner = partition(comm, bodies, load);
+    std::vector<int> owner = partition(comm, bodies, load, search.cut);
     load = std::vector<double>();
+    if (search.searches > 0) tell_ghosts(bodies, search.ghosts, owner);
     migrate(comm, bodies, kept, owner);
   }
   load = std::vector<double>();

@@ -23,6 +23,7 @@ struct Penalty final : Engine {
   PairMemory remember(const World& world) const override;
   void restart_pairs(World& world, PairMemory memory) override;
   LinkedBodies links(const World& world) const override;
+  std::optional<FoundPairs> found_pairs(const World& world) const override;
 };
 
 extern const EngineType penalty_engine;

@@ -165,6 +165,7 @@ const EngineType penalty_engine{
     .name = "penalty",
     .help = "grains that touch by springs and dashpots: Hertz and Mindlin, Hooke, DMT, JKR",
     .moves_groups = true,
+    .tables = {"contact", "penalty"},
     .read = read,
     .derive = derive,
     .check = check,

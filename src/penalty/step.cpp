@@ -4,6 +4,7 @@
 #include "penalty/step.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -24,23 +25,26 @@ struct Radii {
 Radii radii_of(const World& world) {
   constexpr double few = 4;
   const Bodies& bodies = world.bodies;
-  double sum = 0;
-  for (Index b = 0; b < bodies.owned; ++b) sum += bodies.radius[b];
-  const double mean = world.comm.sum(sum) / world.comm.sum(static_cast<double>(bodies.owned));
-  Radii radii;
+  std::array<double, 2> sums{0, static_cast<double>(bodies.owned)};
+  for (Index b = 0; b < bodies.owned; ++b) sums[0] += bodies.radius[b];
+  world.comm.sum(sums);
+  const double mean = sums[0] / sums[1];
+  std::array<double, 2> most{};
   for (Index b = 0; b < bodies.owned; ++b) {
     const double r = bodies.radius[b];
-    radii.largest = std::max(radii.largest, r);
-    if (r <= few * mean) radii.ordinary = std::max(radii.ordinary, r);
+    most[0] = std::max(most[0], r);
+    if (r <= few * mean) most[1] = std::max(most[1], r);
   }
-  return {world.comm.max(radii.largest), world.comm.max(radii.ordinary)};
+  world.comm.max(most);
+  return {most[0], most[1]};
 }
 
 /// Makes pairs and ghosts current for forces at the present positions.
 void update_pairs(World& world, Penalty& engine, const ByPair<PenaltyLaw>& laws) {
-  StageTimer timer(world.times, "neighbours");
+  StageTimer timer(world.stages, "neighbours");
   Bodies& bodies = world.bodies;
   TouchPairs& touch = engine.touch;
+  touch.cut = world.cut;
   if (touch.skin > 0 && touch.moved > touch.skin)
     touch.moved = approach_from(world, touch.found_at);
   if (touch.skin > 0 && touch.moved <= touch.skin) {
@@ -73,7 +77,7 @@ void update_pairs(World& world, Penalty& engine, const ByPair<PenaltyLaw>& laws)
 /// the second may be none.
 Box kick_and_drift(World& world, Penalty& engine, const ByPair<PenaltyLaw>& laws, double h,
                    double first, double second) {
-  StageTimer timer(world.times, "forces");
+  StageTimer timer(world.stages, "forces");
   Bodies& bodies = world.bodies;
   ForceRow* const rows = engine.loads.data();
   const Vec3 fall = h * world.steady_gravity();
@@ -238,6 +242,14 @@ void Penalty::restart_pairs(World& world, PairMemory memory) {
   resize(world.bodies, world.bodies.owned);
   touch = {};
   touch.carried = std::move(memory.contacts);
+}
+
+std::optional<FoundPairs> Penalty::found_pairs(const World& world) const {
+  if (touch.skin == 0) return {};
+  return FoundPairs{.search = &touch,
+                    .reach = std::vector<double>(world.bodies.owned, (touch.gap + touch.skin) / 2),
+                    .work = work_of(world.bodies, touch),
+                    .pairs = links_of(touch.windows)};
 }
 
 LinkedBodies Penalty::links(const World& world) const {

@@ -177,6 +177,10 @@ std::int64_t count_touching(const Bodies& bodies, const TouchPairs& touch) {
                                [](const WallTouch& t) { return t.touching; });
 }
 
+std::vector<double> work_of(const Bodies& bodies, const TouchPairs& touch) {
+  return work_of(bodies, touch, slot_work);
+}
+
 void find_touch_pairs(const Comm& comm, Bodies& bodies, const Walls& walls, const Period& period,
                       const TouchRange& range, const ContactMemory& memory, TouchPairs& touch) {
   double largest = 0;
@@ -209,7 +213,7 @@ void search_touch_pairs(const Comm& comm, Bodies& bodies, const Walls& walls, co
     return memory;
   };
   search_anew(
-      comm, bodies, touch, [&] { return work_of(bodies, touch, slot_work); }, keep,
+      comm, bodies, touch, [&] { return work_of(bodies, touch); }, keep,
       [&](const ContactMemory& memory) {
         find_touch_pairs(comm, bodies, walls, period, range, memory, touch);
       });

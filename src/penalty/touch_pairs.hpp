@@ -57,6 +57,9 @@ struct TouchRange {
   bool rolling = false;  ///< rolling springs are kept
 };
 
+/// Of owned bodies, as the domain is cut by.
+std::vector<double> work_of(const Bodies& bodies, const TouchPairs& touch);
+
 /// Finds ghosts and pairs anew, with the springs of `memory`. Throws as `search_touch_pairs`.
 /// Collective.
 void find_touch_pairs(const Comm& comm, Bodies& bodies, const Walls& walls, const Period& period,

@@ -30,6 +30,7 @@ struct Potential final : Engine {
   void restart_pairs(World& world, PairMemory memory) override;
   void measure_fields(World& world) const override;
   LinkedBodies links(const World& world) const override;
+  std::optional<FoundPairs> found_pairs(const World& world) const override;
 };
 
 /// "copper and steel", of two indices into the materials.

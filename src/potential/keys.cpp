@@ -146,10 +146,10 @@ PairPotential law_of_solid(const Surroundings& around, std::span<const MaterialU
                            const DerivedLaw& from, int material, const PairPotential& asked) {
   const std::string& name = around.materials[material].name;
   const std::optional<Solid>& solid = around.materials[material].solid;
-  require(
-      solid.has_value(),
-      "{} = \"{}\" is not a solid of [materials]: one with a file or a table [materials.{}.solid]",
-      from.place, name, name);
+  require(solid.has_value(),
+          "{} = \"{}\" is not a solid of [materials]: one with a library, a file or a table "
+          "[materials.{}.solid]",
+          from.place, name, name);
   PairPotential p = morse_law(*solid, shared_lattice(around, uses, material, from.place),
                               from.match, fmt::format("{} = \"{}\"", from.place, name));
   p.damping = asked.damping;
@@ -368,6 +368,7 @@ const EngineType potential_engine{
     .name = "potential",
     .help = "bodies that act on many neighbours by pair potentials; solids and fluids",
     .moves_groups = true,
+    .tables = {"pair_potential"},
     .read = read,
     .derive = derive,
     .check = check,

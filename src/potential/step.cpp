@@ -76,24 +76,18 @@ BondReach bonds_to_make(const World& world, const ByPair<PairPotential>& laws) {
 
 /// Makes pairs and ghosts current for forces at the present positions.
 void update_pairs(World& world, Potential& engine, bool velocities) {
-  StageTimer timer(world.times, "neighbours");
+  StageTimer timer(world.stages, "neighbours");
   NearPairs& near = engine.near;
-  const bool place_by_place = !world.period.any() && world.walls().size() == 0;
-  if (near.skin > 0 && near.moved > near.skin && !place_by_place) {
+  near.cut = world.cut;
+  if (near.skin > 0 && near.moved > near.skin) {
     take_positions(world, engine);
-    near.moved = approach_from(world, near.found_at);
-  } else if (near.skin > 0 && near.moved > near.skin) {
-    std::vector<Vec3> displacement(near.found_at.size());
-    for (std::size_t b = 0; b < displacement.size(); ++b)
-      displacement[b] = vector_of(engine.rows[b].place) - near.found_at[b];
-    near.moved = near.cells.approach(world.comm, near.reach + near.skin, displacement);
+    near.moved = approach_since_search(world, near);
   }
   if (near.skin == 0 || near.moved > near.skin) {
     double spacing = 0;
     engine.law.for_each([&](const PairPotential& p) { spacing = std::max(spacing, p.distance); });
-    const SkinRange skins{
-        .length = spacing, .first = 0.3, .least = 0.1, .step = 0.05, .most = 1.5, .search = 250};
-    const double skin = best_skin(world.comm, world.bodies, near, {}, near.reach, skins);
+    const double skin =
+        best_skin(world.comm, world.bodies, near, {}, near.reach, skins_of_lattice(spacing));
     take_rows(world, engine);
     wrap_bodies(world);
     search_near_pairs(world.comm, world.bodies, world.period, reach_of(engine.law), skin,
@@ -204,7 +198,7 @@ void measure_crowding(const World& world, Potential& engine) {
 
 /// What bodies press with at the present positions; ghosts learn it from their ranks.
 void update_pushes(World& world, Potential& engine, const Embeddings& laws) {
-  StageTimer timer(world.times, "forces");
+  StageTimer timer(world.stages, "forces");
   measure_crowding(world, engine);
   const Bodies& bodies = world.bodies;
   engine.pushes.resize(bodies.size());
@@ -225,7 +219,7 @@ void update_pushes(World& world, Potential& engine, const Embeddings& laws) {
 /// the second may be none.
 Box kick_and_drift(World& world, Potential& engine, const ByPair<double>& damping, double h,
                    double first, double second) {
-  StageTimer timer(world.times, "forces");
+  StageTimer timer(world.stages, "forces");
   PairRow* const rows = engine.rows.data();
   Vec3* const velocity = world.bodies.velocity.data();
   Vec3* const ahead = engine.ahead.data();
@@ -468,6 +462,16 @@ void for_each_near_pair(const World& world, const Potential& engine,
 
 /// Neighbours hold together where a bond has any force, at most up to half the way to the second
 /// neighbours of a lattice.
+std::optional<FoundPairs> Potential::found_pairs(const World& world) const {
+  if (near.skin == 0) return {};
+  const Bodies& bodies = world.bodies;
+  FoundPairs found{
+      .search = &near, .reach = {}, .work = work_of(bodies, near), .pairs = links_of(near.windows)};
+  for (Index b = 0; b < bodies.owned; ++b)
+    found.reach.push_back((near.reach + near.skin) / 2 - bodies.radius[b]);
+  return found;
+}
+
 LinkedBodies Potential::links(const World& world) const {
   LinkedBodies linked;
   Found found(world, *this);

@@ -65,6 +65,23 @@ void Rigid::restart_pairs(World& world, PairMemory memory) {
   neighbours.carried = std::move(memory.contacts);
 }
 
+std::optional<FoundPairs> Rigid::found_pairs(const World& world) const {
+  if (!neighbours.valid) return {};
+  const Bodies& bodies = world.bodies;
+  const Pairs& pairs = neighbours.pairs;
+  FoundPairs found{.search = &neighbours,
+                   .reach = neighbours.reach,
+                   .work = work_of(bodies, pairs),
+                   .pairs = {}};
+  found.reach.resize(bodies.owned);
+  for (Index p = 0; p < pairs.size(); ++p) {
+    if (pairs.j[p] == ground) continue;
+    found.pairs.i.push_back(pairs.i[p]);
+    found.pairs.j.push_back(pairs.j[p]);
+  }
+  return found;
+}
+
 LinkedBodies Rigid::links(const World& world) const {
   Found found(world);
   LinkedBodies linked{std::move(found.world.bodies), std::move(found.ghosts), {}};

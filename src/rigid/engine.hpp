@@ -20,6 +20,7 @@ struct Rigid final : Engine {
   PairMemory remember(const World& world) const override;
   void restart_pairs(World& world, PairMemory memory) override;
   LinkedBodies links(const World& world) const override;
+  std::optional<FoundPairs> found_pairs(const World& world) const override;
 };
 
 extern const EngineType rigid_engine;

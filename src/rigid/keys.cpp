@@ -47,11 +47,10 @@ bool has_friction(const Surroundings& around) {
 
 void check(const Surroundings& around, std::span<const MaterialUse>, const EngineSettings& settings,
            const PhaseView& phase) {
-  require(
-      around.cylinders.empty() && !around.period.any(),
-      "{}: [[cylinders]] and [periodic] act in phases of method = \"penalty\" and \"potential\" "
-      "only",
-      phase.place);
+  require(around.cylinders.empty() && !around.period.any(),
+          "{}: [[cylinders]] and [periodic] act in phases of method = \"penalty\", \"potential\" "
+          "and \"solid\" only",
+          phase.place);
   const auto solver = settings.get<SolverSettings>();
   require(
       !needs_convex(solver.method) || solver.friction == FrictionModel::convex ||
@@ -82,6 +81,7 @@ const EngineType rigid_engine{
     .deflects = true,
     .solves = true,
     .moves_groups = true,
+    .tables = {"contact", "solver"},
     .read = read,
     .read_phase = read_phase,
     .check = check,

@@ -210,20 +210,21 @@ StepReport nonsmooth_step(World& world, Rigid& rigid, const StepRequest& request
   }
   Contacts contacts;
   {
-    StageTimer timer(world.times, "neighbours");
+    StageTimer timer(world.stages, "neighbours");
+    rigid.neighbours.cut = world.cut;
     update_neighbours(world.comm, bodies, world.planes, h, longest_range(world.contact),
                       rigid.neighbours);
   }
   Pairs& pairs = rigid.neighbours.pairs;
   {
-    StageTimer timer(world.times, "contacts");
+    StageTimer timer(world.stages, "contacts");
     contacts = find_contacts(bodies, world.planes, pairs, h, world.contact);
   }
   report.energy = energy_of_bonds(world, contacts);
   report.contacts = std::count_if(contacts.i.begin(), contacts.i.end(),
                                   [&](Index i) { return i < bodies.owned; });
   {
-    StageTimer timer(world.times, "solver");
+    StageTimer timer(world.stages, "solver");
     // Between kicks nothing loads a resting pile: what the contacts carried at the last kick says
     // nothing about such a step, and all about the next kick.
     const double scale = kick.remembered_load > 0 ? kick.load / kick.remembered_load : 0;
@@ -248,7 +249,7 @@ StepReport nonsmooth_step(World& world, Rigid& rigid, const StepRequest& request
     }
   }
   {
-    StageTimer timer(world.times, "motion");
+    StageTimer timer(world.stages, "motion");
     const DriftReport drifted = drift_apart(world, rigid.neighbours.ghosts, contacts, h);
     move_prescribed(world, h);
     report.overlap = drifted.overlap;

@@ -45,17 +45,26 @@ void Account::add_drifts(ResultTable& table, double momentum,
     return scale > 0 ? drift / scale : 0;
   };
   table.add("conservation", "linear", relative(momentum_drift_, momentum, momentum_scale_), "",
-            "largest drift of momentum, of the impactor's");
+            momentum > 0 ? "largest drift of momentum, of the impactor's"
+                         : "largest drift of momentum, of the largest sum of m |v|");
   if (!angular_momentum) return;
   table.add("conservation", "angular",
             relative(angular_momentum_drift_, *angular_momentum, angular_scale_), "",
-            "largest drift of angular momentum, of the impactor's on the pile's rim");
+            *angular_momentum > 0
+                ? "largest drift of angular momentum, of the impactor's on the pile's rim"
+                : "largest drift of angular momentum, of the largest sum of m |x| |v|");
 }
 
 void Account::add_energies(ResultTable& table, const Diagnostics& sums, double potential) const {
-  table.add("conservation", "energy_unexplained",
-            sums.dissipated > 0 ? unexplained_ / sums.dissipated : 0, "",
-            "energy that no entry explains, of what was dissipated");
+  // Where next to nothing is dissipated, what is would make any error look large, or none at all.
+  const bool conserves = sums.dissipated <= 1e-6 * sums.kinetic;
+  const double measure = conserves ? sums.kinetic : sums.dissipated;
+  table.add("conservation", "energy_unexplained", measure > 0 ? unexplained_ / measure : 0, "",
+            conserves ? "energy that no entry explains, of energy_measure"
+                      : "energy that no entry explains, of what was dissipated");
+  if (conserves && measure > 0)
+    table.add("conservation", "energy_measure", measure, "J",
+              "kinetic: next to nothing was dissipated");
   table.add("conservation", "dissipated", sums.dissipated, "J");
   if (sums.prescribed_work != 0)
     table.add("conservation", "prescribed_work", sums.prescribed_work, "J",

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <fmt/format.h>
+
 #include <optional>
 #include <string>
 
@@ -45,8 +47,8 @@ class Account {
     f("account.initial", self.initial_);
     f("account.given", self.given_);
     for (int k = 0; k < 3; ++k) {
-      f("account.momentum." + std::to_string(k), self.momentum_[k]);
-      f("account.angular_momentum." + std::to_string(k), self.angular_momentum_[k]);
+      f(fmt::format("account.momentum.{}", k), self.momentum_[k]);
+      f(fmt::format("account.angular_momentum.{}", k), self.angular_momentum_[k]);
     }
     f("account.momentum_drift", self.momentum_drift_);
     f("account.angular_momentum_drift", self.angular_momentum_drift_);

@@ -8,6 +8,7 @@
 #include "gravity/kick.hpp"
 #include "output/diagnostics.hpp"
 #include "run/progress.hpp"
+#include "run/record.hpp"
 #include "run/simulation.hpp"
 #include "run/timetable.hpp"
 
@@ -17,8 +18,15 @@ Sample sample_steps(Simulation& simulation, double seconds) {
   World& world = simulation.world();
   const Case& scene = simulation.scene();
   Sample sample;
+  double start = 0;
+  const auto begin = [&] {
+    sample = {};
+    world.stages.clear();
+    traffic() = {};
+    start = MPI_Wtime();
+  };
+  begin();
   bool first = true;
-  double start = MPI_Wtime();
   while (simulation.steps_left() > 0) {
     const bool row = simulation.synchronous() && row_due(scene, simulation.clock());
     if (row) {
@@ -30,12 +38,16 @@ Sample sample_steps(Simulation& simulation, double seconds) {
     sample.steps += simulation.advance(most, row).steps;
     sample.seconds = world.comm.max(MPI_Wtime() - start);
     if (sample.seconds > seconds) break;
-    if (first && simulation.steps_left() > 0) {
-      sample = {};
-      start = MPI_Wtime();
-    }
+    if (first && simulation.steps_left() > 0) begin();
     first = false;
   }
+  StageUse rest{sample.seconds, traffic()};
+  for (const std::string& stage : stages) {
+    sample.stages.emplace_back(stage, world.stages[stage]);
+    rest.seconds -= world.stages[stage].seconds;
+    rest.traffic.take_away(world.stages[stage].traffic);
+  }
+  sample.stages.emplace_back("elsewhere", rest);
   return sample;
 }
 

@@ -3,7 +3,10 @@
 #pragma once
 
 #include <string>
+#include <utility>
+#include <vector>
 
+#include "base/timer.hpp"
 #include "spall/simulation.hpp"
 
 namespace spall {
@@ -12,11 +15,14 @@ namespace spall {
 struct Sample {
   std::int64_t steps = 0;
   double seconds = 0;  ///< of wall time, on the slowest rank
+  /// Of this rank, in the order of a step, and last what belongs to none.
+  std::vector<std::pair<std::string, StageUse>> stages = {};
 };
 
 /// Makes steps of the phase that has begun, with the sums that rows of the series need, until they
 /// have taken `seconds` or the phase is over. Writes nothing. The first step is not counted where
-/// others follow: it finds all pairs. Collective.
+/// others follow: it finds all pairs. The world's own account of its stages begins anew.
+/// Collective.
 Sample sample_steps(Simulation& simulation, double seconds);
 
 /// s: what all steps of the present phase take if they cost as much as those of the sample.

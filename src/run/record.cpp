@@ -67,12 +67,12 @@ std::vector<Column> Record::columns() {
 }
 
 std::vector<double> Record::row(std::int64_t phase, std::int64_t contacts, const Balance& balance,
-                                const StepReport& report, double overlap, const StageTimes& times) {
+                                const StepReport& report, double overlap, const StageUses& uses) {
   std::vector<double> values;
   for_each_column(static_cast<double>(phase), static_cast<double>(contacts), balance, report,
                   overlap,
                   [&](const std::string&, const char*, double value) { values.push_back(value); });
-  for (const auto& stage : stages) values.push_back(times.at(stage));
+  for (const auto& stage : stages) values.push_back(uses.at(stage).seconds);
   return values;
 }
 

@@ -23,7 +23,7 @@ class Record {
   static std::vector<Column> columns();  ///< beside step and time
   /// The row of the instant at which the step began; `contacts` are those of all ranks.
   static std::vector<double> row(std::int64_t phase, std::int64_t contacts, const Balance& balance,
-                                 const StepReport& report, double overlap, const StageTimes& times);
+                                 const StepReport& report, double overlap, const StageUses& uses);
 
   /// Adds [solver]; without solved contacts it holds the number of steps alone.
   void add_to(ResultTable& table, std::int64_t steps, bool solves) const;

@@ -20,6 +20,7 @@
 #include "output/series.hpp"
 #include "output/snapshot.hpp"
 #include "output/stored_bodies.hpp"
+#include "run/communication.hpp"
 #include "run/debris_log.hpp"
 #include "run/foretell.hpp"
 #include "run/progress.hpp"
@@ -208,14 +209,14 @@ class Run {
   void at_instant() {
     if (passed_multiple(scene_.output.snapshot_every)) snapshot();
     if (passed_multiple(debris_.every())) {
-      StageTimer timer(world().times, "analysis");
+      StageTimer timer(world().stages, "analysis");
       progress_.say(debris_.read_out(world(), clock().time));
     }
     if (clock().since_impact < 0) return;
     for (double at : scene_.read_out) {
       if (std::abs(at - clock().since_impact) > phase().step / 2) continue;
       evaluate_field(world());
-      StageTimer timer(world().times, "analysis");
+      StageTimer timer(world().stages, "analysis");
       progress_.say(verdict_.read_out(world(), simulation_->engine(), clock().since_impact));
     }
   }
@@ -223,7 +224,7 @@ class Run {
   /// The row of the instant at which the step began.
   void write_row(const Clock& start, const Diagnostics& sums, const StepReport& report,
                  std::vector<double>& received) {
-    StageTimer timer(world().times, "output");
+    StageTimer timer(world().stages, "output");
     // One reduction for what the ranks know in parts, one for what is largest on one of them.
     const std::array<double, 3> own{report.energy, static_cast<double>(report.contacts),
                                     report.gravity_work};
@@ -238,7 +239,7 @@ class Run {
     shown_.rms_speed = sums.rms_speed;
     shown_.contacts = static_cast<std::int64_t>(parts[1]);
     std::vector<double> values = Record::row(start.phase, shown_.contacts, balance, report,
-                                             comm_.max(report.overlap), world().times);
+                                             comm_.max(report.overlap), world().stages);
     const std::vector<double> forces = reactions_.row(start.time, received);
     values.insert(values.end(), forces.begin(), forces.end());
     series_->append(start.step, start.time, values);
@@ -246,7 +247,7 @@ class Run {
 
   void snapshot() {
     evaluate_field(world());
-    StageTimer timer(world().times, "output");
+    StageTimer timer(world().stages, "output");
     simulation_->measure_fields();
     snapshots_->write(world().bodies, clock().step, clock().time);
   }
@@ -265,10 +266,7 @@ class Run {
 
   /// Leaves the state before, from which steps half as long may go on.
   [[noreturn]] void end_as_lost() {
-    const Bodies& bodies = world().bodies;
-    const Index first = first_lost(bodies);
-    const double id =
-        comm_.min(first < bodies.owned ? static_cast<double>(bodies.id[first]) : infinity);
+    const double id = first_lost_id(comm_, world().bodies);
     write_newest();
     throw Error(fmt::format(
         "{}: body {} has no finite place, velocity or spin any more after step {} of phase {}: the "
@@ -277,7 +275,7 @@ class Run {
   }
 
   void keep() {
-    StageTimer timer(world().times, "output");
+    StageTimer timer(world().stages, "output");
     const double now = MPI_Wtime();
     seconds_before_ += now - seconds_at_start_;
     seconds_at_start_ = now;
@@ -293,7 +291,7 @@ class Run {
   }
 
   void write(const std::string& file) {
-    StageTimer timer(world().times, "output");
+    StageTimer timer(world().stages, "output");
     write_restart(comm_, file, kept_);
   }
 
@@ -328,8 +326,10 @@ class Run {
     const double total = MPI_Wtime() - seconds_at_start_ + seconds_before_;
     table.add("time", "total_s", comm_.max(total), "s");
     for (const auto& stage : stages)
-      table.add("time", stage + "_s", comm_.max(world().times[stage]), "s", "longest rank");
+      table.add("time", stage + "_s", comm_.max(world().stages[stage].seconds), "s",
+                "longest rank");
     table.add("time", "ranks", static_cast<std::int64_t>(comm_.size));
+    add_communication(world(), clock().step - std::max<std::int64_t>(resumes_at_, 0), table);
     progress_.say("\n" + table.text());
     write_results(comm_, folder_.path(), table, provenance_);
     snapshots_->write_index();
@@ -435,6 +435,13 @@ bool run_case(const Comm& comm, const Case& scene, const std::string& folder, Fo
   return within_memory(comm, *whole, [&] { return Run(comm, Scene(whole), held, nullptr).go(); });
 }
 
+Case stored_case(const RestartState& state, const std::vector<std::string>& overrides,
+                 const InputFiles& files) {
+  std::vector<std::string> all = state.overrides;
+  all.insert(all.end(), overrides.begin(), overrides.end());
+  return parse_case(state.case_text, state.case_file, all, Groups::needed, files, state.constants);
+}
+
 bool resume_case(const Comm& comm, const std::string& file, const ResumeOptions& options) {
   namespace fs = std::filesystem;
   const RestartState state = read_restart(comm, file);
@@ -445,10 +452,8 @@ bool resume_case(const Comm& comm, const std::string& file, const ResumeOptions&
             "goes on with the case as it was",
             state.case_file, file);
   });
-  std::vector<std::string> all = state.overrides;
-  all.insert(all.end(), options.overrides.begin(), options.overrides.end());
   const InputFiles files(comm);
-  Case scene = parse_case(state.case_text, state.case_file, all, Groups::needed, files);
+  Case scene = stored_case(state, options.overrides, files);
   std::string own = fs::path(file).parent_path().string();
   if (own.empty()) own = ".";
   // Away from its case a run still has the copy beside its restart file.

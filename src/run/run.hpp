@@ -30,6 +30,10 @@ std::string check_restart(const Comm& comm, const std::string& file);
 bool run_case(const Comm& comm, const Case& scene, const std::string& folder,
               Former former = Former::refuse);
 
+/// The case of a restart file, with the changes that it was run with and others.
+Case stored_case(const RestartState& state, const std::vector<std::string>& overrides,
+                 const InputFiles& files);
+
 /// What `resume_case` may be told.
 struct ResumeOptions {
   std::string folder;                  ///< for results; empty: that of the restart file

@@ -39,7 +39,7 @@ struct Simulation::State {
 
   State(const Comm& comm, std::shared_ptr<const Case> of)
       : scene(std::move(of)), world(make_world(comm, *scene)) {
-    for (const auto& stage : stages) world.times[stage] = 0;
+    for (const auto& stage : stages) world.stages[stage];
   }
   void set_engine(const Phase& phase) {
     type = phase.engine;
@@ -172,6 +172,7 @@ std::int64_t Simulation::steps_left() const {
 }
 
 StepSummary Simulation::step(int most) {
+  require(most > 0, "step: {} steps are asked for; 1 or more are wanted", most);
   require(!over(), "{}: all phases are over: there is no step to make", scene().file);
   if (clock().step_in_phase == 0) begin_phase();
   const StepReport report =
@@ -181,6 +182,12 @@ StepSummary Simulation::step(int most) {
                       .residual = report.solver.residual,
                       .converged = report.solver.converged,
                       .overlap = world().comm.max(report.overlap)};
+  const double lost = first_lost_id(world().comm, world().bodies);
+  require(
+      !std::isfinite(lost),
+      "{}: body {} has no finite place, velocity or spin any more after step {} of phase {}: the "
+      "step may be too long, or a force of the program no number",
+      phase().place, lost, clock().step, phase().name);
   if (steps_left() <= 0 ||
       (phase().until == PhaseEnd::settled && synchronous() && settled(diagnose(world()))))
     end_phase();
@@ -188,6 +195,7 @@ StepSummary Simulation::step(int most) {
 }
 
 void Simulation::run_until(double time, const std::function<void()>& each) {
+  require(!std::isnan(time), "run_until: the time is not a number");
   // Half a step early counts as reached: sums of steps are not exact.
   while (!over() && this->time() + phase().step / 2 < time) {
     step();
@@ -312,16 +320,17 @@ RestartState Simulation::save() {
   RestartState state{.case_file = scene().file,
                      .case_text = scene().text,
                      .overrides = scene().overrides,
+                     .constants = scene().constants,
                      .clock = clock(),
                      .scalars = {},
                      .bodies = world.bodies,
                      .contacts = std::move(memory.contacts),
                      .bonds = std::move(memory.bonds)};
   resize(state.bodies, state.bodies.owned);
-  const auto own_times = world.times;
-  for (auto& [stage, seconds] : world.times) seconds = world.comm.max(seconds);
+  const StageUses own = world.stages;
+  for (auto& [stage, use] : world.stages) use.seconds = world.comm.max(use.seconds);
   save_scalars(world, state.scalars);
-  world.times = own_times;
+  for (auto& [stage, use] : world.stages) use = own.at(stage);  // timers under way point to them
   save_scalars(state_->account, state.scalars);
   save_scalars(*state_, state.scalars);
   state.scalars["law.cohesion"] = world.contact.common().cohesion;

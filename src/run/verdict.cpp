@@ -6,6 +6,8 @@
 
 #include <algorithm>
 
+#include "scene/orbit.hpp"
+
 namespace spall {
 
 void Verdict::look_at_pile(const World& world) {
@@ -77,7 +79,8 @@ void Verdict::add_to(ResultTable& table, const std::optional<Binary>& binary) co
   table.add("deflection", "momentum_closure", closure_, "", "largest of all read-outs, of m v");
   if (binary) {
     const Orbit orbit = new_orbit(*binary, last.dv);
-    table.add("deflection", "a_new", orbit.a_new, "m");
+    table.add("deflection", "a_new", orbit.a_new, "m",
+              orbit.a_new > 0 ? "" : "negative: the target escapes from its primary");
     table.add("deflection", "T_new_min", orbit.T_new / 60, "min");
     table.add("deflection", "dT_min", orbit.dT / 60, "min");
   }

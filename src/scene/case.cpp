@@ -6,6 +6,7 @@
 #include <cctype>
 #include <cmath>
 #include <filesystem>
+#include <map>
 
 #include "keys/section.hpp"
 #include "keys/toml_text.hpp"
@@ -25,6 +26,7 @@ namespace {
 
 using namespace dimension;  // length, mass, time, speed ...: the units of the keys
 
+constexpr Choice<Cut> cuts[] = {{"bisection", Cut::bisection}, {"metis", Cut::metis}};
 constexpr Choice<GravityMethod> gravity_methods[] = {{"none", GravityMethod::none},
                                                      {"direct", GravityMethod::direct},
                                                      {"tree", GravityMethod::tree},
@@ -153,7 +155,7 @@ void read_case_keys(Section& in, Case& scene) {
   in.take("seed", "of random packings", seed, 0);
   scene.seed = static_cast<std::uint64_t>(seed);
   in.take("allowed_overlap", "of two bodies at the start, in units of the smaller radius",
-          scene.allowed_overlap, not_negative(number));
+          scene.allowed_overlap, Quantity{number, 0, 1});
   in.named_tables("materials", "[materials.NAME]", [&](Section& s, const std::string& name) {
     Material& material = scene.materials.emplace_back();
     material.name = name;
@@ -177,6 +179,10 @@ void read_case_keys(Section& in, Case& scene) {
     s.check("map", !scene.gravity_map || scene.gravity.method != GravityMethod::none,
             "needs a method of self-gravity");
   });
+  in.table("domain", "how bodies are shared out to the ranks", [&](Section& s) {
+    s.take("cut", "by planes that halve space again and again, or by METIS's graph of coarse cells",
+           scene.cut, cuts);
+  });
   in.tables("phases", "[[phases]]: in the order in which they run",
             [&](Section& s) { read_phase(s, scene.phases.emplace_back(), scene.engines); });
   in.table("output", "snapshots, time series and restarts", [&](Section& s) {
@@ -195,7 +201,7 @@ void read_case_keys(Section& in, Case& scene) {
                  s.need("speed", "v_old along the impactor's flight, negative against it",
                         binary.speed, any(speed));
                  s.need("parameter", "mu", binary.parameter, positive(gravitational_parameter));
-                 s.need("period", "T_old", binary.period, positive(time));
+                 s.need("period", "T_old, as the others give it", binary.period, positive(time));
                  binary.place = s.place();
                }))
     scene.binary = binary;
@@ -307,6 +313,22 @@ toml::table parse_override(const std::string& text) {
   }
 }
 
+/// Tables of methods that no phase has: whoever wrote them may believe that they act.
+std::vector<std::string> unused_tables(const toml::table& root, const Case& scene) {
+  std::map<std::string_view, std::vector<std::string>> methods;  // that read a table of this name
+  for (const EngineType* type : all_engines())
+    for (const std::string_view table : type->tables)
+      methods[table].push_back(fmt::format("\"{}\"", type->name));
+  for (const Phase& phase : scene.phases)
+    for (const std::string_view table : phase.engine->tables) methods.erase(table);
+  std::vector<std::string> unused;
+  for (const auto& [table, names] : methods)
+    if (root.contains(table))
+      unused.push_back(fmt::format("[{}] is not used: no phase has method = {}", table,
+                                   fmt::join(names, " or ")));
+  return unused;
+}
+
 /// Of a case file, as its own reader asks for them.
 const Section::Reference& all_keys() {
   static const Section::Reference keys = Section::reference([](Section& in) {
@@ -319,7 +341,8 @@ const Section::Reference& all_keys() {
 }  // namespace
 
 Case parse_case(const std::string& text, const std::string& file,
-                const std::vector<std::string>& overrides, Groups groups, const InputFiles& files) {
+                const std::vector<std::string>& overrides, Groups groups, const InputFiles& files,
+                const std::vector<std::string>& constants) {
   toml::table root;
   try {
     root = parse_toml(text, file);
@@ -327,17 +350,20 @@ Case parse_case(const std::string& text, const std::string& file,
     throw Error(fmt::format("{}:{}:{}: {}", file, error.source().begin.line,
                             error.source().begin.column, error.description()));
   }
-  for (const std::string& change : overrides) {
-    toml::table from = parse_override(change);
-    merge(from, root, "--set " + change);
-  }
+  for (const auto* changes : {&constants, &overrides})
+    for (const std::string& change : *changes) {
+      toml::table from = parse_override(change);
+      merge(from, root, "--set " + change);
+    }
   Case scene;
   scene.file = file;
   scene.text = text;
   scene.overrides = overrides;
-  insert_material_files(root, file, scene.overrides, files);
+  scene.constants = constants;
+  insert_named_constants(root, file, scene.constants, files);
   Section::read_all(
       root, file, [&](Section& in) { read_case_keys(in, scene); }, all_keys());
+  scene.unused = unused_tables(root, scene);
   draw_orientations(scene);
   const auto hit =
       std::ranges::find_if(scene.phases, [](const Phase& p) { return p.impactor.has_value(); });

@@ -122,6 +122,7 @@ struct Phase {
 
   /// That it lasts, at most where it ends settled.
   std::int64_t steps() const { return std::llround(duration / step); }
+  double lasts() const { return step * static_cast<double>(steps()); }  ///< s, of whole steps
 };
 
 struct OutputSettings {
@@ -153,8 +154,11 @@ struct Case : Surroundings {
   std::string file;                    ///< where it was read
   std::string text;                    ///< the file as read: with `overrides` gives the case again
   std::vector<std::string> overrides;  ///< "key.path=value"
+  /// What the library and the files of materials hold, as overrides that come before those.
+  std::vector<std::string> constants;
   std::string resolved;  ///< TOML that is this case, with `overrides` in it; empty: a program added
                          ///< to it what no file tells
+  std::vector<std::string> unused;  ///< its tables that no phase reads, and why
   std::string title;
   std::string reference;        ///< file with a source's values, for the report; empty: none
   std::string reference_place;  ///< where the case asks for it, for messages
@@ -183,11 +187,11 @@ Case read_case(const std::string& file, const std::vector<std::string>& override
 
 /// Whether a case without bodies of its own is an error.
 enum class Groups { needed, may_lack };
-/// The same from the text of a file: how a restart gets its case back. Files that the case names
-/// need not be there any more.
+/// The same from the text of a file. With its `constants` a restart gets its case back: files that
+/// the case names need not be there any more.
 Case parse_case(const std::string& text, const std::string& file,
                 const std::vector<std::string>& overrides = {}, Groups groups = Groups::needed,
-                const InputFiles& files = {});
+                const InputFiles& files = {}, const std::vector<std::string>& constants = {});
 
 /// The case files in a folder and below it, sorted. Beside a case.toml other files are not cases.
 std::vector<std::string> find_cases(const std::string& folder);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "scene/orbit.hpp"
 #include "spall/error.hpp"
 
 namespace spall {
@@ -25,8 +26,10 @@ void check_read_outs(const Case& scene) {
   require(hit != scene.phases.end(),
           "{} tells times after the impact, but no phase has an impactor", scene.read_out_place);
   double end = 0;
-  for (auto phase = hit; phase != scene.phases.end(); ++phase)
-    end += static_cast<double>(phase->steps()) * phase->step;
+  for (auto phase = hit; phase != scene.phases.end(); ++phase) end += phase->lasts();
+  require(!std::ranges::all_of(scene.groups, &Group::held),
+          "{} tells how a target is deflected, but all groups are fixed or move as prescribed",
+          scene.read_out_place);
   const double half_a_step = scene.phases.back().step / 2;
   const double last = std::ranges::max(scene.read_out);
   require(last <= end + half_a_step,
@@ -70,6 +73,7 @@ void check_consistency(const Case& scene) {
   require(!scene.binary || !scene.read_out.empty(),
           "{} follows from the deflection: it needs read_out, times at which that is measured",
           scene.binary ? scene.binary->place : "");
+  if (scene.binary) check_orbit(*scene.binary);
 }
 
 }  // namespace spall

@@ -32,7 +32,7 @@ std::string describe_group(const Group& group, const GroupContent& content) {
   std::string radius = fmt::format("{:.6g}", content.largest);
   if (content.smallest < content.largest)
     radius = fmt::format("{:.3g} to {:.3g}", content.smallest, content.largest);
-  return fmt::format("  {:<16}{:>10}{:>14}{:>14.6g}{:>14.6g}{:>10.4f}{}\n", group.name,
+  return fmt::format("  {:<16}{:>10}{:>22}{:>14.6g}{:>14.6g}{:>10.4f}{}\n", group.name,
                      content.count, radius, each, mass, content.volume / volume_of(group.volume),
                      group.fixed    ? "  fixed"
                      : group.motion ? "  moves as prescribed"
@@ -43,7 +43,7 @@ std::string describe_group(const Group& group, const GroupContent& content) {
 
 std::string describe_phase(const Phase& phase, double start) {
   std::string text = fmt::format("  {:<16}{:>12.6g}{:>12.6g}{:>10}{:>12.6g}", phase.name,
-                                 phase.step, phase.duration, phase.steps(), start);
+                                 phase.step, phase.lasts(), phase.steps(), start);
   if (phase.until == PhaseEnd::settled)
     text += fmt::format("  at most, until the rms speed is below {:g} m/s", phase.settled_speed);
   if (phase.remove_drift) text += "  drift removed";
@@ -68,7 +68,7 @@ double bytes_of_a_rank(const Case& scene, const std::vector<GroupContent>& conte
 
 std::string describe_bodies(const Case& scene, int ranks, double bytes_of_program) {
   std::string text = fmt::format("{}\n\n", scene.title.empty() ? scene.file : scene.title);
-  text += fmt::format("  {:<16}{:>10}{:>14}{:>14}{:>14}{:>10}\n", "group", "bodies", "radius (m)",
+  text += fmt::format("  {:<16}{:>10}{:>22}{:>14}{:>14}{:>10}\n", "group", "bodies", "radius (m)",
                       "mean (kg)", "all (kg)", "filled");
   const std::vector<GroupContent> contents = measure_groups(scene);
   std::int64_t all = 0;
@@ -117,7 +117,7 @@ std::string describe_phases(const Case& scene) {
   double start = 0;
   for (const Phase& phase : scene.phases) {
     text += describe_phase(phase, start);
-    start += phase.duration;
+    start += phase.lasts();
   }
 
   for (const Phase& phase : scene.phases)
@@ -129,6 +129,7 @@ std::string describe_phases(const Case& scene) {
           "radius (thesis eq. 3.1)\n",
           flight, flight / phase.impactor->radius, phase.impactor->radius / phase.impactor->speed);
     }
+  for (const std::string& table : scene.unused) text += "\n  " + table + "\n";
   return text;
 }
 

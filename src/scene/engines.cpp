@@ -8,6 +8,7 @@
 #include "penalty/engine.hpp"
 #include "potential/engine.hpp"
 #include "rigid/engine.hpp"
+#include "solid/engine.hpp"
 
 namespace spall {
 
@@ -16,6 +17,7 @@ std::span<const EngineType* const> all_engines() {
       &rigid_engine,
       &potential_engine,
       &penalty_engine,
+      &solid_engine,
   };
   return engines;
 }
@@ -29,7 +31,7 @@ double bytes_a_body(const EngineType& engine, const Surroundings& around, double
   // Contacts of springs and of potentials are lanes of their bodies' rows: touching costs nothing.
   static constexpr std::array uses{Use{&rigid_engine, 830, 360, 190},
                                    Use{&potential_engine, 800, 0, 0},
-                                   Use{&penalty_engine, 900, 0, 0}};
+                                   Use{&penalty_engine, 900, 0, 0}, Use{&solid_engine, 2000, 0, 0}};
   bool friction = false;
   around.contact.for_each([&](const ContactLaw& law) { friction |= law.friction > 0; });
   const auto found = std::ranges::find(uses, &engine, &Use::engine);

@@ -86,12 +86,12 @@ bool would_hit(const Comm& comm, const Impactor& impactor, const Bodies& bodies)
 
 Aim add_impactor(const Comm& comm, const Case& scene, const Impactor& impactor, Bodies& bodies) {
   const Aim aim = aim_impactor(comm, impactor, bodies);
-  for (std::size_t p = 0; p < scene.planes.size(); ++p) {
-    const Plane& plane = scene.planes[p];
-    const double gap = plane.normal.dot(aim.position - plane.point) - impactor.radius;
+  const Walls walls = scene.walls();
+  for (std::size_t w = 0; w < walls.size(); ++w) {
+    const double gap = face_of(walls, w, aim.position).height - impactor.radius;
     require(gap >= 0,
-            "{}: it begins {:.3g} m deep in planes.{}: another direction or distance is wanted",
-            impactor.place, -gap, p);
+            "{}: it begins {:.3g} m deep in the wall {}: another direction or distance is wanted",
+            impactor.place, -gap, walls.name(w));
   }
   const auto highest = std::ranges::max_element(bodies.id);
   const BodyId next = 1 + static_cast<BodyId>(comm.max(

@@ -8,6 +8,7 @@
 
 #include "engine/between.hpp"
 #include "keys/toml_text.hpp"
+#include "scene/material_library.hpp"
 #include "scene/packing.hpp"
 #include "spall/error.hpp"
 
@@ -35,15 +36,29 @@ void read_solid(Section& in, Solid& solid) {
           positive(specific_energy));
   in.take("sublimation_energy", "from solid to vapour", solid.sublimation_energy,
           positive(specific_energy));
+  JohnsonCook& jc = solid.johnson_cook;
+  in.take("johnson_cook_a", "A of its flow stress (A + B eps^n)(1 + C ln rate)(1 - T*^m)", jc.a,
+          positive(pressure));
+  in.take("johnson_cook_b", "", jc.b, not_negative(pressure));
+  in.take("johnson_cook_n", "", jc.n, positive(number));
+  in.take("johnson_cook_c", "", jc.c, not_negative(number));
+  in.take("johnson_cook_m", "", jc.m, positive(number));
+  for (std::size_t k = 0; k < jc.d.size(); ++k)
+    in.take(fmt::format("johnson_cook_d{}", k + 1),
+            k == 0 ? "D1 of the strain at which it fails, (D1 + D2 exp(D3 triaxiality)) "
+                     "(1 + D4 ln rate)(1 + D5 T*)"
+                   : "",
+            jc.d[k], any(number));
 }
 
 }  // namespace
 
 void read_material(Section& in, Material& material) {
-  std::string file;
+  std::string file, library;
+  in.take("library", "a solid that Spall knows: `spall materials` lists them", library);
   in.take("file", "TOML file with the keys of solid, beside the case", file);
   Solid solid;
-  if (in.table("solid", "constants of a solid; left out: from file",
+  if (in.table("solid", "constants of a solid; they come before those of library or file",
                [&](Section& s) { read_solid(s, solid); }))
     material.solid = solid;
   if (in.reads(!material.solid)) {
@@ -69,39 +84,65 @@ int find_material(const Section& in, const std::string& name,
   return found == materials.end() ? same_material : static_cast<int>(found - materials.begin());
 }
 
-void insert_material_files(toml::table& root, const std::string& file,
-                           std::vector<std::string>& overrides, const InputFiles& files) {
+namespace {
+
+toml::table parse_constants(const std::string& text, const std::string& path) {
+  try {
+    return parse_toml(text, path);
+  } catch (const toml::parse_error& error) {
+    throw Error(fmt::format("{}:{}:{}: {}", path, error.source().begin.line,
+                            error.source().begin.column, error.description()));
+  }
+}
+
+/// NAME.solid={...}, as an option --set takes it.
+std::string solid_override(const std::string& material, const toml::table& constants) {
+  std::ostringstream line;
+  line << material << ".solid={";
+  const char* separator = "";
+  for (auto&& [key, value] : constants) {
+    line << separator << toml_string(key.str()) << " = ";
+    value.visit([&](const auto& v) { line << v; });
+    separator = ", ";
+  }
+  return line.str() + "}";
+}
+
+}  // namespace
+
+void insert_named_constants(toml::table& root, const std::string& file,
+                            std::vector<std::string>& kept, const InputFiles& files) {
   toml::table* materials = root["materials"].as_table();
   if (!materials) return;
   for (auto&& [name, node] : *materials) {
     toml::table* material = node.as_table();
-    if (!material || material->contains("solid")) continue;
-    const auto wanted = (*material)["file"].value<std::string>();
-    if (!wanted) continue;
-    const std::string path = (std::filesystem::path(file).parent_path() / *wanted).string();
-    std::string text;
+    if (!material || (material->contains("solid") && !(*material)["solid"].is_table())) continue;
+    // Both are texts; what is none is refused where the keys are read. Library "" is of a restart
+    // file, which holds all constants.
+    const auto library = (*material)["library"].value<std::string>();
+    const auto named = (*material)["file"].value<std::string>();
+    if (library == "" || (!library && !named)) continue;
+    const char* key = library ? "library" : "file";
+    std::string path, text;
     try {
-      text = files.text(path);
+      require(!library || !named, "a file is named too: one is wanted");
+      require(library || !named->empty(), "its name is empty");
+      path = library ? *library + ".toml"
+                     : (std::filesystem::path(file).parent_path() / *named).string();
+      text = library ? std::string(library_material(*library).text) : files.text(path);
     } catch (const Error& error) {
-      throw Error(fmt::format("{}:{}: materials.{}.file: {}", file,
-                              (*material)["file"].node()->source().begin.line, name.str(),
+      throw Error(fmt::format("{}:{}: materials.{}.{}: {}", file,
+                              (*material)[key].node()->source().begin.line, name.str(), key,
                               error.what()));
     }
-    try {
-      material->insert_or_assign("solid", parse_toml(text, path));
-    } catch (const toml::parse_error& error) {
-      throw Error(fmt::format("{}:{}:{}: {}", path, error.source().begin.line,
-                              error.source().begin.column, error.description()));
-    }
-    std::ostringstream line;
-    line << "materials." << toml_string(name.str()) << ".solid={";
-    bool first = true;
-    for (auto&& [key, value] : *(*material)["solid"].as_table()) {
-      line << (first ? "" : ", ") << toml_string(key.str()) << " = ";
-      value.visit([&](const auto& v) { line << v; });
-      first = false;
-    }
-    overrides.push_back(line.str() + "}");
+    toml::table constants = parse_constants(text, path);
+    if (const toml::table* own = (*material)["solid"].as_table())  // what the case says counts
+      for (auto&& [constant, value] : *own)
+        value.visit([&, &at = constant](const auto& v) { constants.insert_or_assign(at, v); });
+    const std::string place = "materials." + toml_string(name.str());
+    kept.push_back(solid_override(place, constants));
+    kept.push_back(place + ".library=\"\"");
+    material->insert_or_assign("solid", std::move(constants));
   }
 }
 
@@ -119,10 +160,10 @@ namespace {
 void derive_cohesion(Case& scene, std::span<const MaterialUse> uses) {
   if (scene.contact_of.empty()) return;
   const auto found = std::ranges::find(scene.materials, scene.contact_of, &Material::name);
-  require(
-      found != scene.materials.end() && found->solid,
-      "{} = \"{}\" is not a solid of [materials]: one with a file or a table [materials.{}.solid]",
-      scene.contact_of_place, scene.contact_of, scene.contact_of);
+  require(found != scene.materials.end() && found->solid,
+          "{} = \"{}\" is not a solid of [materials]: one with a library, a file or a table "
+          "[materials.{}.solid]",
+          scene.contact_of_place, scene.contact_of, scene.contact_of);
   const auto material = static_cast<int>(found - scene.materials.begin());
   const Lattice lattice = shared_lattice(scene, uses, material, scene.contact_of_place);
   const Cohesion cohesion = cohesion_of(*found->solid, lattice, scene.contact_of_place);
@@ -155,6 +196,8 @@ std::vector<MaterialUse> material_uses(const Case& scene) {
                     .group = group.name,
                     .material = group.material,
                     .lattice = lattice_of(group.packing),
+                    .diameter = 2 * group.packing.radius,
+                    .scaled = group.total_mass.has_value(),
                     .fixed = group.held()});
   for (const SceneSphere& sphere : scene.spheres)
     uses.push_back({.place = fmt::format("{}: sphere", scene.file),

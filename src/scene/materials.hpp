@@ -15,10 +15,10 @@ void read_material(Section& in, Material& material);
 int find_material(const Section& in, const std::string& name,
                   const std::vector<Material>& materials);
 
-/// Puts what the files that materials name hold into their tables [materials.NAME.solid], and the
-/// same as overrides into `overrides`: a restart needs no such file.
-void insert_material_files(toml::table& root, const std::string& file,
-                           std::vector<std::string>& overrides, const InputFiles& files);
+/// Puts the constants of the files and of the library that materials name into their tables
+/// [materials.NAME.solid], and the same as overrides into `kept`: a restart needs neither.
+void insert_named_constants(toml::table& root, const std::string& file,
+                            std::vector<std::string>& kept, const InputFiles& files);
 
 /// Turns the lattices whose orientation is left to the seed.
 void draw_orientations(Case& scene);

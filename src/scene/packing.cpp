@@ -18,28 +18,58 @@ namespace {
 
 constexpr double slack = 1e-9;  // of a radius or spacing: a box of exactly n layers holds n
 
-/// Calls `visit` with every site of the lattice with spacing `d` in the box [0, room].
-template <class Visit>
-void visit_sites(LatticeKind kind, double d, const Vec3& room, Visit&& visit) {
-  // Rows of spheres along x; every second row and layer of fcc and hcp lies in the gaps of the
-  // last.
-  const auto site = [&](int i, int j, int k) -> Vec3 {
+/// The sites of a lattice with spacing `d` in the box [0, room]: rows along x; every second row and
+/// layer of fcc and hcp lies in the gaps of the last.
+class Sites {
+ public:
+  Sites(LatticeKind kind, double d, const Vec3& room)
+      : kind_(kind), d_(d), end_(room.array() + slack * d) {}
+
+  Vec3 at(int i, int j, int k) const {
     const double shift = (j + k) % 2;
-    switch (kind) {
+    switch (kind_) {
       case LatticeKind::simple_cubic:
-        return d * Vec3(i, j, k);
+        return d_ * Vec3(i, j, k);
       case LatticeKind::fcc:
-        return d * std::sqrt(0.5) * Vec3(2 * i + shift, j, k);
+        return d_ * std::sqrt(0.5) * Vec3(2 * i + shift, j, k);
       case LatticeKind::hcp:
-        return d *
+        return d_ *
                Vec3(i + shift / 2, std::sqrt(3.0) / 2 * (j + k % 2 / 3.0), std::sqrt(2.0 / 3) * k);
     }
     return Vec3::Zero();
-  };
-  const Vec3 end = room.array() + slack * d;
-  for (int k = 0; site(0, 0, k).z() <= end.z(); ++k)
-    for (int j = 0; site(0, j, k).y() <= end.y(); ++j)
-      for (int i = 0; site(i, j, k).x() <= end.x(); ++i) visit(site(i, j, k));
+  }
+
+  /// Calls `f(j, k, count)` for every row that has sites.
+  template <class F>
+  void for_each_row(F&& f) const {
+    const double step = at(1, 0, 0).x();
+    for (int k = 0; at(0, 0, k).z() <= end_.z(); ++k)
+      for (int j = 0; at(0, j, k).y() <= end_.y(); ++j) {
+        int count = std::max(0, static_cast<int>((end_.x() - at(0, j, k).x()) / step));
+        while (at(count, j, k).x() <= end_.x()) ++count;
+        if (count > 0) f(j, k, count);
+      }
+  }
+
+ private:
+  LatticeKind kind_;
+  double d_;
+  Vec3 end_;
+};
+
+/// Narrows [first, last] to the numbers i, rounded outwards, for which `from` + i `step` lies in
+/// the box 0 +- `half`.
+void clip(const Vec3& from, const Vec3& step, const Vec3& half, double& first, double& last) {
+  for (int axis = 0; axis < 3; ++axis) {
+    if (step[axis] == 0) {
+      if (std::abs(from[axis]) > half[axis]) last = first - 1;
+      continue;
+    }
+    const double one = (-half[axis] - from[axis]) / step[axis];
+    const double other = (half[axis] - from[axis]) / step[axis];
+    first = std::max(first, std::floor(std::min(one, other)));
+    last = std::min(last, std::ceil(std::max(one, other)));
+  }
 }
 
 double spacing_of(const Packing& packing) {
@@ -112,6 +142,8 @@ void read_lattice(Section& in, Packing& packing) {
            fmt::format("= {} m is less than the spheres' diameter, {} m", spacing, diameter));
   in.take("orientation", "of lattices: random is drawn by seed, another for each group",
           packing.orientation, orientations);
+  in.check("orientation", packing.orientation == Orientation::rotation || !in.has("rotation"),
+           "= \"random\" is given beside rotation: give one of them");
 }
 
 Lattice simple_cubic(const Packing& packing) {
@@ -286,12 +318,22 @@ void place_lattice(LatticeKind kind, const Volume& volume, const Packing& packin
   }
   const Vec3 room = 2 * half - Vec3::Constant(d);
   if ((room.array() < -slack * d).any()) return;
+  const Sites sites(kind, d, room);
   Vec3 extent = Vec3::Zero();
-  const auto visit = [&](auto&& f) { visit_sites(kind, d, room, f); };
-  visit([&](const Vec3& site) { extent = extent.cwiseMax(site); });
-  visit([&](const Vec3& site) {
-    const Vec3 center = volume.center + rotation * (site - extent / 2);
-    if (depth(volume, center) >= -slack * d) place(center);
+  sites.for_each_row(
+      [&](int j, int k, int count) { extent = extent.cwiseMax(sites.at(count - 1, j, k)); });
+  // A flat body in the sphere around it takes a small part of each row.
+  const auto seen = [&](int i, int j, int k) -> Vec3 {
+    return rotation * (sites.at(i, j, k) - extent / 2);
+  };
+  const Vec3 box = half_widths(volume).array() + d;
+  sites.for_each_row([&](int j, int k, int count) {
+    double first = 0, last = count - 1;
+    clip(seen(0, j, k), seen(1, j, k) - seen(0, j, k), box, first, last);
+    for (auto i = static_cast<int>(first); i <= last; ++i) {
+      const Vec3 center = volume.center + seen(i, j, k);
+      if (depth(volume, center) >= -slack * d) place(center);
+    }
   });
 }
 

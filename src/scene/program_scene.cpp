@@ -5,6 +5,7 @@
 
 #include "potential/settings.hpp"
 #include "scene/case.hpp"
+#include "scene/read_group.hpp"
 #include "scene/shape.hpp"
 #include "spall/error.hpp"
 #include "spall/scene.hpp"
@@ -16,7 +17,9 @@ Scene Scene::from_file(const std::string& file, const std::vector<std::string>& 
 }
 
 Scene Scene::from_text(const std::string& toml, const std::vector<std::string>& overrides) {
-  return Scene(std::make_shared<Case>(parse_case(toml, "scene", overrides, Groups::may_lack)));
+  const auto parts = std::make_shared<Case>(parse_case(toml, "scene", overrides, Groups::may_lack));
+  load_meshes(*parts, {});
+  return Scene(parts);
 }
 
 Scene& Scene::add(const SceneSphere& sphere) {
@@ -27,6 +30,8 @@ Scene& Scene::add(const SceneSphere& sphere) {
   require(sphere.radius > 0 && std::isfinite(sphere.radius), "{}: sphere {}: radius = {} m",
           case_->file, number, sphere.radius);
   require(sphere.mass >= 0, "{}: sphere {}: mass = {} kg", case_->file, number, sphere.mass);
+  require(sphere.position.allFinite() && sphere.velocity.allFinite() && sphere.spin.allFinite(),
+          "{}: sphere {}: position, velocity and spin must be finite", case_->file, number);
   require(!sphere.fixed || (sphere.velocity.isZero(0) && sphere.spin.isZero(0)),
           "{}: sphere {}: it is fixed and has a velocity or a spin", case_->file, number);
   case_->resolved.clear();

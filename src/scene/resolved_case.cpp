@@ -12,7 +12,8 @@ std::string resolved_text(toml::table root, const Case& scene) {
   if (root.contains("reference")) root.insert_or_assign("reference", "reference.toml");
   if (toml::table* materials = root["materials"].as_table())
     for (auto&& [name, node] : *materials)
-      if (node.as_table()->contains("solid")) node.as_table()->erase("file");
+      if (toml::table& material = *node.as_table(); material.contains("solid"))
+        for (const char* source : {"file", "library"}) material.erase(source);
   for (std::size_t g = 0; g < scene.groups.size(); ++g) {
     const Group& group = scene.groups[g];
     const auto name_whole = [&](const char* table, const std::string& file) {

@@ -129,12 +129,10 @@ void check_clear(const Case& scene, std::size_t g, const std::vector<Placed>& pl
   const Walls walls = scene.walls();
   for (std::size_t w = 0; w < walls.size(); ++w) {
     const double gap = face_of(walls, w, center).height - radius;
-    const bool plane = w < scene.planes.size();
     require(gap >= -scene.allowed_overlap * radius,
-            "{}: body {} at {} lies {:.3g} m deep in {}.{}; allowed_overlap = {} of its radius, "
-            "{} m",
-            group.place, id, words(center), -gap, plane ? "planes" : "cylinders",
-            plane ? w : w - scene.planes.size(), scene.allowed_overlap, radius);
+            "{}: body {} at {} lies {:.3g} m deep in the wall {}; allowed_overlap = {} of its "
+            "radius, {} m",
+            group.place, id, words(center), -gap, walls.name(w), scene.allowed_overlap, radius);
   }
   for (const Placed& earlier : placed) {
     const auto hit = find_overlap(scene.period, earlier, g, center, radius, scene.allowed_overlap);

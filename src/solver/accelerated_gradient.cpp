@@ -4,6 +4,7 @@
 #include <array>
 #include <utility>
 
+#include "base/traffic.hpp"
 #include "solver/methods.hpp"
 #include "spall/error.hpp"
 
@@ -19,6 +20,9 @@ class DelayedSum {
   DelayedSum& operator=(const DelayedSum&) = delete;
 
   void start(const std::array<double, 3>& values) {
+    ++traffic().collectives;
+    ++traffic().delayed;
+    traffic().reduced += static_cast<std::int64_t>(sizeof(values));
     local_ = values;
     check_mpi(MPI_Iallreduce(local_.data(), global_.data(), static_cast<int>(local_.size()),
                              MPI_DOUBLE, MPI_SUM, comm_, &request_),

@@ -3,6 +3,7 @@
 #include "solver/contact_blocks.hpp"
 
 #include <algorithm>
+#include <array>
 
 namespace spall {
 namespace {
@@ -47,15 +48,16 @@ double power_of_two_below(double a) {
 }  // namespace
 
 PackedUnits choose_units(const ContactProblem& problem, const Comm& comm) {
-  double speed = 0, most_a = 0;
+  std::array<double, 2> most{};  // speed, a
   for (Index c = 0; c < problem.contacts(); ++c) {
     const double a = metric(problem, c).a_n;
     if (a == 0) continue;
-    speed = std::max(speed, problem.free_velocity[c].cwiseAbs().maxCoeff());
-    most_a = std::max(most_a, a);
+    most = {std::max(most[0], problem.free_velocity[c].cwiseAbs().maxCoeff()),
+            std::max(most[1], a)};
   }
-  const double velocity = power_of_two_below(comm.max(speed));
-  return {.impulse = velocity / power_of_two_below(comm.max(most_a)), .velocity = velocity};
+  comm.max(most);
+  const double velocity = power_of_two_below(most[0]);
+  return {.impulse = velocity / power_of_two_below(most[1]), .velocity = velocity};
 }
 
 template <int dimension>

@@ -23,13 +23,13 @@ int owner_of(const Comm& comm, std::int64_t total, std::int64_t contact) {
 /// Every number at the rank of its row, sorted by blocks.
 std::vector<MatrixEntry> at_their_owners(const Comm& comm, std::int64_t total,
                                          const std::vector<MatrixEntry>& entries) {
-  std::vector<std::vector<double>> outgoing(comm.size);
+  ByRank<double> outgoing;
   for (const auto& [row, column, value] : entries) {
     auto& to = outgoing[owner_of(comm, total, row / 3)];
     to.insert(to.end(), {static_cast<double>(row), static_cast<double>(column), value});
   }
   std::vector<MatrixEntry> own;
-  for (const auto& from : comm.exchange(outgoing))
+  for (const auto& [rank, from] : comm.exchange(std::move(outgoing)))
     for (std::size_t k = 0; k < from.size(); k += 3)
       own.push_back({static_cast<std::int64_t>(from[k]), static_cast<std::int64_t>(from[k + 1]),
                      from[k + 2]});

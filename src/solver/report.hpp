@@ -15,7 +15,7 @@ struct SolverReport {
   double scale = 0;             ///< sqrt(J), what E and E_eps are relative to
   bool converged = true;        ///< met its tolerances, by E_eps
   bool over_tolerance = false;  ///< E, of the problem as asked, missed them
-  double seconds = 0;           ///< longest rank
+  double seconds = 0;           ///< of this rank
 };
 
 }  // namespace spall

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -9,6 +10,18 @@
 #include "spall/types.hpp"
 
 namespace spall {
+
+/// How a metal flows, sigma = (A + B eps^n) (1 + C ln(rate)) (1 - T*^m), rate in 1/s, not less than
+/// 1, T* from 298 K (0) to the melting point (1); and at which plastic strain it fails,
+/// (D1 + D2 exp(D3 triaxiality)) (1 + D4 ln(rate)) (1 + D5 T*), triaxiality = mean stress over that
+/// of von Mises. (Johnson & Cook, 7th Int. Symp. on Ballistics, 1983; Eng. Fract. Mech. 21 (1985).)
+struct JohnsonCook {
+  double a = 0, b = 0;         ///< Pa; a = 0: not known
+  double n = 1, c = 0, m = 1;  ///< -
+  std::array<double, 5> d{};   ///< -; all 0: not known
+
+  bool fails() const { return d != std::array<double, 5>{}; }
+};
 
 /// What handbooks say of a solid. 0: not known; a law that needs it says so.
 struct Solid {
@@ -25,6 +38,7 @@ struct Solid {
   double melting_point = 0;       ///< K
   double melt_energy = 0;         ///< J/kg, from room temperature to liquid
   double sublimation_energy = 0;  ///< J/kg
+  JohnsonCook johnson_cook;
 
   double bulk_modulus() const { return density * sound_speed * sound_speed; }          ///< Pa
   double shear_modulus() const { return youngs_modulus / (2 * (1 + poisson_ratio)); }  ///< Pa

@@ -11,15 +11,17 @@
 
 namespace spall {
 
-/// Rows of the owned bodies by id. Ids of a rank are often a run of numbers: these find their rows
+/// Rows of bodies by id: of the owned ones, or of the first `rows`; one of them where several have
+/// the id, as images do. Ids of a rank are often a run of numbers: these find their rows
 /// at a place of their own, in order, the others after a scatter.
 class RowsOfIds {
  public:
-  explicit RowsOfIds(const Bodies& bodies)
-      : bodies_(bodies), table_(std::bit_ceil(2 * static_cast<std::size_t>(bodies.owned) + 1), -1) {
-    for (Index b = 0; b < bodies.owned; ++b) table_[place(bodies.id[b])] = b;
+  explicit RowsOfIds(const Bodies& bodies) : RowsOfIds(bodies, bodies.owned) {}
+  RowsOfIds(const Bodies& bodies, Index rows)
+      : bodies_(bodies), table_(std::bit_ceil(2 * static_cast<std::size_t>(rows) + 1), -1) {
+    for (Index b = 0; b < rows; ++b) table_[place(bodies.id[b])] = b;
   }
-  /// -1: not owned.
+  /// -1: not among them.
   Index find(BodyId id) const { return table_[place(id)]; }
 
  private:

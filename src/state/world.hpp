@@ -13,6 +13,7 @@
 #include "spall/comm.hpp"
 #include "state/by_pair.hpp"
 #include "state/contact_law.hpp"
+#include "state/cut.hpp"
 #include "state/gravity.hpp"
 #include "state/material.hpp"
 #include "state/period.hpp"
@@ -29,6 +30,7 @@ struct Surroundings {
   std::vector<Plane> planes;
   std::vector<Cylinder> cylinders;
   Period period;
+  Cut cut = Cut::bisection;
   GravitySettings gravity;
   Vec3 uniform_gravity = Vec3::Zero();  ///< m/s^2
   /// By group; empty where no group moves as prescribed.
@@ -66,7 +68,7 @@ struct World : Surroundings {
   GravityKick kick;
   Ledger ledger;
   Reactions reactions;
-  StageTimes times;
+  StageUses stages;
   std::vector<OwnForce> own_forces;
 
   /// f(name, value) for what must go on after a restart beside bodies and contacts.
@@ -94,7 +96,7 @@ struct World : Surroundings {
     f("ledger.prescribed_work", ledger.prescribed_work);
     for_each_reaction(self.reactions.of_walls, "reaction.wall.", f);
     for_each_reaction(self.reactions.of_groups, "reaction.group.", f);
-    for (auto& [stage, seconds] : self.times) f("seconds." + stage, seconds);
+    for (auto& [stage, use] : self.stages) f("seconds." + stage, use.seconds);
   }
 
  private:

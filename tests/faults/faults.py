@@ -38,7 +38,7 @@ MOST_SECONDS = 10  # from an error until all ranks are gone
 
 def physics(folder):
     parts = (folder / "results.toml").read_text().split("\n\n")
-    return [part for part in parts if not part.startswith(("[time]", "[provenance]"))]
+    return [part for part in parts if not part.startswith(("[time]", "[communication]", "[provenance]"))]
 
 
 def changed_at(file):

@@ -47,7 +47,7 @@ END
   slurmd -D 2>"$home/slurmd.err" &
   daemons+=" $!"
   for _ in $(seq 50); do
-    sinfo -h -t idle -o %n 2>/dev/null | grep -q . && return
+    [ -n "$(sinfo -h -t idle -o %n 2>/dev/null)" ] && return
     sleep 0.5
   done
   echo "Slurm does not start:" >&2

@@ -22,8 +22,8 @@ function plotsOf(run) {
   return [
     ["Energy, J", true, [["kinetic", (rows) => rows.kinetic], ["dissipated", (rows) => since(rows.dissipated)],
       ["freed by gravity", (rows) => since(rows.gravitational).map((value) => -value)], ["unexplained", (rows) => rows.unexplained]]],
-    [drift, true, [["linear", (rows) => rows.momentum_drift.map((value) => value / unit)],
-      ["angular", (rows) => rows.angular_drift.map((value) => value / turn)]]],
+    [drift, true, run.free ? [["linear", (rows) => rows.momentum_drift.map((value) => value / unit)],
+      ["angular", (rows) => rows.angular_drift.map((value) => value / turn)]] : []],
     ["Residual of contacts, m/s", true, [["largest", (rows) => rows.residual_max], ["rms", (rows) => rows.residual_rms]]],
     ["Contacts", false, [["contacts", (rows) => rows.contacts]]],
   ];

@@ -1,0 +1,66 @@
+// One ordinary differential equation, dE/d eta = P(eta, E), solved once from rest both ways.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "solid/cold_curve.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace spall {
+namespace {
+
+constexpr int nodes_a_side = 512;
+/// Of 1/s, where the shock's pressure has no end.
+constexpr double strongest = 0.85;
+constexpr double most_stretched = -0.3;  // eta; solids fail long before
+
+}  // namespace
+
+double ColdCurve::shock(double eta) const {
+  const double left = 1 - slope_ * eta;
+  return bulk_modulus_ * eta / (left * left) * (1 - gruneisen_ * eta / 2);
+}
+
+ColdCurve::ColdCurve(const Solid& solid)
+    : bulk_modulus_(solid.bulk_modulus()),
+      density_(solid.density),
+      slope_(solid.hugoniot_slope),
+      gruneisen_(solid.gruneisen) {
+  last_ = strongest / slope_;
+  step_ = last_ / nodes_a_side;
+  const int stretched = static_cast<int>(std::ceil(-most_stretched / step_));
+  first_ = -stretched * step_;
+  nodes_.resize(stretched + nodes_a_side + 1);
+  const auto slope_of_energy = [&](double eta, double energy) {
+    return shock(eta) + gruneisen_ * energy;
+  };
+  for (int way : {1, -1}) {
+    double energy = 0;
+    for (int k = stretched; k >= 0 && k < std::ssize(nodes_); k += way) {
+      const double eta = (k - stretched) * step_, h = way * step_;
+      nodes_[k] = {energy, slope_of_energy(eta, energy)};
+      const double k1 = nodes_[k].pressure;
+      const double k2 = slope_of_energy(eta + h / 2, energy + h / 2 * k1);
+      const double k3 = slope_of_energy(eta + h / 2, energy + h / 2 * k2);
+      const double k4 = slope_of_energy(eta + h, energy + h * k3);
+      energy += h / 6 * (k1 + 2 * k2 + 2 * k3 + k4);
+    }
+  }
+}
+
+ColdCurve::State ColdCurve::at(double compression) const {
+  const double asked = 1 - 1 / compression, eta = std::clamp(asked, first_, last_);
+  const double place = (eta - first_) / step_;
+  const std::size_t k = std::min(static_cast<std::size_t>(place), nodes_.size() - 2);
+  const double t = place - static_cast<double>(k), u = 1 - t;
+  const Node &a = nodes_[k], &b = nodes_[k + 1];
+  const double energy = u * u * (1 + 2 * t) * a.energy + t * t * (3 - 2 * t) * b.energy +
+                        step_ * t * u * (u * a.pressure - t * b.pressure);
+  const double pressure = shock(eta) + gruneisen_ * energy;
+  const double left = 1 - slope_ * eta, thinner = 1 - eta;
+  return {.pressure = pressure,
+          .energy = energy + pressure * (asked - eta),  // beyond the table the pressure stays
+          .slope2 = bulk_modulus_ / density_ * thinner * thinner * (1 + slope_ * eta) /
+                    (left * left * left)};
+}
+
+}  // namespace spall

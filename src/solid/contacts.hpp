@@ -1,0 +1,64 @@
+// Pieces that meet, and walls: they push, and nothing else.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "solid/law.hpp"
+#include "solid/rows.hpp"
+#include "solid/sweep.hpp"
+#include "state/world.hpp"
+
+namespace spall {
+
+/// Two bodies of different pieces push each other apart where they are nearer than d, the sum of
+/// their radii. With eta = 1 - r/d, and A such that a crystal of such contacts had the bulk modulus
+/// K, in series of both,
+///
+///   F = A (P(eta) + q),   P = K eta/(1 - s eta)^2,   q = rho (c0 u + s u^2),   A = 18 V/(12 d),
+///
+/// V = d^3/sqrt(2), u the closing speed that is left where velocities are extrapolated by the
+/// bodies' gradients, limited as in `sweep_forces`. There is no friction.
+class ContactPush {
+ public:
+  ContactPush(const SolidLaw& a, const SolidLaw& b, double distance);
+
+  double force(double r) const;                  ///< N, without q
+  double energy(double r) const;                 ///< J
+  double viscous(double closing) const;          ///< N; 0 where bodies part
+  double distance() const { return distance_; }  ///< m
+
+ private:
+  double distance_, area_, modulus_, slope_, density_, speed_;
+};
+
+/// Rows of near bodies of different pieces, one an owned one.
+struct PieceContact {
+  Index i, j;
+};
+/// An owned body near a wall, which acts on it as a contact does, at r = height + d/2. The body's
+/// image in the wall moves as it does.
+struct WallContact {
+  Index row;
+  std::int32_t wall;
+};
+
+struct SolidContacts {
+  std::vector<PieceContact> pieces;
+  std::vector<WallContact> walls;
+};
+
+/// Of the pairs found, those of different pieces; and bodies up to `skin` (m) beyond a wall's push.
+SolidContacts find_contacts(const World& world, const std::vector<NearWindow>& windows,
+                            double skin);
+
+/// Adds forces, and the power that becomes heat. Walls receive the opposite over `h` (s).
+void push_by_contacts(World& world, const std::vector<SolidLaw>& laws,
+                      const SolidContacts& contacts, double h, const MotionRow* rows,
+                      const ResponseRow* responses, PushRow* forces);
+
+/// J on this rank; a contact with a ghost counts half.
+double energy_of_contacts(const World& world, const std::vector<SolidLaw>& laws,
+                          const SolidContacts& contacts, const MotionRow* rows);
+
+}  // namespace spall

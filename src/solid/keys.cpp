@@ -1,0 +1,133 @@
+// One line a key, with its unit, its range and its meaning.
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "solid/engine.hpp"
+#include "spall/error.hpp"
+
+namespace spall {
+namespace {
+
+void read(Section& in, EngineSettings& settings) {
+  SolidSettings solid;
+  in.table("solid", "bodies with a stress, in phases with method = \"solid\"", [&](Section& s) {
+    s.take("elastic", "true: nothing yields, melts or tears", solid.elastic);
+  });
+  settings.set(solid);
+}
+
+void derive(const Surroundings& around, std::span<const MaterialUse>, EngineSettings& settings) {
+  auto solid = settings.get<SolidSettings>();
+  solid.laws.assign(around.materials.size() + 1, {});  // the last: of an impactor, which has none
+  for (std::size_t m = 0; m < around.materials.size(); ++m) {
+    const auto& constants = around.materials[m].solid;
+    if (!constants) continue;
+    try {
+      solid.laws[m] = solid_law(*constants, !solid.elastic, "");
+    } catch (const Error&) {  // `check` tells, where a phase needs it
+    }
+  }
+  settings.set(solid);
+}
+
+void check(const Surroundings& around, std::span<const MaterialUse> uses,
+           const EngineSettings& settings, const PhaseView& phase) {
+  const auto solid = settings.get<SolidSettings>();
+  check_images(around, phase.place);
+  require(!phase.read_outs,
+          "{}.method = \"solid\": read_out is for phases of method = \"nonsmooth\" only",
+          phase.place);
+  require(!phase.cohesion, "{}.cohesion is that of contacts: in method = \"solid\" there is none",
+          phase.place);
+  require(!phase.impactor,
+          "{}.method = \"solid\": the impactor has no constants of a solid; make it a group",
+          phase.place);
+  for (const MaterialUse& use : uses) {
+    const Material& material = around.materials[use.material];
+    const std::string place = fmt::format("{}.material = \"{}\"", use.place, material.name);
+    require(material.solid.has_value(),
+            "{}: {}.method = \"solid\" needs a solid of [materials]: one with a library, a file or "
+            "a table "
+            "[materials.{}.solid]",
+            place, phase.place, material.name);
+    solid_law(*material.solid, !solid.elastic, place);
+    require(
+        use.lattice.neighbours == 12,
+        "{}: {}.method = \"solid\" needs a close-packed lattice: packing.kind = \"fcc\" or \"hcp\"",
+        use.place, phase.place);
+    constexpr double rounding = 1e-9;
+    require(
+        use.lattice.distance <= use.diameter * (1 + rounding),
+        "{}: {}.method = \"solid\" needs spheres that touch: packing.spacing = {:g} m is more than "
+        "their diameter, {:g} m; leave it out",
+        use.place, phase.place, use.lattice.distance, use.diameter);
+    require(
+        !use.scaled,
+        "{}.total_mass: in {}.method = \"solid\" the density is that of the material {}; change "
+        "materials.{}.solid.density",
+        use.place, phase.place, material.name, material.name);
+  }
+}
+
+FieldSet fields(const Surroundings&, const EngineSettings&) {
+  return {Field::heat,         Field::kick,           Field::damage,
+          Field::compression,  Field::pressure,       Field::direct_stress,
+          Field::shear_stress, Field::plastic_strain, Field::internal_energy};
+}
+
+std::string describe(const Surroundings& around, std::span<const MaterialUse> uses,
+                     const EngineSettings& settings) {
+  const auto solid = settings.get<SolidSettings>();
+  std::string text;
+  std::set<int> told;
+  for (const MaterialUse& use : uses) {
+    if (!told.insert(use.material).second) continue;
+    const SolidLaw& law = solid.laws[use.material];
+    double spacing = infinity;
+    for (const MaterialUse& same : uses)
+      if (same.material == use.material && same.lattice.distance > 0)
+        spacing = std::min(spacing, same.lattice.distance);
+    text += fmt::format(
+        "\n  solid {}: bulk modulus {:.4g} Pa, shear modulus {:.4g} Pa, waves of {:.4g} and {:.4g} "
+        "m/s\n",
+        around.materials[use.material].name, law.bulk, law.shear, law.sound_speed(),
+        std::sqrt(law.shear / law.density));
+    if (law.yields) {
+      text += fmt::format("    flows at {:.4g} Pa + {:.4g} Pa eps^{:g}, C = {:g}, m = {:g}\n",
+                          law.flow.a, law.flow.b, law.flow.n, law.flow.c, law.flow.m);
+      text += std::isfinite(law.strength)
+                  ? fmt::format(
+                        "    opens voids at a tension of {:.4g} Pa and fails where they are a "
+                        "quarter of the volume\n",
+                        law.strength)
+                  : std::string("    does not tear by tension: spall_strength is not known\n");
+      if (!law.flow.fails())
+        text += "    does not fail by strain: johnson_cook_d1 … are not known\n";
+    } else {
+      text += "    elastic: nothing yields, melts or tears\n";
+    }
+    text += fmt::format("    steps of at most {:.3g} s at rest\n", longest_step(law, spacing, 0));
+  }
+  return text;
+}
+
+std::unique_ptr<Engine> make(const EngineSettings& settings) {
+  return std::make_unique<Elastoplastic>(settings.get<SolidSettings>().laws);
+}
+
+}  // namespace
+
+const EngineType solid_engine{
+    .name = "solid",
+    .help = "bodies with a stress each: metals that yield, harden, soften, melt and tear",
+    .tables = {"solid"},
+    .read = read,
+    .derive = derive,
+    .check = check,
+    .fields = fields,
+    .describe = describe,
+    .make = make};
+
+}  // namespace spall

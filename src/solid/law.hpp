@@ -1,0 +1,45 @@
+// What a step asks of the material of a solid: pressure, flow stress, failure.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cmath>
+#include <string>
+
+#include "solid/cold_curve.hpp"
+#include "state/material.hpp"
+
+namespace spall {
+
+/// Constants and curves of one material.
+struct SolidLaw {
+  double density = 0;          ///< kg/m^3; 0: no body is of it
+  double bulk = 0, shear = 0;  ///< Pa
+  double slope = 0;            ///< s of the shock speed c0 + s u_p
+  double gruneisen = 0;
+  double strength = infinity;  ///< Pa, tension from all sides that opens voids
+  double specific_heat = 0, melting = 0, melt_energy = 0;
+  bool yields = true;
+  JohnsonCook flow;
+  ColdCurve cold;
+
+  double bulk_speed() const { return std::sqrt(bulk / density); }  ///< m/s
+  double sound_speed() const;                                      ///< m/s, longitudinal
+  /// From 298 K (0) to the melting point (1 and more), with this heat (J/kg).
+  double homologous(double heat) const;
+  /// Pa, with its slopes by the strain and by the logarithm of the rate; of this plastic strain and
+  /// rate (1/s).
+  struct Flow {
+    double stress = 0, by_strain = 0, by_rate = 0;
+  };
+  Flow flow_stress(double strain, double rate, double homologous) const;
+  /// The plastic strain at which it fails.
+  double failure_strain(double triaxiality, double rate, double homologous) const;
+  /// The plastic strain that brings von Mises' stress `trial` (Pa) back to the flow stress within
+  /// `h` (s).
+  double plastic_increment(double trial, double strain, double h, double homologous) const;
+};
+
+/// Throws Error, which begins with `place`, where a constant is missing.
+SolidLaw solid_law(const Solid& solid, bool yields, const std::string& place);
+
+}  // namespace spall

@@ -1,0 +1,217 @@
+// A bar of metal flies against a rigid wall: its shock and elastic precursor, against Hugoniots.
+// A plate flies against a thicker one, which stays whole or parts.
+// SPDX-License-Identifier: BSD-3-Clause
+#include <cmath>
+
+#include "scene/scene.hpp"
+#include "spall/error.hpp"
+#include "testing.hpp"
+#include "worlds.hpp"
+
+namespace spall {
+namespace {
+
+constexpr double d = 1e-3;  // m
+
+struct Bar {
+  Solid solid;
+  Lab world;
+  double length = 0;
+  std::vector<int> layer;  ///< of each body at the start: a cell
+};
+
+/// An fcc bar along [100], periodic across. It flies at `speed` (m/s) against a wall at z = 0; or
+/// the first cells, if there is a flyer, upwards against the others, which rest.
+Bar bar_of(const std::string& material, double speed, int cells, int flyer = 0) {
+  constexpr int across = 4;  // cells: more than twice the reach of a body
+  const double a = std::sqrt(2.0) * d;
+  const Case scene = parse_case(
+      fmt::format("[materials.bar]\nfile = \"{}.toml\"\n[[groups]]\nname = \"bar\"\n"
+                  "material = \"bar\"\nvolume = {{shape = \"sphere\", radius = 1}}\n"
+                  "packing = {{kind = \"fcc\", diameter = {}}}\n[[phases]]\nname = \"only\"\n"
+                  "method = \"solid\"\nstep = \"1 ns\"\nduration = \"2 ns\"\n",
+                  material, d),
+      MATERIALS "/x.toml");
+  Bar bar;
+  bar.solid = *scene.materials[0].solid;
+  bar.length = cells * a;
+  std::vector<Sphere> spheres;
+  const double mass = bar.solid.density * d * d * d / std::sqrt(2.0);
+  const auto flies = [&](int layer) { return layer < flyer; };
+  for (int i = 0; i < 2 * across; ++i)
+    for (int j = 0; j < 2 * across; ++j)
+      for (int k = 0; k < 2 * cells; ++k)
+        if ((i + j + k) % 2 == 0) {
+          const double lift = flyer > 0 && !flies(k / 2) ? d - a / 2 : 0;
+          spheres.push_back({.radius = d / 2,
+                             .mass = mass,
+                             .position = a / 2 * Vec3(i, j, k) + Vec3(0, 0, d / 2 + lift),
+                             .velocity = {0, 0,
+                                          flies(k / 2) ? speed
+                                          : flyer > 0  ? 0
+                                                       : -speed}});
+          bar.layer.push_back(k / 2);
+        }
+  bar.world = make_world(testing_world(), spheres, {});
+  for (Index b = 0; b < bar.world.bodies.owned; ++b)
+    bar.world.bodies.group[b] = flies(bar.layer[bar.world.bodies.id[b]]);
+  bar.world.materials = scene.materials;
+  bar.world.solid.laws = {solid_law(bar.solid, true, material)};
+  if (flyer == 0) bar.world.planes.emplace_back();
+  bar.world.period.size = {across * a, across * a, 0};
+  return bar;
+}
+
+/// Means over layers of a cell at the start: of `f(bodies, row)`.
+template <class F>
+std::vector<double> of_layers(const Bar& bar, F&& f) {
+  const double a = std::sqrt(2.0) * d;
+  const auto layers = static_cast<std::size_t>(std::lround(bar.length / a));
+  std::vector<double> sums(2 * layers);
+  const Bodies& bodies = bar.world.bodies;
+  for (Index b = 0; b < bodies.owned; ++b) {
+    const auto layer = static_cast<std::size_t>(bar.layer[bodies.id[b]]);
+    sums[2 * layer] += 1;
+    sums[2 * layer + 1] += f(bodies, b);
+  }
+  bar.world.comm.sum(sums);
+  std::vector<double> means;
+  for (std::size_t l = 0; l < layers; ++l) means.push_back(sums[2 * l + 1] / sums[2 * l]);
+  return means;
+}
+
+TEST(SolidShock, runs_at_the_hugoniot_s_speed_to_its_density) {
+  const struct {
+    const char* material;
+    double speed;
+  } shocks[] = {{"aluminium_6061_t6", 1000},
+                {"copper", 1000},
+                {"steel_4340", 1000},
+                {"aluminium_6061_t6", 3350}};
+  for (const auto& [material, u] : shocks) {
+    Bar bar = bar_of(material, u, 26);
+    const SolidLaw& law = bar.world.solid.laws[0];
+    const double expected = bar.solid.sound_speed + bar.solid.hugoniot_slope * u;
+    const double h = 0.7 * longest_step(law, d, 2 * u), a = std::sqrt(2.0) * d;
+    std::vector<double> reached(26, 0.0);  // s, by half of the jump
+    double time = 0;
+    std::vector<double> before(reached.size(), -u);
+    while (time < 22 * a / expected) {
+      solid_steps(bar.world, h, 2);
+      const auto now =
+          of_layers(bar, [](const Bodies& bodies, Index b) { return bodies.velocity[b].z(); });
+      for (std::size_t l = 0; l < reached.size(); ++l)
+        if (reached[l] == 0 && now[l] > -u / 2)
+          reached[l] = time + 2 * h * (-u / 2 - before[l]) / (now[l] - before[l]);
+      before = now;
+      time += 2 * h;
+    }
+    const double shock = 10 * a / (reached[18] - reached[8]);
+    EXPECT_NEAR(shock, expected, 0.03 * expected) << material << " " << u;
+    const auto density =
+        of_layers(bar, [](const Bodies& bodies, Index b) { return bodies.compression[b]; });
+    double mean = 0;
+    for (int l = 6; l < 14; ++l) mean += density[l] / 8;
+    EXPECT_NEAR(mean, expected / (expected - u), 0.02 * mean) << material << " " << u;
+  }
+}
+
+TEST(SolidShock, has_a_precursor_of_the_elastic_limit) {
+  for (const char* material : {"aluminium_6061_t6", "steel_4340"}) {
+    const double u = 100;
+    Bar bar = bar_of(material, u, 80);
+    const SolidLaw& law = bar.world.solid.laws[0];
+    const double h = 0.7 * longest_step(law, d, 2 * u);
+    const int steps = static_cast<int>(0.8 * bar.length / law.sound_speed() / h);
+    solid_steps(bar.world, h, steps);
+    const auto pressed = of_layers(bar, [](const Bodies& bodies, Index b) {
+      return bodies.pressure[b] - bodies.direct_stress[b].z();
+    });
+    // Between the plastic front and the elastic one, which is three layers wide.
+    const double time = steps * h, a = std::sqrt(2.0) * d;
+    const double plastic = (bar.solid.sound_speed + bar.solid.hugoniot_slope * u) * time / a;
+    const double first = law.sound_speed() * time / a;
+    double plateau = 0;
+    int layers = 0;
+    for (int l = static_cast<int>(plastic + 0.6 * (first - plastic)); l < first - 3; ++l, ++layers)
+      plateau += pressed[l];
+    plateau /= layers;
+    // Y of the rate at the precursor's front: of the order of its strain in the time of a spacing.
+    const double rate = 0.005 * law.sound_speed() / d;
+    const double yield = law.flow_stress(0, rate, 0).stress;
+    const double limit = yield * (law.bulk / (2 * law.shear) + 2.0 / 3);
+    EXPECT_NEAR(plateau, limit, 0.1 * limit) << material;
+  }
+}
+
+// Shocks run out and come back as releases: they meet as far from the free surface as the flyer is
+// thick. There the tension is what the impact's pressure was. What parts sends a shock to the
+// surface, which is then slower by the strength only.
+TEST(SolidShock, a_plate_that_is_hit_parts_where_releases_meet) {
+  constexpr int flyer = 10, cells = 3 * flyer;
+  for (const char* material : {"copper", "aluminium_6061_t6"})
+    for (double share : {0.7, 5.0}) {  // of the speed that gives the strength
+      Bar bar = bar_of(material, 0, cells, flyer);
+      const SolidLaw law = bar.world.solid.laws[0];
+      const double pulled = 2 * law.strength / (law.density * law.bulk_speed());
+      const double speed = share * pulled;
+      bar = bar_of(material, speed, cells, flyer);
+      const double h = 0.7 * longest_step(law, d, speed), a = std::sqrt(2.0) * d;
+      double fastest = 0, slowest = infinity;
+      bool back = false;
+      for (double time = 0; time < 6 * flyer * a / law.bulk_speed(); time += 4 * h) {
+        solid_steps(bar.world, h, 4);
+        const double surface = of_layers(bar, [](const Bodies& bodies, Index b) {
+                                 return bodies.velocity[b].z();
+                               }).back();
+        if (back) continue;
+        if (surface > fastest) fastest = slowest = surface;
+        slowest = std::min(slowest, surface);
+        back = fastest - slowest > pulled / 2 && surface > slowest + 0.05 * pulled;
+      }
+      const auto damage =
+          of_layers(bar, [](const Bodies& bodies, Index b) { return bodies.damage[b]; });
+      const auto torn = std::max_element(damage.begin(), damage.end());
+      if (share < 1) {
+        EXPECT_LT(*torn, 0.2) << material;
+      } else {
+        EXPECT_GT(*torn, 0.95) << material;
+        EXPECT_NEAR(static_cast<double>(damage.end() - torn) - 0.5, flyer, 2) << material;
+        EXPECT_NEAR(fastest - slowest, pulled, 0.15 * pulled) << material;
+      }
+    }
+}
+
+// Copper stays whole at 190 m/s, whatever peaks of stress the edge of its foot has.
+TEST(SolidShock, a_copper_cylinder_that_hits_a_wall_stays_whole) {
+  constexpr double radius = 3.81e-3, length = 25.4e-3, spacing = 2 * radius / 8;
+  const SolidLaw law = bar_of("copper", 0, 4).world.solid.laws[0];
+  for (const Vec3& turn : {Vec3(0.5, -0.9, 0.3), Vec3(-0.2, 0.4, 1.3)}) {
+    const Eigen::Matrix3d R = Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix();
+    std::vector<Sphere> spheres;
+    const int n = static_cast<int>(length / spacing) + 2;
+    for (int i = -n; i <= n; ++i)
+      for (int j = -n; j <= n; ++j)
+        for (int k = -n; k <= n; ++k) {
+          const Vec3 x = spacing / std::sqrt(2.0) * (R * Vec3(i, j, k));
+          if ((i + j + k) % 2 != 0 || std::hypot(x.x(), x.y()) > radius ||
+              std::abs(x.z()) > length / 2)
+            continue;
+          spheres.push_back({.radius = spacing / 2,
+                             .mass = law.density * std::pow(spacing, 3) / std::sqrt(2.0),
+                             .position = x + Vec3(0, 0, length / 2 + spacing / 2),
+                             .velocity = {0, 0, -190}});
+        }
+    Lab world = make_world(testing_world(), spheres, {});
+    world.materials = {{.name = "copper"}};
+    world.solid.laws = {law};
+    world.planes.emplace_back();
+    solid_steps(world, 31e-9, 1000);  // by then the foot is nearly as wide as it gets
+    double failed = 0;
+    for (Index b = 0; b < world.bodies.owned; ++b) failed += world.bodies.damage[b] >= 1;
+    EXPECT_LE(world.comm.sum(failed), 0.001 * spheres.size()) << turn.transpose();
+  }
+}
+
+}  // namespace
+}  // namespace spall
