@@ -10,6 +10,7 @@
 
 #include "potential/embedding.hpp"
 #include "potential/settings.hpp"
+#include "run/run.hpp"
 #include "scene/material_library.hpp"
 #include "scene/scene.hpp"
 #include "scene/shape.hpp"
@@ -332,6 +333,16 @@ TEST(Constitutive, what_a_case_says_comes_before_its_library) {
   EXPECT_EQ(again.yield_strength, 300e6);
   EXPECT_EQ(again.johnson_cook.d, known.johnson_cook.d);
   EXPECT_EQ(parse_case(set.resolved, set.file).materials[0].solid->yield_strength, 300e6);
+  RestartState state;
+  state.case_text = text, state.case_file = set.file, state.overrides = set.overrides,
+  state.constants = set.constants;
+  const auto goes_on = [&](const std::string& change) {
+    return stored_case(state, {change}, {}).materials[0].solid->yield_strength;
+  };
+  EXPECT_EQ(goes_on("materials.al.solid.yield_strength=200 MPa"), 200e6);
+  for (const char* change : {"materials.al.library=lead", "materials.al.file=lead.toml",
+                             "materials={al={library=\"lead\"}}"})
+    EXPECT_THROW(goes_on(change), Error) << change;
 }
 
 TEST(Constitutive, every_material_of_the_library_is_one) {

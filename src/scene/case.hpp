@@ -185,6 +185,9 @@ struct Case : Surroundings {
 Case read_case(const std::string& file, const std::vector<std::string>& overrides = {},
                const InputFiles& files = {});
 
+/// Whether an override gives a material a library or a file to take its constants from.
+bool names_constants(const std::string& override_text);
+
 /// Whether a case without bodies of its own is an error.
 enum class Groups { needed, may_lack };
 /// The same from the text of a file. With its `constants` a restart gets its case back: files that
