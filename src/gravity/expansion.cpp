@@ -37,15 +37,13 @@ template <int P>
   const Vec3 s = part.center() - whole.center();
   const auto shift = powers<P - 1>(s.x(), s.y(), s.z());
   std::array<double, term_count(P - 1)> moments{};
-  unroll<term_count(P - 1)>([&](auto k) {
-    constexpr MultiIndex n = multi_indices<P - 1>[k];
-    if constexpr (n.order() >= 2)
-      unroll<harmonic_count(P - 1)>([&](auto l) {
-        constexpr MultiIndex from = harmonic_indices<P - 1>[l];
-        if constexpr (from.inside(n) && from.order() != 1)
-          moments[k] += part.row[l] * shift[(n - from).place()];
-      });
-  });
+  constexpr auto list = [](auto&& add) {
+    for (MultiIndex to : multi_indices<P - 1>)
+      for (MultiIndex from : harmonic_indices<P - 1>)
+        if (to.order() >= 2 && from.inside(to) && from.order() != 1)
+          add(Product{to.place(), from.harmonic_place(), (to - from).place()});
+  };
+  add_products<list>(moments.data(), part.row.data(), shift.data());
   add_folded(moments, whole);
   whole.row[Moments<P>::spread] +=
       part.row[Moments<P>::spread] +
@@ -76,14 +74,13 @@ template <int P, bool rates>
     const Lanes r2 = x * x + (y * y + z * z);
     const Lanes inverse = inverse_sqrt(r2);
     const auto d = derivatives<P>(x, y, z, inverse);
-    unroll<harmonic_count(P)>([&](auto to) {
-      constexpr MultiIndex n = harmonic_indices<P>[to];
-      unroll<harmonic_count(P - 1)>([&](auto from) {
-        constexpr MultiIndex i = harmonic_indices<P>[from];
-        if constexpr (i.order() != 1 && i.order() + n.order() <= P)
-          sums[to] += m[from] * d[(i + n).place()];
-      });
-    });
+    constexpr auto list = [](auto&& add) {
+      for (MultiIndex to : harmonic_indices<P>)
+        for (MultiIndex from : harmonic_indices<P - 1>)
+          if (from.order() != 1 && from.order() + to.order() <= P)
+            add(Product{to.harmonic_place(), from.harmonic_place(), (to + from).place()});
+    };
+    add_products<list>(sums.data(), m, d.data());
     if constexpr (rates) {
       const Lanes vx = m[Row::velocity] - target.row[Row::velocity];
       const Lanes vy = m[Row::velocity + 1] - target.row[Row::velocity + 1];
@@ -111,13 +108,12 @@ template <int P>
                                        double velocity_change) {
   LocalField<P> result;
   const auto shift = powers<P>(s.x(), s.y(), s.z());
-  unroll<term_count(P)>([&](auto k) {
-    constexpr MultiIndex n = multi_indices<P>[k];
-    unroll<term_count(P)>([&](auto l) {
-      constexpr MultiIndex from = multi_indices<P>[l];
-      if constexpr (n.inside(from)) result.terms[k] += field.terms[l] * shift[(from - n).place()];
-    });
-  });
+  constexpr auto list = [](auto&& add) {
+    for (MultiIndex to : multi_indices<P>)
+      for (MultiIndex from : multi_indices<P>)
+        if (to.inside(from)) add(Product{to.place(), from.place(), (from - to).place()});
+  };
+  add_products<list>(result.terms.data(), field.terms.data(), shift.data());
   result.rate = field.rate + field.rate_by_speed * velocity_change;
   result.rate_by_speed = field.rate_by_speed;
   return result;

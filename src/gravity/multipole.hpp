@@ -77,6 +77,36 @@ template <int N, class F>
   (std::make_integer_sequence<int, N>{});
 }
 
+/// One product of a sum over multi-indices, sums[to] += a[from] * b[with], by places.
+struct Product {
+  int to, from, with;
+};
+
+/// Those that `list` names: it calls what it is given with each.
+template <auto list>
+inline constexpr auto products = [] {
+  constexpr int count = [] {
+    int n = 0;
+    list([&](Product) { ++n; });
+    return n;
+  }();
+  std::array<Product, count> all{};
+  int n = 0;
+  list([&](Product product) { all[n++] = product; });
+  return all;
+}();
+
+/// Adds them, unrolled. By a list, and by pointers: compilers take a minute to leave out the terms
+/// that an unrolled loop over all pairs of multi-indices would skip, and to look up operators.
+template <auto list, class A, class T>
+[[gnu::always_inline]] inline void add_products(T* sums, const A* a, const T* b) {
+  [&]<int... k>(std::integer_sequence<int, k...>) {
+    constexpr const Product* all = products<list>.data();
+    ((sums[all[k].to] += a[all[k].from] * b[all[k].with]), ...);
+  }
+  (std::make_integer_sequence<int, static_cast<int>(products<list>.size())>{});
+}
+
 /// s^n / n! for |n| <= P.
 template <int P, class T>
 [[gnu::always_inline]] inline std::array<T, term_count(P)> powers(const T& x, const T& y,
