@@ -128,7 +128,8 @@ def main():
     out = build / "fuzz"
     out.mkdir(exist_ok=True)
     compile_all(build, out)
-    held = [fuzz(name, out, seconds, "--keep" in sys.argv) for name in names]
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        held = list(pool.map(lambda name: fuzz(name, out, seconds, "--keep" in sys.argv), names))
     sys.exit(0 if all(held) else 1)
 
 
