@@ -255,6 +255,19 @@ Deflection measured(const Impact& impact) {
   return measure_deflection(comm, last.ghosts, last.bodies, last.links, 0, before, 7);
 }
 
+TEST(Deflection, a_rigid_hit_leaves_the_share_of_a_collision_of_two) {
+  BeforeImpact before;
+  before.impactor_mass = 3;
+  for (const double e : {0.0, 0.4, 1.0})
+    for (const double mass : {0.01, 3.0, 500.0}) {
+      before.struck_mass = mass;
+      const double after = (1 + e) * 3 / (3 + mass);  // m/s, after a hit at 1 m/s
+      EXPECT_NEAR(rigid_share(before, e) / (mass * after * after / 3), 1, 1e-14);
+    }
+  before.struck_mass = infinity;  // fixed
+  EXPECT_EQ(rigid_share(before, 0.5), 0);
+}
+
 TEST(Deflection, momentum_closes_and_dv_is_the_sum_of_its_three_parts) {
   const Vec3 flight = Vec3(2000, 1000, -500).normalized();
   const Impact impact({-3 * flight, -1 * flight + 0.1 * Vec3::UnitZ(), 0.5 * flight});

@@ -73,6 +73,10 @@ TEST(Mission, keeps_both_momenta_and_accounts_for_its_energy) {
   EXPECT_LT(std::abs(value(results, "conservation", "energy_unexplained")), 1e-2);
   const double m = 120 * 1600 * 4 * std::numbers::pi / 3;
   EXPECT_NEAR(value(results, "pile", "mass"), m, 1e-12 * m);
+  const double struck = m / 120;
+  EXPECT_NEAR(value(results, "deflection", "struck_mass"), struck, 1e-12 * struck);
+  EXPECT_NEAR(value(results, "deflection", "rigid_share"),
+              1.3 * 1.3 * struck / ((1 + struck) * (1 + struck)), 1e-12);
 }
 
 /// 512 spheres on a loose lattice fall together.

@@ -177,6 +177,7 @@ class Verdicts(unittest.TestCase):
         self.check(beta(2.0), "good", "ejecta carried off 0.7")
         self.check(beta(1.1), "note", "less than")
         self.check(beta(2.0, momentum_closure=1e-3), "bad", "miss its sum")
+        self.check(beta(2.0, rigid_share=0.031, struck_mass=2500.0), "good", "leaves 3.1 % of the impactor's energy in the body of 2.5e+03 kg")
 
     def test_a_deflection_that_still_rises_is_said_to_do_so(self):
         self.check(self.of({"read_out": {"since_impact": [1.0, 2.0], "dv": [1.0, 1.2]}}), "note", "still changed by 17 %")

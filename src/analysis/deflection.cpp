@@ -81,6 +81,12 @@ std::array<Vec3, 2> find_impactor(const Comm& comm, const Bodies& bodies, BodyId
 
 }  // namespace
 
+double rigid_share(const BeforeImpact& before, double restitution) {
+  const double ratio = before.struck_mass / before.impactor_mass;
+  if (!std::isfinite(ratio)) return 0;
+  return (1 + restitution) * (1 + restitution) * ratio / ((1 + ratio) * (1 + ratio));
+}
+
 BeforeImpact before_impact(const Comm& comm, const Bodies& bodies, BodyId impactor) {
   BeforeImpact before;
   before.impactor = impactor;

@@ -14,14 +14,21 @@ namespace spall {
 /// The instant at which the impactor was added. All other bodies of finite mass are the target.
 struct BeforeImpact {
   BodyId impactor = -1;
-  double impactor_mass = 0;               ///< kg, m
-  double target_mass = 0;                 ///< kg, M
-  Vec3 target_velocity = Vec3::Zero();    ///< m/s, mass-weighted mean
+  double impactor_mass = 0;             ///< kg, m
+  double target_mass = 0;               ///< kg, M
+  double struck_mass = 0;               ///< kg, of the body that the impactor meets first; 0 where
+                                        ///< bodies are parts of a solid, not bodies that meet
+  Vec3 target_velocity = Vec3::Zero();  ///< m/s, mass-weighted mean
   Vec3 relative_velocity = Vec3::Zero();  ///< m/s, U: impactor less target
   Vec3 direction() const { return relative_velocity.normalized(); }  ///< of flight
   double speed() const { return relative_velocity.norm(); }          ///< m/s
 };
-/// Collective.
+/// Of the impactor's energy, what a rigid head-on hit of restitution e leaves in the body that it
+/// meets: (1 + e)^2 m M / (m + M)^2. No energy goes into shock and crushing, so in a pile of rigid
+/// bodies the ejecta, and with them beta, grow with this share: it is set by the size of the body.
+double rigid_share(const BeforeImpact& before, double restitution);
+
+/// `struck_mass` is left as it is made. Collective.
 BeforeImpact before_impact(const Comm& comm, const Bodies& bodies, BodyId impactor);
 
 /// Bodies of the target that are not in the largest clump. Velocities are relative to the target's

@@ -79,6 +79,14 @@ def percent(part):
     return f"{part:.2g} %" if part >= 0.001 else "less than 0.001 %"
 
 
+def coupled(deflection):
+    """What a rigid hit couples; nothing where the target is a solid."""
+    if (share := deflection.get("rigid_share")) is None:
+        return ""
+    return (f" A rigid hit leaves {100 * share:.2g} % of the impactor's energy in the body of {deflection['struck_mass']:.3g} kg "
+            "that it meets; beta follows this share, which shock and crushing would change.")
+
+
 def beta(results):
     deflection = results.get("deflection", {})
     value, plastic, elastic = (deflection.get(key) for key in ("beta", "dv_plastic", "dv_elastic"))
@@ -87,10 +95,10 @@ def beta(results):
     rebound = elastic / plastic
     if abs(value - rebound) <= SAME_BETA * rebound:
         yield NOTE, (f"Beta is {value:.3g}, which is only 1 + e = {rebound:.3g}: the impactor bounced off, and ejecta added "
-                     "nothing.")
+                     f"nothing.{coupled(deflection)}")
     elif value > rebound:
         yield GOOD, (f"Beta is {value:.3g}, more than the 1 + e = {rebound:.3g} of a bounce: ejecta carried off "
-                     f"{value - rebound:.2g} of the impactor's momentum.")
+                     f"{value - rebound:.2g} of the impactor's momentum.{coupled(deflection)}")
     else:
         yield NOTE, (f"Beta is {value:.3g}, less than the 1 + e = {rebound:.3g} of a bounce: the impactor kept part of its "
                      "momentum, or bodies left forwards.")

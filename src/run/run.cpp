@@ -127,13 +127,18 @@ class Run {
     if (!events.aim) return;
     const Bodies& bodies = world().bodies;
     const auto struck = std::ranges::find(bodies.id, events.aim->struck);
-    const double material =
-        comm_.max(struck == bodies.id.end() ? -1.0 : bodies.material[struck - bodies.id.begin()]);
-    verdict_.impactor_added(
+    const bool own = struck != bodies.id.end();
+    const auto row = struck - bodies.id.begin();
+    const double material = comm_.max(own ? bodies.material[row] : -1.0);
+    const bool meets = std::ranges::count(phase().engine->tables, "contact") > 0;
+    const double struck_mass = comm_.max(own && meets ? bodies.mass[row] : 0.0);
+    const std::string coupled = verdict_.impactor_added(
         world(), events.impactor,
-        world().contact(phase().impactor->material, static_cast<int>(material)).restitution);
+        world().contact(phase().impactor->material, static_cast<int>(material)).restitution,
+        struck_mass);
     progress_.say(fmt::format("impactor: {:.4g} kg at {:.4g} m/s, aimed at body {}",
                               phase().impactor->mass, phase().impactor->speed, events.aim->struck));
+    if (!coupled.empty()) progress_.say(coupled);
   }
 
   /// Of a run that goes on from a restart file: what there is nothing left to do of.

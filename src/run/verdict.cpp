@@ -14,10 +14,17 @@ void Verdict::look_at_pile(const World& world) {
   pile_ = measure_interior(world.comm, world.bodies, std::vector<char>(world.bodies.owned, 1));
 }
 
-void Verdict::impactor_added(const World& world, BodyId impactor, double restitution) {
+std::string Verdict::impactor_added(const World& world, BodyId impactor, double restitution,
+                                    double struck_mass) {
   before_ = before_impact(world.comm, world.bodies, impactor);
+  before_.struck_mass = struck_mass;
   restitution_ = restitution;
   rows_.clear();
+  if (struck_mass == 0) return "";
+  return fmt::format(
+      "a rigid hit leaves {:.2g} % of its energy in that body of {:.4g} kg; ejecta and beta follow "
+      "this share",
+      100 * rigid_share(before_, restitution), struck_mass);
 }
 
 std::string Verdict::read_out(const World& world, const Engine& engine, double since_impact) {
@@ -77,6 +84,12 @@ void Verdict::add_to(ResultTable& table, const std::optional<Binary>& binary) co
   table.add("deflection", "beta", last.beta, "", "vector formula of Cheng et al. 2023");
   table.add("deflection", "beta_along", last.beta_along, "", "M dv / (m v)");
   table.add("deflection", "momentum_closure", closure_, "", "largest of all read-outs, of m v");
+  if (before_.struck_mass > 0) {
+    table.add("deflection", "struck_mass", before_.struck_mass, "kg",
+              "of the body that the impactor met first");
+    table.add("deflection", "rigid_share", rigid_share(before_, restitution_), "",
+              "of the impactor's energy, left in it by a rigid head-on hit: beta follows it");
+  }
   if (binary) {
     const Orbit orbit = new_orbit(*binary, last.dv);
     table.add("deflection", "a_new", orbit.a_new, "m",
@@ -114,6 +127,7 @@ void Verdict::for_each_scalar(Self& self, F&& f) {
   };
   f("verdict.impactor_mass", self.before_.impactor_mass);
   f("verdict.target_mass", self.before_.target_mass);
+  f("verdict.struck_mass", self.before_.struck_mass);
   vector("verdict.target_velocity", self.before_.target_velocity);
   vector("verdict.relative_velocity", self.before_.relative_velocity);
   f("verdict.restitution", self.restitution_);

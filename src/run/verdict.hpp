@@ -19,8 +19,10 @@ class Verdict {
   /// Looks at the pile as it is before the impactor is added, or at the end where there is none.
   /// Collective.
   void look_at_pile(const World& world);
-  /// Called when the impactor is in the world with this id. Collective.
-  void impactor_added(const World& world, BodyId impactor, double restitution);
+  /// Called when the impactor is in the world with this id; `struck_mass` as in BeforeImpact.
+  /// Returns a line to show, or nothing. Collective.
+  std::string impactor_added(const World& world, BodyId impactor, double restitution,
+                             double struck_mass);
   /// Measures the deflection at this instant, `since_impact` seconds after the impactor was added.
   /// Velocities and positions must belong to the same instant. Returns a line to show. Collective.
   std::string read_out(const World& world, const Engine& engine, double since_impact);
