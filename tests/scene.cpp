@@ -277,12 +277,14 @@ TEST(Case, what_is_resolved_is_the_same_case_with_its_changes_wherever_it_stands
   }
 }
 
-TEST(Case, tables_that_no_phase_reads_are_told) {
+TEST(Case, tables_and_keys_that_nothing_reads_are_told) {
   const Case scene = parse(
-      "[penalty]\nrolling_friction = 0.3\n[contact]\nfriction = 0.1\n[[groups]]\nname = \"a\"\n"
+      "[gravity]\naccuracy = 1e-3\n[penalty]\nrolling_friction = 0.3\n[contact]\nfriction = "
+      "0.1\n[[groups]]\nname = \"a\"\n"
       "material = \"rock\"\nvolume = {radius = 2}\n");
   EXPECT_EQ(scene.unused,
-            std::vector<std::string>{"[penalty] is not used: no phase has method = \"penalty\""});
+            (std::vector<std::string>{"[penalty] is not used: no phase has method = \"penalty\"",
+                                      "gravity.accuracy is not used: no gravity.method is named"}));
   EXPECT_NE(describe_phases(scene).find(scene.unused[0]), std::string::npos);
 }
 

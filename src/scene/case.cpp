@@ -313,8 +313,9 @@ toml::table parse_override(const std::string& text) {
   }
 }
 
-/// Tables of methods that no phase has: whoever wrote them may believe that they act.
-std::vector<std::string> unused_tables(const toml::table& root, const Case& scene) {
+/// Tables and keys of methods that the case does not have: whoever wrote them may believe that they
+/// act.
+std::vector<std::string> unused_parts(const toml::table& root, const Case& scene) {
   std::map<std::string_view, std::vector<std::string>> methods;  // that read a table of this name
   for (const EngineType* type : all_engines())
     for (const std::string_view table : type->tables)
@@ -326,6 +327,9 @@ std::vector<std::string> unused_tables(const toml::table& root, const Case& scen
     if (root.contains(table))
       unused.push_back(fmt::format("[{}] is not used: no phase has method = {}", table,
                                    fmt::join(names, " or ")));
+  for (const char* key : {"accuracy", "refresh"})
+    if (root["gravity"][key] && scene.gravity.method == GravityMethod::none)
+      unused.push_back(fmt::format("gravity.{} is not used: no gravity.method is named", key));
   return unused;
 }
 
@@ -372,7 +376,7 @@ Case parse_case(const std::string& text, const std::string& file,
   insert_named_constants(root, file, scene.constants, files);
   Section::read_all(
       root, file, [&](Section& in) { read_case_keys(in, scene); }, all_keys());
-  scene.unused = unused_tables(root, scene);
+  scene.unused = unused_parts(root, scene);
   draw_orientations(scene);
   const auto hit =
       std::ranges::find_if(scene.phases, [](const Phase& p) { return p.impactor.has_value(); });

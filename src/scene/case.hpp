@@ -158,7 +158,7 @@ struct Case : Surroundings {
   std::vector<std::string> constants;
   std::string resolved;  ///< TOML that is this case, with `overrides` in it; empty: a program added
                          ///< to it what no file tells
-  std::vector<std::string> unused;  ///< its tables that no phase reads, and why
+  std::vector<std::string> unused;  ///< its tables and keys that nothing reads, and why
   std::string title;
   std::string reference;        ///< file with a source's values, for the report; empty: none
   std::string reference_place;  ///< where the case asks for it, for messages
