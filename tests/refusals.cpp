@@ -283,6 +283,54 @@ TEST(Refusals, name_a_folder_whose_path_leaves_no_room_for_files) {
   EXPECT_FALSE(std::filesystem::exists("out"));
 }
 
+/// What a run that goes on says to a change: after 2 s of the second phase, 0.5 s after the impact.
+TEST(Refusals, are_of_changes_of_what_lies_behind_a_run_that_goes_on) {
+  RestartState state;
+  state.case_file = "x.toml";
+  const std::string second = "[[phases]]\nname = \"hit\"\nstep = \"1 ms\"\nduration = \"9 s\"\n";
+  const std::string third = "[[phases]]\nname = \"rest\"\nstep = \"1 ms\"\nduration = \"9 s\"\n";
+  state.case_text = "read_out = [0.25, 5]\n[contact]\ncohesion_range = 1\n" + bodies + phase +
+                    second + impactor + third;
+  state.overrides = {"seed=5"};
+  state.clock = {.step = 12000,
+                 .phase = 1,
+                 .step_in_phase = 2000,
+                 .time = 12,
+                 .time_in_phase = 2,
+                 .since_impact = 2};
+  const auto told = [&](const std::string& change) {
+    return complaint_of([&] { stored_case(state, {change}, {}); });
+  };
+  for (const auto& [change, message] : std::vector<std::pair<std::string, std::string>>{
+           {"seed=7", "the bodies are made already"},
+           {"groups.a.volume.radius=2", "the bodies are made already"},
+           {"groups.0.velocity=[1, 0, 0]", "the bodies are made already"},
+           {"allowed_overlap=0.1", "the bodies are made already"},
+           {"materials.rock.density=5", "bodies have their masses already"},
+           {"contact.cohesion=5", "cohesion is that of the phases so far"},
+           {"phases.only.step=1 s", "phase only is over"},
+           {"phases.0.duration=1 h", "phase only is over"},
+           {"phases.hit.cohesion=5 N", "phase hit has begun; cohesion is asked for when it begins"},
+           {"phases.1.impactor.mass=5", "phase hit has begun; impactor is asked for"},
+           {"phases.hit.remove_drift=true", "phase hit has begun; remove_drift is asked for"},
+           {"phases.hit.method=penalty", "phase hit has begun; method is asked for"},
+       }) {
+    const std::string whole = "--set " + change + ": " + message;
+    EXPECT_TRUE(told(change).starts_with(whole)) << told(change) << "\n  instead of\n" << whole;
+  }
+  EXPECT_TRUE(told("read_out=[1, 5]")
+                  .ends_with("read_out: 1 s is over: the run goes on 2 s after "
+                             "the impactor was added"))
+      << told("read_out=[1, 5]");
+  for (const char* change :
+       {"seed=5", "read_out=[0.25, 3]", "phases.hit.step=1 us", "phases.hit.duration=8 s",
+        "phases.rest.cohesion=5 N", "phases.rest.remove_drift=true", "contact.friction=1",
+        "materials.rock.youngs_modulus=1 GPa", "title=other"})
+    EXPECT_EQ(told(change), "") << change;
+  state.clock = {};  // before the first step all phases can be told, and the impactor's density
+  EXPECT_EQ(told("phases.only.remove_drift=true"), "");
+}
+
 TEST(Refusals, are_not_of_what_is_modelled) {
   const Comm comm = testing_world();
   EXPECT_EQ(complaint_of([&] { check_case(comm, parse_case(bodies + phase, "x.toml")); }), "");

@@ -95,6 +95,22 @@ toml::table parse_toml(const std::string& text, const std::string& source) {
   return toml::parse(text, source);
 }
 
+toml::table parse_override(const std::string& text) {
+  const std::string option = "--set " + text;
+  const std::size_t equals = text.find('=');
+  require(equals != text.npos && equals > 0, "{}: key.path=value is wanted", option);
+  try {
+    return parse_toml(text, option);
+  } catch (const toml::parse_error&) {
+    try {
+      return parse_toml(fmt::format("{}='{}'", text.substr(0, equals), text.substr(equals + 1)),
+                        option);
+    } catch (const toml::parse_error& error) {
+      throw Error(fmt::format("{}: {}", option, error.description()));
+    }
+  }
+}
+
 std::string toml_string(std::string_view text) {
   std::string quoted = "\"";
   for (char c : text) {

@@ -13,6 +13,10 @@ namespace spall {
 /// each part is a table in a table, and they would fill the stack.
 toml::table parse_toml(const std::string& text, const std::string& source);
 
+/// An override is a line of TOML, "step=1e-4"; a text may come without quotes, "duration=10 s".
+/// Throws Error where it is none.
+toml::table parse_override(const std::string& text);
+
 /// In quotes, with escapes: as a value or as a key.
 std::string toml_string(std::string_view text);
 

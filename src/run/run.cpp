@@ -20,6 +20,7 @@
 #include "output/series.hpp"
 #include "output/snapshot.hpp"
 #include "output/stored_bodies.hpp"
+#include "run/changes.hpp"
 #include "run/communication.hpp"
 #include "run/debris_log.hpp"
 #include "run/foretell.hpp"
@@ -447,9 +448,18 @@ Case stored_case(const RestartState& state, const std::vector<std::string>& over
             "--set {}: what goes on keeps the constants of its materials; "
             "materials.NAME.solid.CONSTANT=... changes one",
             change);
+  const auto with = [&](const std::vector<std::string>& all) {
+    return parse_case(state.case_text, state.case_file, all, Groups::needed, files,
+                      state.constants);
+  };
+  const Case before = with(state.overrides);
+  if (overrides.empty()) return before;
+  for (const std::string& change : overrides) check_change(state, before, change);
   std::vector<std::string> all = state.overrides;
   all.insert(all.end(), overrides.begin(), overrides.end());
-  return parse_case(state.case_text, state.case_file, all, Groups::needed, files, state.constants);
+  Case after = with(all);
+  check_read_outs_ahead(state, before, after);
+  return after;
 }
 
 bool resume_case(const Comm& comm, const std::string& file, const ResumeOptions& options) {

@@ -296,23 +296,6 @@ void merge(toml::table& from, toml::table& into, const std::string& option) {
   }
 }
 
-/// An override is a line of TOML, "step=1e-4"; a text may come without quotes, "duration=10 s".
-toml::table parse_override(const std::string& text) {
-  const std::string option = "--set " + text;
-  const std::size_t equals = text.find('=');
-  require(equals != text.npos && equals > 0, "{}: key.path=value is wanted", option);
-  try {
-    return parse_toml(text, option);
-  } catch (const toml::parse_error&) {
-    try {
-      return parse_toml(fmt::format("{}='{}'", text.substr(0, equals), text.substr(equals + 1)),
-                        option);
-    } catch (const toml::parse_error& error) {
-      throw Error(fmt::format("{}: {}", option, error.description()));
-    }
-  }
-}
-
 /// Tables and keys of methods that the case does not have: whoever wrote them may believe that they
 /// act.
 std::vector<std::string> unused_parts(const toml::table& root, const Case& scene) {

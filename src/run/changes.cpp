@@ -1,0 +1,86 @@
+// Bodies are made once, and phases begin once: their keys say nothing any more.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "run/changes.hpp"
+
+#include <algorithm>
+#include <string_view>
+
+#include "keys/toml_text.hpp"
+#include "spall/error.hpp"
+
+namespace spall {
+namespace {
+
+using Keys = std::initializer_list<std::string_view>;
+
+bool is_one_of(std::string_view key, Keys keys) {
+  return std::ranges::find(keys, key) != keys.end();
+}
+
+/// An impactor's material weighs nothing before it is added.
+void check_materials(const RestartState& state, const toml::table& materials,
+                     const std::string& option) {
+  const bool struck = state.clock.since_impact >= 0;
+  for (const auto& [name, node] : materials) {
+    const toml::table* material = node.as_table();
+    if (!material || (name.str() == "impactor" && !struck)) continue;
+    require(!material->contains("density") && !(*material)["solid"]["density"],
+            "{}: bodies have their masses already, of the density before", option);
+  }
+}
+
+void check_phases(const RestartState& state, const Case& before, const toml::node& phases,
+                  const std::string& option) {
+  const Clock& clock = state.clock;
+  if (clock.step == 0) return;
+  const toml::table* told = phases.as_table();
+  require(told, "{}: a part of these phases is over; name one, as phases.NAME.step", option);
+  for (std::int64_t p = 0; p < std::ssize(before.phases) && p <= clock.phase; ++p) {
+    const std::string& name = before.phases[p].name;
+    const toml::node* node = told->get(name);
+    if (!node) node = told->get(std::to_string(p));
+    if (!node) continue;
+    require(p == clock.phase, "{}: phase {} is over", option, name);
+    const toml::table* phase = node->as_table();
+    if (!phase || clock.step_in_phase == 0) continue;
+    for (const auto& [key, value] : *phase)
+      require(!is_one_of(key.str(), {"name", "method", "cohesion", "remove_drift", "impactor"}),
+              "{}: phase {} has begun; {} is asked for when it begins. A restart file of the end "
+              "of the "
+              "phase before, after_NAME.h5, can be told",
+              option, name, key.str());
+  }
+}
+
+}  // namespace
+
+void check_change(const RestartState& state, const Case& before, const std::string& change) {
+  if (std::ranges::find(state.overrides, change) != state.overrides.end()) return;
+  const std::string option = "--set " + change;
+  const toml::table told = parse_override(change);
+  for (const auto& [key, node] : told) {
+    require(
+        !is_one_of(key.str(), {"groups", "seed", "allowed_overlap"}),
+        "{}: the bodies are made already, and keep what they are; --set changes what lies ahead",
+        option);
+    const toml::table* table = node.as_table();
+    if (key.str() == "materials" && table) check_materials(state, *table, option);
+    if (key.str() == "phases") check_phases(state, before, node, option);
+    if (key.str() == "contact" && table)
+      require(!table->contains("cohesion") && !table->contains("material"),
+              "{}: cohesion is that of the phases so far; phases.NAME.cohesion of one that has not "
+              "begun changes it",
+              option);
+  }
+}
+
+void check_read_outs_ahead(const RestartState& state, const Case& before, const Case& after) {
+  const Clock& clock = state.clock;
+  if (clock.since_impact < 0) return;
+  for (const double at : after.read_out)
+    require(at > clock.since_impact || std::ranges::count(before.read_out, at) > 0,
+            "{}: {:g} s is over: the run goes on {:g} s after the impactor was added",
+            after.read_out_place, at, clock.since_impact);
+}
+
+}  // namespace spall

@@ -1,0 +1,19 @@
+// What a run that goes on can still be told.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "output/restart.hpp"
+#include "scene/case.hpp"
+
+namespace spall {
+
+/// Throws Error where the change, "key.path=value", is of something that lies behind `state`: it
+/// would stand in the results and change nothing. `before` is the case without it.
+void check_change(const RestartState& state, const Case& before, const std::string& change);
+
+/// The same of read-outs, in `after`, the case with all changes.
+void check_read_outs_ahead(const RestartState& state, const Case& before, const Case& after);
+
+}  // namespace spall
