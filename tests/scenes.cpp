@@ -297,6 +297,34 @@ TEST(StoredPile, that_is_not_there_or_none_is_told_with_its_group) {
             0u);
 }
 
+/// Steps end 0.1, 0.2, 0.3 s after the impact, then 0.8 and 1.3 s after it.
+TEST(ReadOuts, are_made_once_each_at_the_nearest_step_or_the_first_of_a_phase) {
+  const auto results = results_of("read_outs", R"(read_out = [0.04, 0.26, 0.4, 0.9, 1.3]
+[materials.rock]
+density = 2000
+[[groups]]
+name = "four"
+material = "rock"
+volume = {shape = "box", size = [4, 4, 2]}
+packing = {kind = "simple_cubic", radius = 1}
+[[phases]]
+name = "hit"
+step = 0.1
+duration = 0.3
+impactor = {mass = 1, radius = 0.1, speed = 10, distance = 0.5}
+[[phases]]
+name = "after"
+step = 0.5
+duration = 1
+)");
+  std::vector<double> times;
+  for (const toml::node& time : *results["read_out"]["since_impact"].as_array())
+    times.push_back(*time.value<double>());
+  ASSERT_EQ(times.size(), 5u);
+  const double expected[] = {0.1, 0.3, 0.8, 0.8, 1.3};
+  for (int k = 0; k < 5; ++k) EXPECT_NEAR(times[k], expected[k], 1e-12) << k;
+}
+
 TEST(Pull, two_bodies_fall_as_kepler_lets_them) {
   if (testing_world().size > 2) GTEST_SKIP() << "two bodies lie on at most two ranks";
   results_of("pull", std::string(rock) + R"(

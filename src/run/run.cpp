@@ -154,6 +154,15 @@ class Run {
     }
   }
 
+  /// A phase that settled early may end before them.
+  void say_what_was_not_read() {
+    const auto asked = scene_.read_out.size(), made = verdict_.read_outs();
+    if (made < asked)
+      progress_.say(fmt::format(
+          "{}: {} of {} times are left out: phases ended {:.4g} s after the impactor was added",
+          scene_.read_out_place, asked - made, asked, std::max(clock().since_impact, 0.0)));
+  }
+
   /// What a rank knows that all must act upon, the most pressing last.
   enum class News { none, warned, stop, lost };
 
@@ -188,7 +197,7 @@ class Run {
       shown_.residual = report.solver.residual;
       if (row) write_row(start, sums, report, received);
       if (progress_.due()) progress_.show(clock(), shown_);
-      if (simulation_->synchronous()) at_instant();
+      if (simulation_->synchronous()) at_instant(start);
       const News news = news_of_ranks(signals);
       if (news == News::lost) end_as_lost();
       if (keep_due(scene_, clock())) keep();
@@ -211,16 +220,15 @@ class Run {
     return spall::passed_multiple(clock(), phase().step, every);
   }
 
-  /// Snapshots and read-outs at the instant that the clock has just reached.
-  void at_instant() {
+  /// Snapshots and read-outs at the instant that the clock has just reached, from `before`.
+  void at_instant(const Clock& before) {
     if (passed_multiple(scene_.output.snapshot_every)) snapshot();
     if (passed_multiple(debris_.every())) {
       StageTimer timer(world().stages, "analysis");
       progress_.say(debris_.read_out(world(), clock().time));
     }
-    if (clock().since_impact < 0) return;
     for (double at : scene_.read_out) {
-      if (std::abs(at - clock().since_impact) > phase().step / 2) continue;
+      if (!read_out_due(scene_, before, clock(), at)) continue;
       evaluate_field(world());
       StageTimer timer(world().stages, "analysis");
       progress_.say(verdict_.read_out(world(), simulation_->engine(), clock().since_impact));
@@ -318,6 +326,7 @@ class Run {
 
   void finish() {
     evaluate_field(world());
+    say_what_was_not_read();
     const Diagnostics sums = diagnose(world());
     if (!verdict_.has_impact()) verdict_.look_at_pile(world());
     ResultTable table;

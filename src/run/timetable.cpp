@@ -17,7 +17,21 @@ std::int64_t steps_to_multiple(double time, double h, double every) {
   return std::max<std::int64_t>(1, std::llround((next - time) / h));
 }
 
+/// s after the impact, up to which read-outs have been made where the clock stands: those that are
+/// nearer to this instant than to the next, and before the first step of a phase those of the
+/// former phase's last one.
+double read_until(const Case& scene, const Clock& clock) {
+  const Phase& phase = scene.phases[clock.phase];
+  if (clock.step_in_phase > 0) return clock.since_impact + phase.step / 2;
+  if (phase.impactor || clock.phase == 0) return 0;
+  return clock.since_impact + scene.phases[clock.phase - 1].step / 2;
+}
+
 }  // namespace
+
+bool read_out_due(const Case& scene, const Clock& before, const Clock& now, double at) {
+  return now.since_impact >= 0 && at > read_until(scene, before) && at <= read_until(scene, now);
+}
 
 std::int64_t steps_to_event(const Case& scene, const Clock& clock, double h) {
   std::int64_t steps = std::numeric_limits<std::int64_t>::max();
@@ -27,7 +41,7 @@ std::int64_t steps_to_event(const Case& scene, const Clock& clock, double h) {
     if (every > 0) steps = std::min(steps, steps_to_multiple(clock.time, h, every));
   if (clock.since_impact >= 0)
     for (double at : scene.read_out)
-      if (at > clock.since_impact + h / 2)
+      if (at > read_until(scene, clock))
         steps = std::min<std::int64_t>(
             steps, std::max<std::int64_t>(1, std::llround((at - clock.since_impact) / h)));
   return steps;

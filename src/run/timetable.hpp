@@ -11,6 +11,11 @@ namespace spall {
 /// Steps of `h` (s) that may pass until something must be seen at its own instant; at least 1.
 std::int64_t steps_to_event(const Case& scene, const Clock& clock, double h);
 
+/// Whether the read-out `at` (s after the impact) is due at the instant `now`, the next that is
+/// looked at after `before`: each is made once, at the step that is nearest to it, or at the first
+/// one of a phase. Both clocks are in the same phase.
+bool read_out_due(const Case& scene, const Clock& before, const Clock& now, double at);
+
 /// Whether the series has a row of this instant.
 bool row_due(const Case& scene, const Clock& clock);
 

@@ -23,6 +23,7 @@ class Verdict {
   /// Returns a line to show, or nothing. Collective.
   std::string impactor_added(const World& world, BodyId impactor, double restitution,
                              double struck_mass);
+  std::size_t read_outs() const { return rows_.size(); }
   /// Measures the deflection at this instant, `since_impact` seconds after the impactor was added.
   /// Velocities and positions must belong to the same instant. Returns a line to show. Collective.
   std::string read_out(const World& world, const Engine& engine, double since_impact);
