@@ -89,6 +89,11 @@ class Module(unittest.TestCase):
             with self.assertRaises(ValueError):
                 bodies.id[:] = 0
 
+        def forgotten(bodies):
+            bodies.velocity = 2 * bodies.velocity
+
+        with self.assertRaisesRegex(AttributeError, r"in change_bodies write bodies.velocity\[:\] = "):
+            sim.change_bodies(forgotten)
         sim.change_bodies(push)
         sim.run_until(1)
         np.testing.assert_allclose(by_id(sim, "position")[:, 1], np.arange(8.0), rtol=1e-12, atol=1e-12)
@@ -109,6 +114,8 @@ class Module(unittest.TestCase):
         seen = []
         sim.run_until(0.25, each=lambda s: seen.append(s.steps), steps=10)
         self.assertEqual(seen, [10, 20])
+        with self.assertRaisesRegex(ValueError, "each after 0 steps"):
+            sim.run_until(0.5, each=seen.append, steps=0)
 
     def test_errors_say_what_is_wrong_where(self):
         with self.assertRaisesRegex(spall.Error, "did you mean contact.friction"):

@@ -88,7 +88,10 @@ class Bodies:
     """
 
     def __init__(self, fields):
-        self._fields = fields
+        object.__setattr__(self, "_fields", fields)
+
+    def __setattr__(self, name, value):
+        raise AttributeError(f"bodies.{name} = ... would change no body: in change_bodies write bodies.{name}[:] = ...")
 
     def __getattr__(self, name):
         try:
@@ -164,7 +167,9 @@ class Simulation:
         return self._simulation.step(most)
 
     def run_until(self, time, each=None, steps=1):
-        """Steps until `time` (s) is reached or all phases are over; `each(simulation)` is called after `steps` steps."""
+        """Steps until `time` (s) is reached or all phases are over; `each(simulation)` is called after each `steps` steps."""
+        if steps < 1:
+            raise ValueError(f"run_until: each after {steps} steps is asked for; 1 or more are wanted")
         left = steps
 
         def after_step():
