@@ -131,6 +131,55 @@ TEST(Simulation, a_change_of_bodies_is_booked_and_followed) {
   EXPECT_GT(positions(simulation)[1].x(), 2);
 }
 
+TEST(Simulation, what_a_case_is_refused_for_is_refused_with_spheres_of_a_program) {
+  const auto told = [](const std::string& text, const std::vector<SceneSphere>& spheres) {
+    return complaint_of([&] {
+      Scene scene = Scene::from_text(rock + text);
+      for (const SceneSphere& sphere : spheres) scene.add(sphere);
+      const Simulation simulation(testing_world(), scene);
+    });
+  };
+  const std::string one = phase("step = 0.01\nduration = 1\n");
+  std::vector<SceneSphere> row;  // far from each other
+  for (int k = 0; k < 4; ++k)
+    row.push_back({.material = "rock", .radius = 1, .position = {9.0 * k, 0, 0}});
+  EXPECT_EQ(told(one, row), "");
+  std::vector<SceneSphere> spheres = row;
+  spheres[2].position.x() = 1.5;
+  EXPECT_TRUE(told(one, spheres)
+                  .starts_with("scene: sphere 2: body 2 at (1.5, 0, 0) m overlaps body "
+                               "0 of the program at (0, 0, 0) m by 0.5 m"))
+      << told(one, spheres);
+  const std::string group =
+      "[[groups]]\nname = \"a\"\nmaterial = \"rock\"\nvolume = {radius = 1, center = [0, 1, 0]}\n";
+  EXPECT_TRUE(told(one + group, row)
+                  .starts_with("scene: sphere 0: body 1 at (0, 0, 0) m overlaps "
+                               "body 0 of groups.a"))
+      << told(one + group, row);
+  EXPECT_TRUE(
+      told(one + "[[planes]]\npoint = [0, 0, -0.5]\n", row)
+          .starts_with("scene: sphere 0: body 0 at (0, 0, 0) m lies 0.5 m deep in the wall"));
+  spheres = row;
+  spheres[3].fixed = true;
+  EXPECT_TRUE(told(phase("step = 0.01\nduration = 1\nremove_drift = true\n"), spheres)
+                  .ends_with("remove_drift: a fixed sphere of the program would stay where it is "
+                             "while bodies are moved"));
+  EXPECT_TRUE(told(one + "[gravity]\nmethod = \"direct\"\n", spheres)
+                  .starts_with("scene: a fixed sphere: self-gravity needs finite masses"));
+  const std::string springs = "[penalty]\nmodel = \"hertz\"\n";
+  const std::string by_springs = phase("method = \"penalty\"\nstep = 1e-6\nduration = 1\n");
+  EXPECT_TRUE(told(springs + by_springs, row)
+                  .starts_with("scene: sphere: penalty.model = \"hertz\" needs "
+                               "materials.rock.youngs_modulus"))
+      << told(springs + by_springs, row);
+  // A scene may have no groups, and spheres that are hit.
+  Scene scene =
+      Scene::from_text("read_out = [0.5]\n" + rock + one +
+                       "impactor = {mass = 1, radius = 0.1, speed = 1, distance = 0.1}\n");
+  for (const SceneSphere& sphere : row) scene.add(sphere);
+  EXPECT_EQ(complaint_of([&] { const Simulation simulation(testing_world(), scene); }), "");
+}
+
 TEST(Simulation, what_no_step_can_go_on_with_is_refused) {
   Scene scene = Scene::from_text(rock + phase("step = 0.01\nduration = 1\n"));
   const double nan = std::nan("");

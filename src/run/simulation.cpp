@@ -26,6 +26,13 @@ void gather(const Comm& comm, std::vector<Reaction>& all) {
   if (comm.rank > 0) all.assign(all.size(), {});
 }
 
+/// With stored bodies, and checked with the spheres of a program.
+std::shared_ptr<const Case> whole_case(const Comm& comm, const Scene& scene) {
+  auto whole = std::make_shared<Case>(with_stored_bodies(*scene.parts(), InputFiles(comm)));
+  check_spheres(*whole);
+  return whole;
+}
+
 }  // namespace
 
 struct Simulation::State {
@@ -79,8 +86,7 @@ struct Simulation::State {
 };
 
 Simulation::Simulation(const Comm& comm, const Scene& scene)
-    : state_(std::make_unique<State>(comm, std::make_shared<const Case>(with_stored_bodies(
-                                               *scene.parts(), InputFiles(comm))))) {
+    : state_(std::make_unique<State>(comm, whole_case(comm, scene))) {
   state_->world.bodies = make_bodies(this->scene(), comm);
   state_->set_engine(phase());
 }

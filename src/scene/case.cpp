@@ -375,6 +375,14 @@ Case parse_case(const std::string& text, const std::string& file,
   return scene;
 }
 
+void check_spheres(Case& scene) {
+  if (scene.spheres.empty()) return;
+  const std::vector<MaterialUse> uses = material_uses(scene);
+  for (const EngineType* type : all_engines()) type->derive(scene, uses, scene.engines);
+  for (Phase& phase : scene.phases) phase.engine->derive(scene, uses, phase.settings);
+  check_whole(scene, Groups::may_lack);
+}
+
 Case read_case(const std::string& file, const std::vector<std::string>& overrides,
                const InputFiles& files) {
   Case scene = parse_case(files.text(file), file, overrides, Groups::needed, files);

@@ -196,6 +196,10 @@ Case parse_case(const std::string& text, const std::string& file,
                 const std::vector<std::string>& overrides = {}, Groups groups = Groups::needed,
                 const InputFiles& files = {}, const std::vector<std::string>& constants = {});
 
+/// Laws know the spheres that a program has added, too, and what a case is refused for is asked
+/// again with them. Throws Error.
+void check_spheres(Case& scene);
+
 /// The case files in a folder and below it, sorted. Beside a case.toml other files are not cases.
 std::vector<std::string> find_cases(const std::string& folder);
 

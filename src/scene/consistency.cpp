@@ -19,6 +19,10 @@ const Group* find_held(const Case& scene) {
   return found == scene.groups.end() ? nullptr : &*found;
 }
 
+bool has_fixed_sphere(const Case& scene) {
+  return std::ranges::any_of(scene.spheres, &SceneSphere::fixed);
+}
+
 /// Times of read-outs count from the impact; what lies behind the last phase is never measured.
 void check_read_outs(const Case& scene) {
   if (scene.read_out.empty()) return;
@@ -27,7 +31,9 @@ void check_read_outs(const Case& scene) {
           "{} tells times after the impact, but no phase has an impactor", scene.read_out_place);
   double end = 0;
   for (auto phase = hit; phase != scene.phases.end(); ++phase) end += phase->lasts();
-  require(!std::ranges::all_of(scene.groups, &Group::held),
+  const bool any = !scene.groups.empty() || !scene.spheres.empty();  // a program adds its own later
+  require(!any || !std::ranges::all_of(scene.groups, &Group::held) ||
+              !std::ranges::all_of(scene.spheres, &SceneSphere::fixed),
           "{} tells how a target is deflected, but all groups are fixed or move as prescribed",
           scene.read_out_place);
   const double half_a_step = scene.phases.back().step / 2;
@@ -50,6 +56,7 @@ void check_removal_of_drift(const Case& scene, const Phase& phase) {
   refuse_beside(held, held ? fmt::format("groups.{}, which is {},", held->name,
                                          held->fixed ? "fixed" : "moved as prescribed")
                            : "");
+  refuse_beside(has_fixed_sphere(scene), "a fixed sphere of the program");
 }
 
 void check_gravity(const Case& scene) {
@@ -58,6 +65,9 @@ void check_gravity(const Case& scene) {
     throw Error(
         fmt::format("{}.{}: self-gravity needs finite masses: leave it out, or gravity.method",
                     held->place, held->fixed ? "fixed" : "motion"));
+  require(!has_fixed_sphere(scene),
+          "{}: a fixed sphere: self-gravity needs finite masses: leave it out, or gravity.method",
+          scene.file);
 }
 
 }  // namespace

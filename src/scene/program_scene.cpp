@@ -46,11 +46,14 @@ Scene& Scene::set_law_of_program(std::shared_ptr<const PairLawOfProgram> law) {
   const auto set_in = [&](EngineSettings& settings) {
     auto* potential = settings.find<PotentialSettings>();
     if (!potential) return;
-    potential->law.for_each([&](PairPotential& p) {
+    const auto set = [&](PairPotential& p) {
       if (p.law != PairLaw::program) return;
       p.program = law;
       asked = true;
-    });
+    };
+    potential->law.for_each(set);
+    set(potential->common);
+    for (LawBetween& between : potential->between) set(between.law);
   };
   set_in(case_->engines);
   for (Phase& phase : case_->phases) set_in(phase.settings);

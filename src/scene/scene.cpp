@@ -73,6 +73,9 @@ struct Placed {
         first(id),
         stored(!of.packing.stored.empty()),
         spheres(of.volume.center, reach(of), count) {}
+  /// Of the spheres that a program adds, in `box`.
+  Placed(const Eigen::AlignedBox3d& within, std::size_t g, BodyId id, std::int64_t count)
+      : group(g), first(id), stored(false), spheres(within.center(), within.sizes() / 2, count) {}
 
   void add(const Vec3& center, double radius) {
     box.extend(center - Vec3::Constant(radius)).extend(center + Vec3::Constant(radius));
@@ -120,10 +123,10 @@ std::string words(const Vec3& v) {
   return fmt::format("({:.6g}, {:.6g}, {:.6g}) m", v.x(), v.y(), v.z());
 }
 
-/// Throws unless `sphere`, body `id` of group `g`, is clear of walls and of `placed`.
-void check_clear(const Case& scene, std::size_t g, const std::vector<Placed>& placed, BodyId id,
-                 const PackedSphere& sphere) {
-  const Group& group = scene.groups[g];
+/// Throws unless `sphere`, body `id` of group `g`, which `place` asks for, is clear of walls and of
+/// `placed`.
+void check_clear(const Case& scene, const std::string& place, std::size_t g,
+                 const std::vector<Placed>& placed, BodyId id, const PackedSphere& sphere) {
   const Vec3& center = sphere.center;
   const double radius = sphere.radius;
   const Walls walls = scene.walls();
@@ -132,17 +135,18 @@ void check_clear(const Case& scene, std::size_t g, const std::vector<Placed>& pl
     require(gap >= -scene.allowed_overlap * radius,
             "{}: body {} at {} lies {:.3g} m deep in the wall {}; allowed_overlap = {} of its "
             "radius, {} m",
-            group.place, id, words(center), -gap, walls.name(w), scene.allowed_overlap, radius);
+            place, id, words(center), -gap, walls.name(w), scene.allowed_overlap, radius);
   }
   for (const Placed& earlier : placed) {
     const auto hit = find_overlap(scene.period, earlier, g, center, radius, scene.allowed_overlap);
     if (!hit) continue;
     throw Error(fmt::format(
-        "{}: body {} at {} overlaps {}body {} of groups.{} at {} by {:.3g} m; allowed_overlap = {} "
+        "{}: body {} at {} overlaps {}body {} of {} at {} by {:.3g} m; allowed_overlap = {} "
         "of the smaller radius, {} m",
-        group.place, id, words(center), hit->of_image ? "an image of " : "",
-        earlier.first + hit->sphere, scene.groups[earlier.group].name, words(hit->center),
-        hit->depth, scene.allowed_overlap, std::min(radius, hit->radius)));
+        place, id, words(center), hit->of_image ? "an image of " : "", earlier.first + hit->sphere,
+        earlier.group < scene.groups.size() ? "groups." + scene.groups[earlier.group].name
+                                            : "the program",
+        words(hit->center), hit->depth, scene.allowed_overlap, std::min(radius, hit->radius)));
   }
 }
 
@@ -243,7 +247,7 @@ Bodies make_bodies(const Case& scene, const Comm& comm) {
     std::vector<double> masses;  // of all ranks, where random velocities ask for them
     const BodyId first = id;
     const bool keeps_spheres =
-        scene.period.any() ||
+        scene.period.any() || !scene.spheres.empty() ||
         std::any_of(scene.groups.begin() + g + 1, scene.groups.end(),
                     [&](const Group& later) { return may_touch(group, later); });
     if (keeps_spheres) placed.emplace_back(group, g, first, contents[g].count);
@@ -259,7 +263,7 @@ Bodies make_bodies(const Case& scene, const Comm& comm) {
       const Vec3& center = sphere.center;
       const bool held = group.held() || sphere.fixed;
       const double mass = held ? infinity : factor * nominal;
-      if (!group.packing.type->keeps_clear) check_clear(scene, g, placed, id, sphere);
+      if (!group.packing.type->keeps_clear) check_clear(scene, group.place, g, placed, id, sphere);
       if (keeps_spheres) placed.back().add(center, sphere.radius);
       if (group.thermal) masses.push_back(mass);
       if (id >= first_owned && id < end_owned) {
@@ -281,7 +285,17 @@ Bodies make_bodies(const Case& scene, const Comm& comm) {
     place_group(scene, g, is_free, place);
     if (group.thermal) add_thermal_velocities(scene, g, masses, first, bodies);
   }
-  for (const SceneSphere& sphere : scene.spheres) {
+  Eigen::AlignedBox3d of_spheres;
+  for (const SceneSphere& sphere : scene.spheres) of_spheres.extend(sphere.position);
+  const auto group_of_added = static_cast<std::size_t>(group_of_spheres(scene));
+  if (!scene.spheres.empty())
+    placed.emplace_back(of_spheres, group_of_added, id, std::ssize(scene.spheres));
+  for (std::size_t k = 0; k < scene.spheres.size(); ++k) {
+    const SceneSphere& sphere = scene.spheres[k];
+    // No group's number: these do not keep clear of each other by themselves.
+    check_clear(scene, fmt::format("{}: sphere {}", scene.file, k), group_of_added + 1, placed, id,
+                {.center = sphere.position, .radius = sphere.radius});
+    placed.back().add(sphere.position, sphere.radius);
     if (id >= first_owned && id < end_owned) {
       const Index row = append_row(bodies);
       bodies.id[row] = id;
