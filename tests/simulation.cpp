@@ -180,6 +180,57 @@ TEST(Simulation, what_a_case_is_refused_for_is_refused_with_spheres_of_a_program
   EXPECT_EQ(complaint_of([&] { const Simulation simulation(testing_world(), scene); }), "");
 }
 
+TEST(Simulation, a_change_that_leaves_no_body_is_refused_and_changes_nothing) {
+  Simulation simulation(testing_world(), four(rock + phase("step = 0.01\nduration = 1\n")));
+  simulation.step();
+  const std::vector<Vec3> before = positions(simulation);
+  const auto told = [&](auto&& change) {
+    return complaint_of([&] {
+      simulation.change_bodies([&](Bodies& bodies) {
+        for (Index b = 0; b < bodies.owned; ++b) bodies.position[b] *= 2;
+        for (Index b = 0; b < bodies.owned; ++b)
+          if (bodies.id[b] == 2) change(bodies, b);
+      });
+    });
+  };
+  const std::string begin = "change_bodies: body 2 would have ";
+  EXPECT_EQ(told([](Bodies& of, Index b) { of.radius[b] = 0; }),
+            begin + "a radius that is not more than 0");
+  for (double mass : {0.0, -1.0, infinity, std::nan("")})
+    EXPECT_EQ(told([&](Bodies& of, Index b) { of.mass[b] = mass; }),
+              begin + "a mass that is not more than 0 or finite as before");
+  for (int material : {-1, 1})
+    EXPECT_EQ(told([&](Bodies& of, Index b) { of.material[b] = material; }),
+              begin + "a material that is not in [materials]");
+  EXPECT_EQ(told([](Bodies& of, Index b) { ++of.group[b]; }), begin + "another group");
+  EXPECT_EQ(told([](Bodies& of, Index b) { of.velocity[b].x() = infinity; }),
+            begin + "a place, velocity or spin that is not finite");
+  EXPECT_EQ(positions(simulation), before);
+  EXPECT_EQ(simulation.energies().kinetic, 0);
+  simulation.run_until(1);
+  EXPECT_TRUE(simulation.over());
+}
+
+TEST(Simulation, a_step_that_an_error_broke_off_is_the_last) {
+  Simulation simulation(testing_world(), four(rock + phase("step = 0.01\nduration = 1\n")));
+  simulation.add_force([&](const Bodies&, std::span<Vec3>) {
+    if (simulation.steps() == 3) throw Error("of the program");
+  });
+  EXPECT_EQ(complaint_of([&] { simulation.run_until(1); }), "of the program");
+  EXPECT_TRUE(complaint_of([&] { simulation.step(); }).starts_with("an error broke off a step"));
+}
+
+TEST(Simulation, a_step_within_a_step_or_a_change_is_refused) {
+  Simulation simulation(testing_world(), four(rock + phase("step = 0.01\nduration = 1\n")));
+  const std::string within = " is called within a force or a change of bodies, which wait for it";
+  EXPECT_EQ(complaint_of([&] { simulation.change_bodies([&](Bodies&) { simulation.step(); }); }),
+            "step" + within);
+  simulation.step();
+  simulation.add_force(
+      [&](const Bodies&, std::span<Vec3>) { simulation.change_bodies([](Bodies&) {}); });
+  EXPECT_EQ(complaint_of([&] { simulation.step(); }), "change_bodies" + within);
+}
+
 TEST(Simulation, what_no_step_can_go_on_with_is_refused) {
   Scene scene = Scene::from_text(rock + phase("step = 0.01\nduration = 1\n"));
   const double nan = std::nan("");

@@ -69,6 +69,7 @@ class Simulation {
 
   /// One step; at the start of a phase its events come first, at its end the next phase is due.
   /// Where forces are smooth, up to `most` steps, until gravity's next kick at the latest.
+  /// After an error within a step, such as an exception of an own force, no other can be made.
   StepSummary step(int most = 1);
   /// Steps until the whole step that ends nearest to this time (s), or until all phases are over;
   /// `each` is called after each step.
@@ -79,7 +80,8 @@ class Simulation {
   const Bodies& bodies() const;
   /// Lets `change` change owned rows in place, but not their number or ids. Neighbours are found
   /// anew, what contacts remember stays with them; the energy that it gives is booked. Bodies that
-  /// are fixed or move as prescribed must stay so.
+  /// are fixed or move as prescribed must stay so. Throws Error where a body would be none any
+  /// more; then, and where `change` throws, all bodies are as before.
   void change_bodies(const std::function<void(Bodies&)>& change);
 
   Energies energies() const;

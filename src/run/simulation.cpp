@@ -33,6 +33,47 @@ std::shared_ptr<const Case> whole_case(const Comm& comm, const Scene& scene) {
   return whole;
 }
 
+/// Throws Error, on every rank, where a body is none any more after a program has changed it.
+/// Collective.
+void check_changed(const World& world, const Bodies& former) {
+  constexpr std::array what{"a radius that is not more than 0",
+                            "a mass that is not more than 0 or finite as before",
+                            "a material that is not in [materials]", "another group",
+                            "a place, velocity or spin that is not finite"};
+  std::array<double, what.size()> wrong;  // ids
+  wrong.fill(-1);
+  const Bodies& bodies = world.bodies;
+  for (Index b = 0; b < bodies.owned; ++b) {
+    const bool held = is_held(former, b);
+    const std::array right{
+        bodies.radius[b] > 0 && std::isfinite(bodies.radius[b]),
+        bodies.mass[b] > 0 && is_held(bodies, b) == held,
+        bodies.material[b] >= 0 && bodies.material[b] < std::ssize(world.materials),
+        bodies.group[b] == former.group[b],
+        bodies.position[b].allFinite() && bodies.velocity[b].allFinite() &&
+            (!bodies.has(Field::angular_velocity) || bodies.angular_velocity[b].allFinite())};
+    for (std::size_t k = 0; k < right.size(); ++k)
+      if (!right[k]) wrong[k] = static_cast<double>(bodies.id[b]);
+  }
+  world.comm.max(wrong);
+  for (std::size_t k = 0; k < what.size(); ++k)
+    require(wrong[k] < 0, "change_bodies: body {:.0f} would have {}", wrong[k], what[k]);
+}
+
+/// Calls of a program within another one: its force would move bodies while they are moved.
+class Alone {
+ public:
+  Alone(bool& busy, std::string_view call) : busy_(busy) {
+    require(!busy, "{} is called within a force or a change of bodies, which wait for it", call);
+    busy = true;
+  }
+  ~Alone() { busy_ = false; }
+  Alone(const Alone&) = delete;
+
+ private:
+  bool& busy_;
+};
+
 }  // namespace
 
 struct Simulation::State {
@@ -43,6 +84,8 @@ struct Simulation::State {
   Clock clock;
   Account account;
   bool has_moved = false;  // faster than the speed at which the phase's bodies are settled
+  bool busy = false;       // a program's step or change goes on
+  bool broken = false;     // one of its steps ended by an error
 
   State(const Comm& comm, std::shared_ptr<const Case> of)
       : scene(std::move(of)), world(make_world(comm, *scene)) {
@@ -180,6 +223,11 @@ std::int64_t Simulation::steps_left() const {
 StepSummary Simulation::step(int most) {
   require(most > 0, "step: {} steps are asked for; 1 or more are wanted", most);
   require(!over(), "{}: all phases are over: there is no step to make", scene().file);
+  require(
+      !state_->broken,
+      "an error broke off a step before: bodies and time no longer belong together; begin anew");
+  const Alone alone(state_->busy, "step");
+  state_->broken = true;
   if (clock().step_in_phase == 0) begin_phase();
   const StepReport report =
       advance(static_cast<int>(std::min<std::int64_t>(most, steps_left())), false);
@@ -197,6 +245,7 @@ StepSummary Simulation::step(int most) {
   if (steps_left() <= 0 ||
       (phase().until == PhaseEnd::settled && synchronous() && settled(diagnose(world()))))
     end_phase();
+  state_->broken = false;
   return summary;
 }
 
@@ -210,15 +259,24 @@ void Simulation::run_until(double time, const std::function<void()>& each) {
 }
 
 void Simulation::change_bodies(const std::function<void(Bodies&)>& change) {
+  const Alone alone(state_->busy, "change_bodies");
   World& world = state_->world;
   const double held = state_->engine->energy(world);
   state_->book_change([&](const Diagnostics&) {
     PairMemory memory = state_->engine->remember(world);
     resize(world.bodies, world.bodies.owned);
-    const std::vector<BodyId> ids = world.bodies.id;
-    change(world.bodies);
-    require(world.bodies.id == ids, "change_bodies: ids and the number of bodies must stay");
-    check_held(world, "change_bodies");
+    const Bodies former = world.bodies;
+    try {
+      change(world.bodies);
+      require(world.bodies.id == former.id,
+              "change_bodies: ids and the number of bodies must stay");
+      check_changed(world, former);
+      check_held(world, "change_bodies");
+    } catch (...) {  // what is refused has changed nothing
+      world.bodies = former;
+      state_->engine->restart_pairs(world, std::move(memory));
+      throw;
+    }
     state_->engine->restart_pairs(world, std::move(memory));
   });
   state_->account.book_energy(state_->engine->energy(world) - held);
