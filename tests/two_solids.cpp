@@ -346,6 +346,21 @@ TEST(TwoSolids, a_case_gets_the_law_of_each_material_and_of_both) {
   EXPECT_TRUE(laws_of("[pair_potential]\n" + hand).uniform());
 }
 
+/// Its material is of no group.
+TEST(TwoSolids, an_impactor_has_the_law_that_a_table_gives_it) {
+  const std::string text =
+      "materials.rock.density = 1600\n[[groups]]\nname = \"a\"\nmaterial = \"rock\"\n"
+      "volume = {radius = 1}\n[pair_potential]\nlaw = \"lennard_jones\"\ndepth = 1\n"
+      "distance = 2\ncutoff = 3\n[[pair_potential.between]]\nmaterials = [\"rock\", "
+      "\"impactor\"]\nlaw = \"lennard_jones\"\ndepth = 7\ndistance = 1.1\ncutoff = 3\n"
+      "[[phases]]\nname = \"hit\"\nmethod = \"potential\"\nstep = \"1 us\"\nduration = 1\n"
+      "impactor = {mass = 1, radius = 0.1, speed = 1, distance = 5}\n";
+  const Case scene = parse_case(text, "x.toml");
+  const auto laws = scene.phases[0].settings.get<PotentialSettings>().law;
+  EXPECT_EQ(laws(0, 0).depth, 1);
+  EXPECT_EQ(laws(0, scene.phases[0].impactor->material).depth, 7);
+}
+
 TEST(TwoSolids, materials_without_a_law_are_refused) {
   const std::string one = "[pair_potential]\nmaterial = \"al\"\n";
   EXPECT_EQ(complaint(one),

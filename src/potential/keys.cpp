@@ -211,6 +211,9 @@ void derive(const Surroundings& around, std::span<const MaterialUse> uses,
   const Walls walls = around.walls();
   for (std::size_t w = 0; w < walls.size(); ++w)
     if (walls.material(w) != same_material) used.insert(walls.material(w));
+  for (const LawBetween& between : potential->between)  // an impactor's is of no group
+    for (const std::string& name : between.materials)
+      used.insert(find_material(around.materials, name, between.place));
   if (!potential->derived) used.insert(static_cast<int>(around.materials.size()));
   if (used.empty()) return;
   const PairPotential one = potential->law(*used.begin(), *used.begin());
