@@ -192,6 +192,12 @@ const std::vector<Refused> table = {
     {bodies + springs + "stiffness = 1e10\n" + phase + by_springs,
      "x.toml:16:1: phases.only: step = 0.001 s is too long for penalty contact: body "},
     {bodies + springs + "stiffness = 1e10\n" + phase +
+    {bodies + law + "breaking_strain = 0.1\n" + phase + by_law +
+         "[[phases]]\nname = \"apart\"\nstep = 1\nduration = 1\n"
+         "[[phases]]\nname = \"again\"\nstep = 1e-3\nduration = 1\n" +
+         by_law,
+     "x.toml:25:1: phases.again.method = \"potential\": phases.apart has moved the bodies of "
+     "phases.only by another method, without their bonds and stresses"},
          "[[phases]]\nname = \"later\"\nstep = 1e-3\n"
          "duration = 1\n" +
          by_springs,
@@ -337,4 +343,12 @@ TEST(Refusals, are_not_of_what_is_modelled) {
 }
 
 }  // namespace
+  // Debris may fly on by another method, and is told to fall apart; a fluid has no bonds.
+  const std::string flight = "[[phases]]\nname = \"apart\"\nstep = 1\nduration = 1\n";
+  const std::string again = "[[phases]]\nname = \"again\"\nstep = 1e-3\nduration = 1\n" + by_law;
+  const std::string torn = bodies + law + "breaking_strain = 0.1\n" + phase + by_law + flight;
+  const std::string told = "phases.apart: bonds and stresses of method = \"potential\" end here";
+  EXPECT_NE(check_case(comm, parse_case(torn, "x.toml")).find(told), std::string::npos);
+  const std::string fluid = bodies + law + "cutoff = 3\n" + phase + by_law + flight + again;
+  EXPECT_EQ(check_case(comm, parse_case(fluid, "x.toml")).find(told), std::string::npos);
 }  // namespace spall

@@ -70,11 +70,43 @@ void check_gravity(const Case& scene) {
           scene.file);
 }
 
+/// Bonds and stresses are what bodies have gone through by one method; another moves them without.
+bool keeps_damage(const Case& scene, const Phase& phase) {
+  return phase.engine->fields(scene, phase.settings).has(Field::damage);
+}
+
+/// Solids that were left for another method would be whole again.
+void check_methods(const Case& scene) {
+  for (auto later = scene.phases.begin(); later != scene.phases.end(); ++later) {
+    if (!keeps_damage(scene, *later)) continue;
+    const auto first = std::ranges::find(scene.phases, later->engine, &Phase::engine);
+    const auto other = std::find_if(
+        first, later, [&](const Phase& phase) { return phase.engine != later->engine; });
+    require(other == later,
+            "{}.method = \"{}\": phases.{} has moved the bodies of phases.{} by another method, "
+            "without their bonds and stresses: what was broken would be whole again",
+            later->place, later->engine->name, other->name, first->name);
+  }
+}
+
 }  // namespace
+
+std::vector<std::string> lost_bonds(const Case& scene) {
+  std::vector<std::string> told;
+  for (std::size_t p = 1; p < scene.phases.size(); ++p) {
+    const Phase &former = scene.phases[p - 1], &next = scene.phases[p];
+    if (next.engine != former.engine && keeps_damage(scene, former))
+      told.push_back(fmt::format(
+          "phases.{}: bonds and stresses of method = \"{}\" end here: its bodies are loose spheres",
+          next.name, former.engine->name));
+  }
+  return told;
+}
 
 void check_consistency(const Case& scene) {
   check_read_outs(scene);
   check_gravity(scene);
+  check_methods(scene);
   for (const Phase& phase : scene.phases)
     if (phase.remove_drift) check_removal_of_drift(scene, phase);
   require(!scene.binary || std::ranges::any_of(scene.phases, has_impactor),

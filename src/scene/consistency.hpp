@@ -10,4 +10,7 @@ namespace spall {
 /// together.
 void check_consistency(const Case& scene);
 
+/// Where a phase's method leaves behind what held bodies together in the one before, in words.
+std::vector<std::string> lost_bonds(const Case& scene);
+
 }  // namespace spall

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scene/consistency.hpp"
 #include "scene/engines.hpp"
 #include "scene/materials.hpp"
 #include "scene/packing.hpp"
@@ -130,6 +131,7 @@ std::string describe_phases(const Case& scene) {
           flight, flight / phase.impactor->radius, phase.impactor->radius / phase.impactor->speed);
     }
   for (const std::string& table : scene.unused) text += "\n  " + table + "\n";
+  for (const std::string& told : lost_bonds(scene)) text += "\n  " + told + "\n";
   return text;
 }
 
