@@ -246,12 +246,13 @@ std::string stored_triple() {
 
 TEST(StoredPile, keeps_velocities_spins_and_what_is_fixed) {
   const std::string file = stored_triple();
-  const auto made = [&](const std::string& packing, const std::string& group) {
+  const auto made = [&](const std::string& packing, const std::string& group,
+                        const std::string& phase = "") {
     const std::string text = fmt::format(
         "[[groups]]\nname = \"a\"\nmaterial = \"rock\"\nvolume = {{radius = 100, center = [0, 9, "
         "0]}}\npacking = {{kind = \"file\", file = \"{}\"{}}}\n{}[[phases]]\nname = \"x\"\nstep = "
-        "1\nduration = 1\n",
-        file, packing, group);
+        "1\nduration = 1\n{}",
+        file, packing, group, phase);
     return make_bodies(with_stored_bodies(parse_case(materials_of_triple + text, "x.toml")),
                        Comm(MPI_COMM_SELF));
   };
@@ -276,6 +277,10 @@ TEST(StoredPile, keeps_velocities_spins_and_what_is_fixed) {
   EXPECT_EQ(
       complaint_of([&] { made("", "velocity = [1, 0, 0]\n"); }),
       "x.toml:3:1: groups.a: velocity and spin would move bodies of '" + file + "' that are fixed");
+  EXPECT_EQ(complaint_of([&] { made("", "", "remove_drift = true\n"); }),
+            "x.toml:3:1: groups.a: '" + file +
+                "' has fixed bodies: they would stay where they are while x.toml:8:1: "
+                "phases.x.remove_drift moves all others");
   std::filesystem::remove(file);
 }
 

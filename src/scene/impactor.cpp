@@ -93,6 +93,10 @@ Aim add_impactor(const Comm& comm, const Case& scene, const Impactor& impactor, 
             "{}: it begins {:.3g} m deep in the wall {}: another direction or distance is wanted",
             impactor.place, -gap, walls.name(w));
   }
+  require(!scene.period.any() || scene.period.wrapped(aim.position) == aim.position,
+          "{}: it begins at ({:.6g}, {:.6g}, {:.6g}) m, outside of [periodic], and images would "
+          "stand in its way: a shorter distance is wanted",
+          impactor.place, aim.position.x(), aim.position.y(), aim.position.z());
   const auto highest = std::ranges::max_element(bodies.id);
   const BodyId next = 1 + static_cast<BodyId>(comm.max(
                               highest == bodies.id.end() ? -1.0 : static_cast<double>(*highest)));
