@@ -31,7 +31,8 @@ void read_table(Section& in, PrescribedMotion& motion) {
   std::vector<Vec3> displacements, velocities;
   in.need("times", "ascending; at rest before the first and after the last", times,
           not_negative(time));
-  in.take("displacements", "one a time, straight in between", displacements, any(length));
+  in.take("displacements", "one a time, straight in between; less that at t = 0", displacements,
+          any(length));
   in.take("velocities", "in place of displacements; one a time, linear in between", velocities,
           any(speed));
   const bool by_velocities = in.has("velocities");
