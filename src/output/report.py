@@ -5,6 +5,7 @@ import html
 import io
 import os
 import sys
+import tomllib
 
 from system_python import need
 
@@ -102,4 +103,8 @@ def main(folders):
 if __name__ == "__main__":
     if len(sys.argv) < 2:
         sys.exit("usage: report.py <folders of runs>")
-    main([os.path.dirname(name) or "." if os.path.isfile(name) else name for name in sys.argv[1:]])
+    names = [os.path.dirname(name) or "." if os.path.isfile(name) else name for name in sys.argv[1:]]
+    try:
+        main(names)
+    except (OSError, tomllib.TOMLDecodeError) as error:
+        sys.exit(f"spall report: a file of {' or '.join(names)} cannot be read or written: {error}")
