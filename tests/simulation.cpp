@@ -226,8 +226,10 @@ TEST(Simulation, a_step_within_a_step_or_a_change_is_refused) {
   EXPECT_EQ(complaint_of([&] { simulation.change_bodies([&](Bodies&) { simulation.step(); }); }),
             "step" + within);
   simulation.step();
-  simulation.add_force(
-      [&](const Bodies&, std::span<Vec3>) { simulation.change_bodies([](Bodies&) {}); });
+  simulation.add_force([&](const Bodies&, std::span<Vec3>) {
+    EXPECT_EQ(complaint_of([&] { simulation.step(); }), "step" + within);
+    simulation.change_bodies([](Bodies&) {});
+  });
   EXPECT_EQ(complaint_of([&] { simulation.step(); }), "change_bodies" + within);
 }
 

@@ -223,10 +223,10 @@ std::int64_t Simulation::steps_left() const {
 StepSummary Simulation::step(int most) {
   require(most > 0, "step: {} steps are asked for; 1 or more are wanted", most);
   require(!over(), "{}: all phases are over: there is no step to make", scene().file);
+  const Alone alone(state_->busy, "step");
   require(
       !state_->broken,
       "an error broke off a step before: bodies and time no longer belong together; begin anew");
-  const Alone alone(state_->busy, "step");
   state_->broken = true;
   if (clock().step_in_phase == 0) begin_phase();
   const StepReport report =
