@@ -317,6 +317,7 @@ TEST(Refusals, are_of_changes_of_what_lies_behind_a_run_that_goes_on) {
            {"groups.0.velocity=[1, 0, 0]", "the bodies are made already"},
            {"allowed_overlap=0.1", "the bodies are made already"},
            {"materials.rock.density=5", "bodies have their masses already"},
+           {"periodic.size=[9, 9, 9]", "bodies and their images lie in the box so far"},
            {"contact.cohesion=5", "cohesion is that of the phases so far"},
            {"phases.only.step=1 s", "phase only is over"},
            {"phases.0.duration=1 h", "phase only is over"},
@@ -339,6 +340,28 @@ TEST(Refusals, are_of_changes_of_what_lies_behind_a_run_that_goes_on) {
     EXPECT_EQ(told(change), "") << change;
   state.clock = {};  // before the first step all phases can be told, and the impactor's density
   EXPECT_EQ(told("phases.only.remove_drift=true"), "");
+}
+
+TEST(Refusals, are_of_walls_that_a_run_which_goes_on_would_move_into_bodies) {
+  const Comm comm = testing_world();
+  const std::string folder = (std::filesystem::temp_directory_path() /
+                              fmt::format("spall_walls_{}", comm.sum(std::int64_t{getpid()})))
+                                 .string();
+  const std::string floor = "[[planes]]\nname = \"floor\"\npoint = [0, 0, -1.0005]\n";
+  const std::string second = "[[phases]]\nname = \"later\"\nstep = 1\nduration = 1\n";
+  run_case(comm, parse_case(bodies + floor + phase + second, "x.toml"), folder);
+  comm.any(false);  // rank 0 has written it
+  const auto told = [&](const std::string& change) {
+    return complaint_of([&] {
+      resume_case(comm, folder + "/after_only.h5",
+                  {folder + "/resumed", Former::overwrite, {change}, false});
+    });
+  };
+  const std::string message = "x.toml: body 1 lies in a wall where --set has moved it to";
+  EXPECT_TRUE(told("planes.floor.point=[0, 0, -0.9]").starts_with(message));
+  EXPECT_EQ(told("planes.floor.point=[0, 0, -5]"), "");
+  comm.any(false);
+  if (comm.rank == 0) std::filesystem::remove_all(folder);
 }
 
 TEST(Refusals, are_not_of_what_is_modelled) {

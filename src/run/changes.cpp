@@ -3,10 +3,13 @@
 #include "run/changes.hpp"
 
 #include <algorithm>
+#include <array>
 #include <string_view>
 
+#include "engine/prescribed.hpp"
 #include "keys/toml_text.hpp"
 #include "spall/error.hpp"
+#include "state/walls.hpp"
 
 namespace spall {
 namespace {
@@ -65,6 +68,7 @@ void check_change(const RestartState& state, const Case& before, const std::stri
         option);
     const toml::table* table = node.as_table();
     if (key.str() == "materials" && table) check_materials(state, *table, option);
+    require(key.str() != "periodic", "{}: bodies and their images lie in the box so far", option);
     if (key.str() == "phases") check_phases(state, before, node, option);
     if (key.str() == "contact" && table)
       require(!table->contains("cohesion") && !table->contains("material"),
@@ -72,6 +76,38 @@ void check_change(const RestartState& state, const Case& before, const std::stri
               "begun changes it",
               option);
   }
+}
+
+namespace {
+
+/// m, how deep a sphere lies in the walls; 0 where it is clear of them.
+double depth_in(const Walls& walls, const Vec3& center, double radius) {
+  double deepest = 0;
+  for (std::size_t w = 0; w < walls.size(); ++w)
+    deepest = std::max(deepest, radius - face_of(walls, w, center).height);
+  return deepest;
+}
+
+}  // namespace
+
+void check_walls_ahead(const Comm& comm, const RestartState& state, const Case& before,
+                       const Case& after) {
+  const Bodies& bodies = state.bodies;
+  const Walls former = before.walls(), walls = after.walls();
+  std::array<double, 1> wrong{-1};  // id
+  for (Index b = 0; b < bodies.owned; ++b) {
+    if (is_held(bodies, b)) continue;
+    const double radius = bodies.radius[b];
+    const double deeper =
+        depth_in(walls, bodies.position[b], radius) - depth_in(former, bodies.position[b], radius);
+    if (deeper > after.allowed_overlap * radius) wrong[0] = static_cast<double>(bodies.id[b]);
+  }
+  comm.max(wrong);
+  require(
+      wrong[0] < 0,
+      "{}: body {:.0f} lies in a wall where --set has moved it to; walls may be moved away from "
+      "bodies",
+      state.case_file, wrong[0]);
 }
 
 void check_read_outs_ahead(const RestartState& state, const Case& before, const Case& after) {

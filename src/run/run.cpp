@@ -483,6 +483,8 @@ bool resume_case(const Comm& comm, const std::string& file, const ResumeOptions&
   });
   const InputFiles files(comm);
   Case scene = stored_case(state, options.overrides, files);
+  if (!options.overrides.empty())
+    check_walls_ahead(comm, state, stored_case(state, {}, files), scene);
   std::string own = fs::path(file).parent_path().string();
   if (own.empty()) own = ".";
   // Away from its case a run still has the copy beside its restart file.
