@@ -131,7 +131,8 @@ class Module(unittest.TestCase):
         tables = {"title": 'a "b"\\\n', "a b": {"x": 1, "y": [1.5, True], "z": {"u": 1e-300}}, "flag": False,
                   "rows": [{"k": 1, "inner": [{"q": "x"}]}, {"k": 2}], "empty": [], "none": {}}
         self.assertEqual(tomllib.loads(to_toml(tables)), tables)
-        self.assertEqual(tomllib.loads(to_toml({"v": np.array([1.0, 2.0]), "n": np.int64(3)})), {"v": [1, 2], "n": 3})
+        self.assertEqual(tomllib.loads(to_toml({"v": np.array([1.0, 2.0]), "n": np.int64(3), "b": np.bool_(True)})),
+                         {"v": [1, 2], "n": 3, "b": True})
 
     def test_a_run_leaves_what_the_program_leaves(self):
         out = f"python_run_{comm.size}"

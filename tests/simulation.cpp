@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "pair_potentials.hpp"
+#include "run/run.hpp"
 #include "spall/spall.hpp"
 #include "testing.hpp"
 #include "worlds.hpp"
@@ -129,6 +130,15 @@ TEST(Simulation, a_change_of_bodies_is_booked_and_followed) {
   EXPECT_NEAR(energies.kinetic + energies.dissipated, given, 1e-6 * given);
   EXPECT_GT(energies.dissipated, 0.1 * given);
   EXPECT_GT(positions(simulation)[1].x(), 2);
+}
+
+TEST(Simulation, a_check_counts_the_spheres_of_a_program) {
+  Scene scene = four(rock + phase("step = 0.01\nduration = 1\n"));
+  scene.add({.material = "rock", .radius = 1, .position = {0, 9, 0}, .fixed = true});
+  const std::string text = check_case(testing_world(), *scene.parts());
+  const std::string row = "of the program           5              0.5 to 1";
+  EXPECT_NE(text.find(row), std::string::npos) << text;
+  EXPECT_NE(text.find("1 fixed\n\n  5 bodies, at most about"), std::string::npos) << text;
 }
 
 TEST(Simulation, what_a_case_is_refused_for_is_refused_with_spheres_of_a_program) {

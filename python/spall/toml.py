@@ -42,6 +42,8 @@ def text(value):
 
 
 def inline(value):
+    if hasattr(value, "item") and getattr(value, "ndim", 0) == 0:  # a number or a truth of NumPy
+        value = value.item()
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, str):
@@ -50,8 +52,6 @@ def inline(value):
         return "{" + ", ".join(f"{name(k)} = {inline(v)}" for k, v in value.items()) + "}"
     if isinstance(value, (list, tuple)) or hasattr(value, "tolist") and getattr(value, "ndim", 0) > 0:
         return "[" + ", ".join(inline(v) for v in value) + "]"
-    if hasattr(value, "item"):
-        value = value.item()
     if isinstance(value, (int, float)):
         return repr(value)
     raise TypeError(f"{value!r} is neither number, text, list nor table")

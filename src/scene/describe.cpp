@@ -16,30 +16,50 @@ namespace spall {
 namespace {
 
 /// Bytes that the bodies of a group need at most, in the phase that needs most.
-double bytes_of(const Case& scene, const Group& group, const GroupContent& content) {
+double bytes_of(const Case& scene, const Lattice& lattice, std::int64_t count) {
   // A settled pile has 2.4 contacts a body; inside a lattice each body shares its neighbours' ones.
   constexpr double of_a_pile = 2.4;
-  const Lattice lattice = lattice_of(group.packing);
   const double contacts = lattice.neighbours > 0 ? lattice.neighbours / 2.0 : of_a_pile;
   double most = 0;
   for (const Phase& phase : scene.phases)
     most = std::max(most, bytes_a_body(*phase.engine, scene, contacts));
-  return most * static_cast<double>(content.count);
+  return most * static_cast<double>(count);
 }
 
-std::string describe_group(const Group& group, const GroupContent& content) {
-  const double mass = content.mass * content.mass_factor(group);
+/// A row of the table of groups; `fraction`: of the volume that is filled.
+std::string describe_content(const std::string& name, const GroupContent& content, double mass,
+                             const std::string& fraction, const std::string& note) {
   const double each = mass / static_cast<double>(std::max<std::int64_t>(content.movable, 1));
   std::string radius = fmt::format("{:.6g}", content.largest);
   if (content.smallest < content.largest)
     radius = fmt::format("{:.3g} to {:.3g}", content.smallest, content.largest);
-  return fmt::format("  {:<16}{:>10}{:>22}{:>14.6g}{:>14.6g}{:>10.4f}{}\n", group.name,
-                     content.count, radius, each, mass, content.volume / volume_of(group.volume),
-                     group.fixed    ? "  fixed"
-                     : group.motion ? "  moves as prescribed"
-                     : content.movable < content.count
-                         ? fmt::format("  {} fixed", content.count - content.movable)
-                         : "");
+  const std::string fixed = content.movable < content.count
+                                ? fmt::format("  {} fixed", content.count - content.movable)
+                                : "";
+  return fmt::format("  {:<16}{:>10}{:>22}{:>14.6g}{:>14.6g}{:>10}{}\n", name, content.count,
+                     radius, each, mass, fraction, note.empty() ? fixed : note);
+}
+
+std::string describe_group(const Group& group, const GroupContent& content) {
+  return describe_content(group.name, content, content.mass * content.mass_factor(group),
+                          fmt::format("{:.4f}", content.volume / volume_of(group.volume)),
+                          group.fixed    ? "  fixed"
+                          : group.motion ? "  moves as prescribed"
+                                         : "");
+}
+
+/// Those that a program adds.
+std::string describe_spheres(const std::vector<SceneSphere>& spheres) {
+  GroupContent content;
+  for (const SceneSphere& sphere : spheres) {
+    ++content.count;
+    content.smallest = std::min(content.smallest, sphere.radius);
+    content.largest = std::max(content.largest, sphere.radius);
+    if (sphere.fixed) continue;
+    ++content.movable;
+    content.mass += sphere.mass;
+  }
+  return describe_content("of the program", content, content.mass, "", "");
 }
 
 std::string describe_phase(const Phase& phase, double start) {
@@ -61,7 +81,8 @@ double bytes_of_a_rank(const Case& scene, const std::vector<GroupContent>& conte
                        double bytes_of_program) {
   double bytes = 0;  // of bodies
   for (std::size_t g = 0; g < contents.size(); ++g)
-    bytes += bytes_of(scene, scene.groups[g], contents[g]);
+    bytes += bytes_of(scene, lattice_of(scene.groups[g].packing), contents[g].count);
+  bytes += bytes_of(scene, {}, std::ssize(scene.spheres));
   // Libraries take more once they are used: measured beside 36 MB at the start.
   constexpr double bytes_of_use = 6e6;
   return bytes_of_program + bytes_of_use + bytes / ranks;
@@ -77,6 +98,8 @@ std::string describe_bodies(const Case& scene, int ranks, double bytes_of_progra
     text += describe_group(scene.groups[g], contents[g]);
     all += contents[g].count;
   }
+  if (!scene.spheres.empty()) text += describe_spheres(scene.spheres);
+  all += std::ssize(scene.spheres);
   return text + fmt::format("\n  {} bodies, at most about {:.3g} MB a rank on {} rank{}\n", all,
                             1e-6 * bytes_of_a_rank(scene, contents, ranks, bytes_of_program), ranks,
                             ranks == 1 ? "" : "s");
