@@ -78,6 +78,7 @@ constexpr struct {
     {dimension::speed, "a speed", "m/s", "\"6.7 km/s\""},
     {dimension::acceleration, "an acceleration", "m/s^2", "\"9.81 m/s^2\""},
     {dimension::spin, "a rate", "rad/s", "\"0.1 rad/s\" or \"2 rev/h\""},
+    {dimension::number_density, "a number a volume", "m^-3", "\"4e29 cm^-3\""},
     {dimension::density, "a density", "kg/m^3", "\"1600 kg/m^3\""},
     {dimension::force, "a force", "N", "\"500 N\""},
     {{0, 1, -2}, "a stiffness or surface energy", "N/m", "\"1 MN/m\" or \"0.1 J/m^2\""},

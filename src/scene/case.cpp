@@ -152,7 +152,7 @@ void read_case_keys(Section& in, Case& scene) {
     scene.reference = (std::filesystem::path(folder) / scene.reference).string();
     scene.reference_place = in.place("reference");
   }
-  in.take("seed", "of random packings", seed, 0);
+  in.take("seed", "of random packings and of flaws in brittle solids", seed, 0);
   scene.seed = static_cast<std::uint64_t>(seed);
   in.take("allowed_overlap", "of two bodies at the start, in units of the smaller radius",
           scene.allowed_overlap, Quantity{number, 0, 1});

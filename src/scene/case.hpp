@@ -162,7 +162,6 @@ struct Case : Surroundings {
   std::string title;
   std::string reference;        ///< file with a source's values, for the report; empty: none
   std::string reference_place;  ///< where the case asks for it, for messages
-  std::uint64_t seed = 1;
   std::string contact_of;        ///< material from which cohesion follows; empty: none
   std::string contact_of_place;  ///< where the case asks for it, for messages
   std::vector<Between<ContactLaw>> contact_between;

@@ -47,6 +47,7 @@ std::string describe_material_library() {
     tell("johnson_cook_a", "flow stress");
     tell("johnson_cook_d1", "strain at failure");
     tell("spall_strength", "spall");
+    tell("weibull_k", "flaws");
     tell("melting_point", "melting");
     tell("melt_energy", "its energy");
     told += line(material.name, table["title"].value_or(std::string()), known);

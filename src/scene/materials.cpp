@@ -49,6 +49,10 @@ void read_solid(Section& in, Solid& solid) {
                      "(1 + D4 ln rate)(1 + D5 T*)"
                    : "",
             jc.d[k], any(number));
+  in.take("weibull_k",
+          "k of the flaws of a brittle solid, k eps^m a volume at a tensile strain eps",
+          solid.weibull.k, positive(number_density));
+  in.take("weibull_m", "m of them", solid.weibull.m, positive(number));
 }
 
 }  // namespace

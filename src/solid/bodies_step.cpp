@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "base/kernels.hpp"
+#include "solid/flaws.hpp"
 #include "solid/tensors.hpp"
 
 namespace spall {
@@ -132,12 +133,17 @@ double settle(Bodies& bodies, const Body& b, double* sound_speed) {
   const double hot = law.homologous(old_heat / mass);
   const bool melted = law.yields && hot >= 1;
 
-  double scale = damage >= 1 || melted ? 0 : 1;
+  const double borne_before = law.borne(damage);
+  if (law.flaws.known() && b.h > 0) damage = grown_damage(law, bodies, row, b.rest_volume, b.h);
+  const double borne = law.borne(damage);
+
+  double scale = damage >= 1 || melted ? 0 : borne / borne_before;
   if (law.yields && scale > 0 && b.mises > 0 && b.h > 0) {
+    const double trial = b.mises / borne_before;  // between the cracks
     double strained = 0;
-    const bool may = b.mises > law.flow.a * (law.flow.m >= 1 ? 1 - hot : 0);
-    if (may) strained = law.plastic_increment(b.mises, bodies.plastic_strain[row], b.h, hot);
-    scale = std::max(0.0, 1 - 3 * law.shear * strained / b.mises);
+    const bool may = trial > law.flow.a * (law.flow.m >= 1 ? 1 - hot : 0);
+    if (may) strained = law.plastic_increment(trial, bodies.plastic_strain[row], b.h, hot);
+    scale *= std::max(0.0, 1 - 3 * law.shear * strained / trial);
     bodies.plastic_strain[row] += strained;
     if (strained > 0 && law.flow.fails()) {
       const double left = scale * b.mises;
@@ -151,7 +157,8 @@ double settle(Bodies& bodies, const Body& b, double* sound_speed) {
   const double x = bodies.compression[row];
   const double half = b.h / 2 * b.volume;
   const double before = bodies.internal_energy[row] + b.gained + half * scale * b.shear_power;
-  const double left = scale * b.mises, deviatoric = b.volume * left * left / (6 * law.shear);
+  const double left = scale * b.mises;
+  const double deviatoric = left > 0 ? b.volume * left * left / (6 * law.shear * borne) : 0;
   ColdCurve::State cold;
   // P = P_c + Gamma rho Q/m of matter so pressed, and Q depends on the work of P. The rest of the
   // volume are voids.
@@ -163,7 +170,9 @@ double settle(Bodies& bodies, const Body& b, double* sound_speed) {
     return (share * cold.pressure + per_heat * given) / (1 + per_heat * half * b.growth);
   };
   double pressure = pressure_of(x);
-  const double bearable = damage >= 1 || melted ? 0 : (1 - damage) * law.strength;
+  const double whole_pressure = pressure, whole_energy = cold.energy;
+  const bool parted = damage >= 1 || melted || borne < 1;
+  const double bearable = parted ? 0 : (1 - damage) * law.strength;
   if (pressure < -bearable) {
     double matter = std::max(x, least_matter);
     pressure = pressure_of(matter);
@@ -172,7 +181,13 @@ double settle(Bodies& bodies, const Body& b, double* sound_speed) {
       pressure = pressure_of(matter);
     }
     if (melted) damage = 1;
-    if (law.yields) damage = std::min(1.0, std::max(damage, (1 - x / matter) / most_voids));
+    if (law.flaws.known()) {
+      // Cracks have opened in the share D; the rest is stretched as if there were none.
+      const double rest = law.borne(damage);
+      pressure = damage * pressure + rest * whole_pressure;
+      cold.energy = damage * cold.energy + rest * whole_energy;
+    } else if (law.yields)
+      damage = std::min(1.0, std::max(damage, (1 - x / matter) / most_voids));
   }
 
   const double energy = before - half * pressure * b.growth;
@@ -235,7 +250,8 @@ SPALL_KERNEL(double, update_bodies,
     Lanes shear, pressure, volume, x, old_volume, weight;
     for (std::size_t l = 0; l < lane_count; ++l) {
       const Index b = row[l];
-      shear[l] = laws[bodies.material[b]].shear;
+      const SolidLaw& law = laws[bodies.material[b]];
+      shear[l] = law.borne(bodies.damage[b]) * law.shear;
       pressure[l] = bodies.pressure[b];
       x[l] = bodies.compression[b];
       old_volume[l] = rest_volume[b] / x[l];

@@ -25,7 +25,8 @@ std::vector<double> rest_volumes(const Bodies& bodies, const std::vector<SolidLa
 /// Then the stress returns to the flow stress along its deviator. Tension beyond what is left of
 /// the strength, strength (1 - D), opens voids until it is no more than that. The damage D is what
 /// voids have been at most, of those at which nothing is borne; or the sum of plastic strain over
-/// Johnson and Cook's strain at failure. At 1 the body bears pressure alone. The energy grows by
+/// Johnson and Cook's strain at failure; of a brittle solid, what its cracks have taken the load
+/// from (solid/flaws.hpp). At 1 the body bears pressure alone. The energy grows by
 /// the power of the pairs' forces, half at either end. Returns the heat (J) that bodies gained.
 double update_bodies(Bodies& bodies, const std::vector<SolidLaw>& laws,
                      const std::vector<double>& rest_volume, double h, const ShapeRow* shapes,

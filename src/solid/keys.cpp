@@ -5,6 +5,7 @@
 #include <set>
 
 #include "solid/engine.hpp"
+#include "solid/flaws.hpp"
 #include "spall/error.hpp"
 
 namespace spall {
@@ -26,6 +27,7 @@ void derive(const Surroundings& around, std::span<const MaterialUse>, EngineSett
     if (!constants) continue;
     try {
       solid.laws[m] = solid_law(*constants, !solid.elastic, "");
+      solid.laws[m].seed = around.seed;
     } catch (const Error&) {  // `check` tells, where a phase needs it
     }
   }
@@ -77,6 +79,26 @@ FieldSet fields(const Surroundings&, const EngineSettings&) {
           Field::shear_stress, Field::plastic_strain, Field::internal_energy};
 }
 
+/// How it breaks, in bodies of this spacing (m).
+std::string failure_of(const SolidLaw& law, double spacing) {
+  if (law.flaws.known()) {
+    const double strain = strain_of_first_flaw(law, spacing);
+    return fmt::format(
+        "    breaks by cracks that grow at {:.4g} m/s from {:.4g}/m^3 eps^{:g} flaws: a tension of "
+        "{:.4g} Pa opens one in half of the bodies\n",
+        crack_speed(law), law.flaws.k, law.flaws.m, law.youngs_modulus() * strain);
+  }
+  std::string text =
+      std::isfinite(law.strength)
+          ? fmt::format(
+                "    opens voids at a tension of {:.4g} Pa and fails where they are a quarter of "
+                "the volume\n",
+                law.strength)
+          : std::string("    does not tear by tension: spall_strength is not known\n");
+  if (!law.flow.fails()) text += "    does not fail by strain: johnson_cook_d1 … are not known\n";
+  return text;
+}
+
 std::string describe(const Surroundings& around, std::span<const MaterialUse> uses,
                      const EngineSettings& settings) {
   const auto solid = settings.get<SolidSettings>();
@@ -97,14 +119,7 @@ std::string describe(const Surroundings& around, std::span<const MaterialUse> us
     if (law.yields) {
       text += fmt::format("    flows at {:.4g} Pa + {:.4g} Pa eps^{:g}, C = {:g}, m = {:g}\n",
                           law.flow.a, law.flow.b, law.flow.n, law.flow.c, law.flow.m);
-      text += std::isfinite(law.strength)
-                  ? fmt::format(
-                        "    opens voids at a tension of {:.4g} Pa and fails where they are a "
-                        "quarter of the volume\n",
-                        law.strength)
-                  : std::string("    does not tear by tension: spall_strength is not known\n");
-      if (!law.flow.fails())
-        text += "    does not fail by strain: johnson_cook_d1 … are not known\n";
+      text += failure_of(law, spacing);
     } else {
       text += "    elastic: nothing yields, melts or tears\n";
     }
@@ -121,7 +136,7 @@ std::unique_ptr<Engine> make(const EngineSettings& settings) {
 
 const EngineType solid_engine{
     .name = "solid",
-    .help = "bodies with a stress each: metals that yield, harden, soften, melt and tear",
+    .help = "bodies with a stress each: metals that yield, melt and tear, rock and ice that crack",
     .tables = {"solid"},
     .read = read,
     .derive = derive,

@@ -70,14 +70,25 @@ SolidLaw solid_law(const Solid& solid, bool yields, const std::string& place) {
                .melt_energy = solid.melt_energy,
                .yields = yields,
                .flow = solid.johnson_cook,
+               .flaws = solid.weibull,
                .cold = ColdCurve(solid)};
-  if (!yields) return law;
+  if (!yields) {
+    law.flaws = {};
+    return law;
+  }
   if (solid.spall_strength > 0) law.strength = solid.spall_strength;
   if (law.flow.a == 0) law.flow = {.a = solid.yield_strength, .d = law.flow.d};
   need(law.flow.a, "johnson_cook_a or yield_strength");
   if (law.flow.m != 1 || law.flow.fails()) {
     need(solid.specific_heat, "specific_heat");
     need(solid.melting_point, "melting_point");
+  }
+  if (solid.weibull.m > 0) need(solid.weibull.k, "weibull_k beside weibull_m");
+  if (law.flaws.known()) {
+    need(solid.weibull.m, "weibull_m beside weibull_k");
+    require(!law.flow.fails() && solid.spall_strength == 0,
+            "{}: weibull_k and {}: a solid breaks by its flaws, or as metals do; leave one out",
+            place, law.flow.fails() ? "johnson_cook_d1 ..." : "spall_strength");
   }
   return law;
 }

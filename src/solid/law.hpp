@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstdint>
 #include <string>
 
 #include "solid/cold_curve.hpp"
@@ -20,10 +21,15 @@ struct SolidLaw {
   double specific_heat = 0, melting = 0, melt_energy = 0;
   bool yields = true;
   JohnsonCook flow;
+  Weibull flaws;
+  std::uint64_t seed = 0;  ///< of the flaws
   ColdCurve cold;
 
   double bulk_speed() const { return std::sqrt(bulk / density); }  ///< m/s
   double sound_speed() const;                                      ///< m/s, longitudinal
+  double youngs_modulus() const { return 9 * bulk * shear / (3 * bulk + shear); }  ///< Pa
+  /// The share of tension and shear that cracks leave at this damage.
+  double borne(double damage) const { return flaws.known() ? 1 - damage : 1; }
   /// From 298 K (0) to the melting point (1 and more), with this heat (J/kg).
   double homologous(double heat) const;
   /// Pa, with its slopes by the strain and by the logarithm of the rate; of this plastic strain and

@@ -23,6 +23,15 @@ struct JohnsonCook {
   bool fails() const { return d != std::array<double, 5>{}; }
 };
 
+/// Flaws of a brittle solid: k eps^m a volume that a tensile strain eps opens. (Weibull,
+/// Ingvetensk. Akad. Handl. 151 (1939); Grady & Kipp, Int. J. Rock Mech. Min. Sci. 17 (1980) 147.)
+struct Weibull {
+  double k = 0;  ///< 1/m^3; 0: not known
+  double m = 0;
+
+  bool known() const { return k > 0; }
+};
+
 /// What handbooks say of a solid. 0: not known; a law that needs it says so.
 struct Solid {
   double density = 0;             ///< kg/m^3
@@ -39,6 +48,7 @@ struct Solid {
   double melt_energy = 0;         ///< J/kg, from room temperature to liquid
   double sublimation_energy = 0;  ///< J/kg
   JohnsonCook johnson_cook;
+  Weibull weibull = {};
 
   double bulk_modulus() const { return density * sound_speed * sound_speed; }          ///< Pa
   double shear_modulus() const { return youngs_modulus / (2 * (1 + poisson_ratio)); }  ///< Pa

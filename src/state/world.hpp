@@ -25,6 +25,7 @@ namespace spall {
 
 /// What bodies are made of and what is around them: given by the case, the same for all engines.
 struct Surroundings {
+  std::uint64_t seed = 1;  ///< of all that is drawn
   std::vector<Material> materials;
   ByPair<ContactLaw> contact;
   std::vector<Plane> planes;
