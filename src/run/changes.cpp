@@ -20,13 +20,19 @@ bool is_one_of(std::string_view key, Keys keys) {
   return std::ranges::find(keys, key) != keys.end();
 }
 
-/// An impactor's material weighs nothing before it is added.
+/// An impactor's material weighs nothing before it is added. A restart file keeps the constants
+/// that a library or a file gave, and asks neither again.
 void check_materials(const RestartState& state, const toml::table& materials,
                      const std::string& option) {
   const bool struck = state.clock.since_impact >= 0;
   for (const auto& [name, node] : materials) {
     const toml::table* material = node.as_table();
-    if (!material || (name.str() == "impactor" && !struck)) continue;
+    if (!material) continue;
+    require(!material->contains("library") && !material->contains("file"),
+            "{}: what goes on keeps the constants of its materials; "
+            "materials.NAME.solid.CONSTANT=... changes one",
+            option);
+    if (name.str() == "impactor" && !struck) continue;
     require(!material->contains("density") && !(*material)["solid"]["density"],
             "{}: bodies have their masses already, of the density before", option);
   }

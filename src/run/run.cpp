@@ -452,11 +452,6 @@ bool run_case(const Comm& comm, const Case& scene, const std::string& folder, Fo
 
 Case stored_case(const RestartState& state, const std::vector<std::string>& overrides,
                  const InputFiles& files) {
-  for (const std::string& change : overrides)
-    require(!names_constants(change),
-            "--set {}: what goes on keeps the constants of its materials; "
-            "materials.NAME.solid.CONSTANT=... changes one",
-            change);
   const auto with = [&](const std::vector<std::string>& all) {
     return parse_case(state.case_text, state.case_file, all, Groups::needed, files,
                       state.constants);

@@ -327,15 +327,6 @@ const Section::Reference& all_keys() {
 
 }  // namespace
 
-bool names_constants(const std::string& override_text) {
-  const toml::table change = parse_override(override_text);
-  const toml::table* materials = change["materials"].as_table();
-  return materials && std::ranges::any_of(*materials, [](const auto& entry) {
-           const toml::table* material = entry.second.as_table();
-           return material && (material->contains("library") || material->contains("file"));
-         });
-}
-
 Case parse_case(const std::string& text, const std::string& file,
                 const std::vector<std::string>& overrides, Groups groups, const InputFiles& files,
                 const std::vector<std::string>& constants) {

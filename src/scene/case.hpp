@@ -160,8 +160,8 @@ struct Case : Surroundings {
                          ///< to it what no file tells
   std::vector<std::string> unused;  ///< its tables and keys that nothing reads, and why
   std::string title;
-  std::string reference;        ///< file with a source's values, for the report; empty: none
-  std::string reference_place;  ///< where the case asks for it, for messages
+  std::string reference;         ///< file with a source's values, for the report; empty: none
+  std::string reference_place;   ///< where the case asks for it, for messages
   std::string contact_of;        ///< material from which cohesion follows; empty: none
   std::string contact_of_place;  ///< where the case asks for it, for messages
   std::vector<Between<ContactLaw>> contact_between;
@@ -183,9 +183,6 @@ struct Case : Surroundings {
 /// file, line, key and what would be right.
 Case read_case(const std::string& file, const std::vector<std::string>& overrides = {},
                const InputFiles& files = {});
-
-/// Whether an override gives a material a library or a file to take its constants from.
-bool names_constants(const std::string& override_text);
 
 /// Whether a case without bodies of its own is an error.
 enum class Groups { needed, may_lack };
