@@ -1,4 +1,4 @@
-# DART at several resolutions, each beside the observations; how much is ejected how fast.
+# DART at several resolutions and densities, each beside the observations; how much is ejected how fast.
 # SPDX-License-Identifier: BSD-3-Clause
 """run.py [--only-table]: runs what is missing in out/, writes results.md, ejecta.png and bodies.png beside this script."""
 import pathlib
@@ -21,15 +21,16 @@ import matplotlib.pyplot as plt  # noqa: E402
 
 RESOLUTIONS = (2.0, 1.0, 0.5)  # m: the largest radius at the site
 SEEDS = (1, 2, 3)
+DENSITY, ERROR, VOLUME = 1540, 220, 2.78e9 / 1540  # kg/m^3 (Makadia et al. 2026), m^3
+DENSITIES = (DENSITY - ERROR, DENSITY, DENSITY + ERROR)  # the outer ones at 1 m alone
 COHESION = 0.44  # N at 1 m: 2 Pa by Rumpf's formula, as the square of the size
-RESTITUTION = 0.3  # of case.toml
 SPEEDS = (0.1, 0.3, 1, 3, 10)  # m/s
 ROWS = [("bodies", None, ""), ("smallest radius", None, "m"), ("dv", "deflection.dv", "m/s"), ("beta, vector formula", "deflection.beta", ""),
         ("beta along the flight", "deflection.beta_along", ""), ("change of the period", "deflection.dT_min", "min"),
         ("ejecta", "ejecta.count", ""), ("their mass", "ejecta.mass", "kg"), ("the fastest", "ejecta.fastest", "m/s"),
         ("half-aperture with half of their momentum (sum of sizes)", "ejecta.cone_half_deg", "deg"), ("with 90 % of it", "ejecta.cone_most_deg", "deg"),
         ("mass of the pile", "pile.mass", "kg"), ("its axes", "pile.axes", "m"), ("density of a boulder", None, "kg/m^3"),
-        ("energy of a head-on hit in the largest boulder at the site, of the impactor's", None, ""),
+        ("mass of the struck boulder", "deflection.struck_mass", "kg"), ("rigid share of the energy", "deflection.rigid_share", ""),
         ("momentum not closed, of m v (worst)", "deflection.momentum_closure", ""), ("drift of momentum, of m v (worst)", "conservation.linear", ""),
         ("energy unexplained, of the dissipated (worst)", "conservation.energy_unexplained", "")]
 
@@ -52,18 +53,15 @@ def scatter(values):
     return f"{values.mean():.4g}{spread}"
 
 
-def row_of(name, key, resolution, runs):
-    """A cell of the table: runs of all seeds at one resolution, as (folder, results)."""
+def row_of(name, key, runs):
+    """A cell of the table: runs of all seeds at one resolution and density, as (folder, results)."""
     if name == "bodies":
         return scatter([len(last_frame(folder)[2]) - 1 for folder, _ in runs])
     if name == "smallest radius":
         return f"{min(last_frame(folder)[2][:-1].min() for folder, _ in runs):.3g}"
     if key is None:
         _, _, radius, mass = last_frame(runs[0][0])
-        density = mass[0] / (4 / 3 * np.pi * radius[0]**3)
-        boulder, impactor = density * 4 / 3 * np.pi * resolution**3, mass[-1]
-        energy = (1 + RESTITUTION) ** 2 * impactor * boulder / (impactor + boulder) ** 2
-        return f"{density:.4g}" if name.startswith("density") else f"{energy:.2g}"
+        return f"{mass[0] / (4 / 3 * np.pi * radius[0]**3):.4g}"
     values = [look_up(run, key) for _, run in runs]
     if name.endswith("(worst)"):
         return f"{max(map(abs, values)):.1e}"
@@ -82,48 +80,60 @@ def ejecta(folder):
 
 
 def main():
-    folders = {(r, seed): pathlib.Path(f"out/dart-{r:g}-{seed}") for r in RESOLUTIONS for seed in SEEDS}
-    for (r, seed), folder in folders.items():
+    outer = [(1.0, density) for density in DENSITIES if density != DENSITY]
+    folders = {(r, density, seed): pathlib.Path(f"out/dart-{density}-{r:g}-{seed}")
+               for seed in SEEDS for r, density in [*((r, DENSITY) for r in RESOLUTIONS), *outer]}
+    for (r, density, seed), folder in folders.items():
         if "--only-table" not in sys.argv and not (folder / "results.toml").exists():
-            subprocess.run(["mpirun", "-n", "2", "build/release/spall", "run", "cases/dart/case.toml", "--out", str(folder), "--set", f"seed={seed}",
+            subprocess.run(["mpirun", "-n", "2", "build/release/spall", "run", "cases/dart/case.toml", "--out", str(folder), "--overwrite",
+                            "--set", f"seed={seed}", "--set", f"groups.dimorphos.total_mass={density * VOLUME} kg",
                             "--set", f"groups.dimorphos.packing.smallest={r} m", "--set", f"phases.impact.cohesion={COHESION * r**2} N"], check=True)
-    there = {key: (folder, results(folder)) for key, folder in folders.items() if (folder / "results.toml").exists()}
-    of = {r: [run for (resolution, _), run in there.items() if resolution == r] for r in RESOLUTIONS}
-    of = {r: runs for r, runs in of.items() if runs}
+    there = {key: (folder, results(folder)) for key, folder in sorted(folders.items(), key=lambda item: (-item[0][0], *item[0][1:]))
+             if (folder / "results.toml").exists()}
+
+    def runs_at(r, density):
+        return [run for key, run in there.items() if key[:2] == (r, density)]
+    columns = [(r, DENSITY) for r in RESOLUTIONS if runs_at(r, DENSITY)]
     reference = observed()
     lines = []
     for name, key, unit in ROWS:
         printed, note = reference.get(key, ("", ""))
-        lines.append("| " + " | ".join([name, unit, show(printed), *(row_of(name, key, r, runs) for r, runs in of.items()), note]) + " |")
-    heading = ["", "", "observed", *(f"{r:g} m at the site" for r in of), "note"]
+        lines.append("| " + " | ".join([name, unit, show(printed), *(row_of(name, key, runs_at(*at)) for at in columns), note]) + " |")
+    heading = ["", "", "observed", *(f"{r:g} m at the site" for r, _ in columns), "note"]
+    lighter = ("dv", "beta, vector formula", "change of the period", "their mass", "density of a boulder", "rigid share of the energy")
+    by_density = ["| " + " | ".join([name, unit, *(row_of(name, key, runs_at(1.0, density)) for density in DENSITIES if runs_at(1.0, density))]) + " |"
+                  for name, key, unit in ROWS if name in lighter]
     first = next(iter(there.values()))[1]
     at = [f"{t:.3g} s" for t in first["read_out"]["since_impact"]]
-    reads = [f"| {r:g} m | {seed} | {run['case']['cohesion']:.3g} | " + " | ".join(f"{1e3 * dv:.4g}" for dv in run["read_out"]["dv"]) + " | "
-             + " | ".join(f"{b:.4g}" for b in run["read_out"]["beta"]) + f" | {run['time']['total_s']:.0f} |" for (r, seed), (_, run) in there.items()]
-    plume = {key: ejecta(folder) for key, (folder, _) in there.items()}
+    reads = [f"| {r:g} m | {density} | {seed} | {run['case']['cohesion']:.3g} | " + " | ".join(f"{1e3 * dv:.4g}" for dv in run["read_out"]["dv"]) + " | "
+             + " | ".join(f"{b:.4g}" for b in run["read_out"]["beta"]) + " | " + show(run["deflection"]["struck_mass"]) + " | "
+             + show(run["deflection"]["rigid_share"]) + " |" for (r, density, seed), (_, run) in there.items()]
+    plume = {key: ejecta(folder) for key, (folder, _) in there.items() if key[1] == DENSITY}
 
     def faster(key, v):
         speed, mass = plume[key]
         return mass[np.sum(speed >= v) - 1] if np.any(speed >= v) else 0.0
-    masses = ["| " + " | ".join([f"{v:g} m/s", *(scatter([faster(key, v) for key in there if key[0] == r]) for r in of)]) + " |" for v in SPEEDS]
+    masses = ["| " + " | ".join([f"{v:g} m/s", *(scatter([faster(key, v) for key in plume if key[:2] == at]) for at in columns)]) + " |" for v in SPEEDS]
     (HERE / "results.md").write_text(
-        "# DART: the runs beside the observations\nWritten by `cases/dart/run.py`; at the last read-out unless said otherwise; mean over the seeds "
-        "± half of their range (" + ", ".join(f"{len(runs)} at {r:g} m" for r, runs in of.items()) + ").\n\n"
-        "| " + " | ".join(heading) + " |\n|---|---|" + "--:|" * (len(of) + 1) + "---|\n" + "\n".join(lines)
-        + "\n\n## Mass ejected faster than v, kg\n\n| | " + " | ".join(f"{r:g} m at the site" for r in of) + " |\n|---|" + "--:|" * len(of) + "\n"
-        + "\n".join(masses) + "\n\n## In time\n\n| | seed | cohesion, N | " + " | ".join(f"dv at {t}, mm/s" for t in at) + " | "
-        + " | ".join(f"beta at {t}" for t in at) + " | run, s |\n|---|--:|--:|" + "--:|" * (2 * len(at) + 1) + "\n" + "\n".join(reads) + "\n")
+        f"# DART: the runs beside the observations\nWritten by `cases/dart/run.py`, by commit {first['provenance']['commit']}; at the last read-out unless said "
+        f"otherwise; mean over the seeds ± half of their range ({len(SEEDS)} seeds). Dimorphos has {DENSITY} kg/m^3.\n\n"
+        "| " + " | ".join(heading) + " |\n|---|---|" + "--:|" * (len(columns) + 1) + "---|\n" + "\n".join(lines)
+        + "\n\n## By density, 1 m at the site\n\n| | | " + " | ".join(f"{density} kg/m^3" for density in DENSITIES if runs_at(1.0, density)) + " |\n|---|---|"
+        + "--:|" * sum(bool(runs_at(1.0, density)) for density in DENSITIES) + "\n" + "\n".join(by_density)
+        + "\n\n## Mass ejected faster than v, kg\n\n| | " + " | ".join(f"{r:g} m at the site" for r, _ in columns) + " |\n|---|" + "--:|" * len(columns) + "\n"
+        + "\n".join(masses) + "\n\n## In time\n\n| | kg/m^3 | seed | cohesion, N | " + " | ".join(f"dv at {t}, mm/s" for t in at) + " | "
+        + " | ".join(f"beta at {t}" for t in at) + " | struck boulder, kg | rigid share |\n|---|--:|--:|--:|" + "--:|" * (2 * len(at) + 2) + "\n" + "\n".join(reads) + "\n")
 
     figure, panel = plt.subplots(figsize=(8, 4.4), layout="constrained")
     colors = dict(zip(RESOLUTIONS, ("#8a94a3", "#3f8f5b", "#2f6db3")))
-    for (r, seed), curve in plume.items():
+    for (r, _, seed), curve in plume.items():
         panel.plot(*curve, drawstyle="steps-post", color=colors[r], label=f"{r:g} m at the site" if seed == SEEDS[0] else None)
     panel.axhspan(*reference["ejecta.mass"][0], color="#d9822b", alpha=0.25, lw=0, label="all ejecta, observed (Ferrari et al. 2025)")
     panel.set(xscale="log", yscale="log", xlabel="speed v relative to what is left (m/s)", ylabel="mass ejected faster than v (kg)")
     panel.grid(color="#e4e8ee")
     panel.legend(frameon=False)
     figure.savefig(HERE / "ejecta.png", dpi=110)
-    finest = [folder for (_, seed), (folder, _) in there.items() if seed == SEEDS[0]][-1]
+    finest = [folder for (_, _, seed), (folder, _) in there.items() if seed == SEEDS[0]][-1]
     subprocess.run(["build/release/spall", "report", str(finest)], check=True)
     shutil.copy(finest / "report/bodies.png", HERE / "bodies.png")
 
