@@ -299,14 +299,13 @@ on_ranks "$ranks" run grains.toml --out periodic || fail "a periodic run: $(cat 
 grep -q "whole/trajectory.h5: .* 4 frames, 41 particles" stdout || fail "no frame at the start: $(cat stdout)"
 
 # Whatever asks a run to stop leaves a restart file. mpirun hands on some signals; at others it warns its
-# ranks, asks them a second later to stop, and kills them a second after that; here after five each.
-export OMPI_MCA_odls_base_sigkill_timeout=5
+# ranks, asks them a second later to stop, and kills them a second after that; where it begins, after five each.
 write_case 's/duration = "2 s"/duration = "1e9 s"/' endless.toml
-stop_by() {  # signal, "launcher" or "rank", exit code
+stop_by() {  # signal, "launcher" or "rank", exit code, seconds that mpirun leaves
   local target launcher code
-  "$mpiexec" --oversubscribe -n "$ranks" "$spall" run endless.toml --out endless --overwrite >stdout 2>stderr &
+  OMPI_MCA_odls_base_sigkill_timeout=${4:-1} "$mpiexec" --oversubscribe -n "$ranks" "$spall" run endless.toml --out endless --overwrite >stdout 2>stderr &
   launcher=$!
-  wait_for grep -q "^meet" stdout || fail "no progress line: $(cat stdout stderr)"
+  wait_for grep -q "^phase meet" stdout || fail "does not say that its phase begins: $(cat stdout stderr)"
   target=$launcher
   [ "$2" = launcher ] || target=$(pgrep -P $launcher -x "$(basename "$spall")" | tail -1)
   kill "-$1" "$target"
@@ -320,7 +319,7 @@ stop_by() {  # signal, "launcher" or "rank", exit code
   [ $code = "$3" ] || fail "SIG$1 to the $2 ends a run with $code"
   on_ranks "$ranks" check endless/restart.h5 || fail "SIG$1 to the $2 leaves no whole restart file: $(cat stderr)"
 }
-stop_by TERM launcher 1
+stop_by TERM launcher 1 5
 stop_by XCPU launcher 3
 stop_by INT rank 3
 stop_by CONT rank 3
