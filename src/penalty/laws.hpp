@@ -53,7 +53,7 @@ struct NormalForce {
 template <class Number>
 struct HookeLanes {
   explicit HookeLanes(const LawConstants<Number>& law) : k(law.normal), kt(law.tangential) {}
-  static constexpr bool sticks = false;
+  static constexpr bool sticks = false, adheres = false;
   NormalForce force(const Lanes& overlap, const Lanes&) const {
     return {k * overlap, lanes_of(k), lanes_of(kt), Lanes{}, Lanes{}};
   }
@@ -65,7 +65,7 @@ template <bool dmt, class Number>
 struct HertzLanes {
   explicit HertzLanes(const LawConstants<Number>& law)
       : modulus(law.normal), kt(law.tangential), pull(law.attraction) {}
-  static constexpr bool sticks = false;
+  static constexpr bool sticks = false, adheres = dmt;
   NormalForce force(const Lanes& overlap, const Lanes& radius) const {
     const Lanes inverse = inverse_sqrt(radius * overlap), attraction = pull * radius;
     const Lanes a = radius * overlap * inverse;
@@ -90,7 +90,7 @@ template <class Number>
 struct JkrLanes {
   explicit JkrLanes(const LawConstants<Number>& law)
       : modulus(law.normal), kt(law.tangential), pull(law.attraction), a1(law.neck) {}
-  static constexpr bool sticks = true;
+  static constexpr bool sticks = true, adheres = true;
   static constexpr double q_end = 0.62996052494743658;  // 4^(-1/3)
   static constexpr double end = -0.47247039371057744;   // q_end^4 - q_end
 

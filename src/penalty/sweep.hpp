@@ -166,7 +166,9 @@ auto with_normal_law(const ByPair<PenaltyLaw>& laws, double h, F&& f) {
     return f(ContactModels<true, NormalOf>{laws, cohesion, h});
   }
   const PenaltyLaw& law = laws.common();
-  if (!friction) return f(ContactModel<false, false, NormalOf, double>(law, cohesion, h));
+  // Grains that adhere have friction; a kernel without it would take longer to build than it saves.
+  if constexpr (!NormalOf<double>::adheres)
+    if (!friction) return f(ContactModel<false, false, NormalOf, double>(law, cohesion, h));
   if (!rolling) return f(ContactModel<true, false, NormalOf, double>(law, cohesion, h));
   return f(ContactModel<true, true, NormalOf, double>(law, cohesion, h));
 }
@@ -323,8 +325,8 @@ template <class Model, class Finish>
   for (std::size_t w = 0; w < windows.size(); ++w) {
     const NearWindow& window = windows[w];
     const NearWindow& next = windows[std::min(w + 1, windows.size() - 1)];
-    if (equal[w])
-      sweep_window<true>(bodies, model, gap, window, next, springs[w], rows);
+    if (Model::uniform && equal[w])
+      sweep_window<Model::uniform>(bodies, model, gap, window, next, springs[w], rows);
     else
       sweep_window<false>(bodies, model, gap, window, next, springs[w], rows);
     for (Index r = 0; r < window.count; ++r) finish(window.rows[r] / doubles_a_row);
