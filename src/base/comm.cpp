@@ -152,6 +152,8 @@ void silence_open_mpi() {
   using ShowHelp = int (*)(const char* file, const char* topic, bool header, ...);
   if (auto* show_help = static_cast<ShowHelp*>(dlsym(RTLD_DEFAULT, "opal_show_help")))
     *show_help = say_nothing;
+  // Its event loop warns of what the launcher has closed already.
+  [[maybe_unused]] const auto* silent = std::freopen("/dev/null", "w", stderr);
 }
 
 }  // namespace
