@@ -57,7 +57,7 @@ def man_page(whole, parts, version):
         arguments = " ".join(argument.split()[0].upper() for argument, _ in part.arguments)
         lines += [f'.SS "spall {name} {arguments}"', roff(meaning[0].upper() + meaning[1:] + ".")]
         lines += listed([*part.arguments, *((n, m) for n, m in part.options if "--help" not in n)])
-        if name == "sweep":  # the only one that explains itself at length
+        if name in ("sweep", "limit"):  # they explain themselves at length
             lines += [".PP", *verbatim(part.introduction.partition("\n\n")[2])]
     return "\n".join([*lines, ".SH NOTES", *verbatim(whole.conclusion)]) + "\n"
 

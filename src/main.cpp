@@ -188,6 +188,9 @@ int dispatch(const Comm& comm, int argc, char** argv) {
       ->prefix_command();  // as sweep
   app.add_subcommand("sweep", "run a case for each combination of values; one table of results")
       ->prefix_command();  // main begins it: its options are the script's
+  app.add_subcommand("limit",
+                     "find the diameter or speed from which on a wall fails, by runs of a case")
+      ->prefix_command();
   auto* solve = app.add_subcommand(
       "solve", "solve a contact problem from an FCLIB file, on any number of ranks");
   solve->add_option("problem", options.file, "local frictional-contact problem (HDF5)")->required();
@@ -265,7 +268,8 @@ int dispatch(const Comm& comm, int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (const std::string name = argc > 1 ? argv[1] : ""; name == "sweep" || name == "watch")
+  if (const std::string name = argc > 1 ? argv[1] : "";
+      name == "sweep" || name == "limit" || name == "watch")
     return become_script(name + ".py", {argv + 2, argv + argc});
   std::optional<spall::Session> session;  // outlives the try, as it says
   try {

@@ -49,7 +49,7 @@ NEAREST = {
     "potential": ["thresholds", "constitutive", "potential", "embedding", "pair_laws", "bonds"],
     "penalty": ["penalty", "penalty_scenes", "books"],
     "scene": ["scene", "packing", "surface_mesh", "case"],
-    "analysis": ["thresholds", "analysis", "debris"],
+    "analysis": ["thresholds", "analysis", "debris", "shields"],
     "output": ["output", "fclib", "debris"],
     "run": ["ledger", "reactions", "books", "pipeline", "scenes", "debris"],
     "spall": ["domain", "gravity", "step"],

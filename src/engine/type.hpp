@@ -65,6 +65,10 @@ struct EngineType {
                 const EngineSettings& settings, const PhaseView& phase);
   /// Fields that it requests.
   FieldSet (*fields)(const Surroundings& around, const EngineSettings& settings);
+  /// Whether what bodies of this material have gone through can part them for good: `damage`.
+  bool (*breaks)(const EngineSettings& settings, int material) = [](const EngineSettings&, int) {
+    return false;
+  };
   /// Its laws in words and the longest step, for `spall check`; uses with masses.
   std::string (*describe)(const Surroundings& around, std::span<const MaterialUse> uses,
                           const EngineSettings& settings);

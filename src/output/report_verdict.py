@@ -8,6 +8,8 @@ OF_A_TREE = 1e-4  # drift of angular momentum that gravity's tree may make: the 
 ENERGY_CLOSED, ENERGY_OPEN = 0.01, 0.05  # unexplained, of what was dissipated or moves
 SAME_BETA = 0.02  # beta within this of 1 + e is taken for it
 STILL_RISING = 0.02  # of dv between the last two read-outs
+YET_TO_COME = 0.01  # of the energy that flies at a wall, beyond which its verdict is not final
+FEW_LAYERS = 3  # of bodies in a wall, fewer than which tell little of it
 LARGE_OVERLAP = 0.01  # of the smaller radius: rigid bodies should have none
 
 
@@ -16,7 +18,7 @@ def verdicts(run):
     results = run.results
     found = [ended(run)]
     if results:
-        found += [converged(results), *books(results), *beta(results), rising(results)]
+        found += [*shields(results), converged(results), *books(results), *beta(results), rising(results)]
     found.append(overlaps(run))
     return [one for one in found if one]
 
@@ -29,6 +31,29 @@ def ended(run):
     if run.under_way:
         return NOTE, f"The run is under way and has reached {reached}: there are no results yet."
     return BAD, f"The run has not ended: it stopped after {reached} and can be resumed. There are no results yet."
+
+
+def shields(results):
+    """What became of each wall that the case asks a verdict of."""
+    for wall in (table for section, table in results.items() if section.startswith("shield_")):
+        name, thickness, found = wall["wall"], 1e3 * wall["thickness"], wall["verdict"]
+        if found == "held":
+            yield GOOD, (f"The wall {name} has held: where it is thinnest, {percent(wall['margin'])} of its {thickness:.3g} mm "
+                         "are left.")
+        elif found == "perforated":
+            holes = "an opening" if wall["openings"] == 1 else f"{wall['openings']} openings"
+            yield NOTE, f"The wall {name} is perforated: it has {holes} of up to {1e3 * wall['hole']:.3g} mm."
+        else:
+            yield NOTE, (f"Spall has detached from the wall {name}: {1e3 * wall['spall_mass']:.2g} g in {wall['spall_pieces']} pieces "
+                         f"leave its rear at {wall['spall_speed']:.3g} m/s.")
+        if wall["still_coming"] > YET_TO_COME:
+            yield NOTE, (f"The verdict on the wall {name} is not final: {percent(wall['still_coming'])} of the energy that flies "
+                         "at it has not met it yet. A longer run may give another.")
+        if wall["opening_at_edge"]:
+            yield NOTE, f"An opening of the wall {name} reaches its edge: a wider wall may give another verdict."
+        if wall["thickness"] < FEW_LAYERS * wall["spacing"]:
+            yield NOTE, (f"The wall {name} is {wall['thickness'] / wall['spacing']:.2g} spacings of its bodies thick: fewer than "
+                         f"{FEW_LAYERS} tell little of it.")
 
 
 def converged(results):

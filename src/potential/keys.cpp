@@ -282,6 +282,10 @@ FieldSet fields(const Surroundings&, const EngineSettings& settings) {
   return fields;
 }
 
+bool breaks(const EngineSettings& settings, int material) {
+  return settings.get<PotentialSettings>().law(material, material).breaking_strain > 0;
+}
+
 const char* name_of(PairLaw law) {
   switch (law) {
     case PairLaw::lennard_jones:
@@ -376,6 +380,7 @@ const EngineType potential_engine{
     .derive = derive,
     .check = check,
     .fields = fields,
+    .breaks = breaks,
     .describe = describe,
     .make = make};
 

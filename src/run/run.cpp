@@ -27,6 +27,7 @@
 #include "run/progress.hpp"
 #include "run/reactions.hpp"
 #include "run/record.hpp"
+#include "run/shields.hpp"
 #include "run/signal_guard.hpp"
 #include "run/simulation.hpp"
 #include "run/timetable.hpp"
@@ -44,6 +45,7 @@ class Run {
         folder_(held),
         resumes_at_(from ? from->clock.step : -1),
         debris_(scene_),
+        shields_(comm, scene_),
         progress_(comm, scene_),
         reactions_(scene_),
         provenance_(provenance_of(comm, scene_)),
@@ -65,7 +67,7 @@ class Run {
 
   bool go() {
     SignalGuard signals;
-    progress_.say(describe_phases(scene_));
+    progress_.say(describe_phases(scene_) + shields_.describe());
     say_what_is_over();
     if (begins_phase()) begin_phase();
     open_files();  // a run that was refused by now has left nothing
@@ -333,6 +335,8 @@ class Run {
     add_case(table);
     verdict_.add_to(table, scene_.binary);
     debris_.conclude(world(), simulation_->engine(), !phase().engine->solves, clock().time, table);
+    const std::vector<std::string> judged =
+        shields_.conclude(world(), simulation_->engine(), clock().time, table);
     add_conservation(table, sums);
     const bool solves =
         std::ranges::any_of(scene_.phases, [](const Phase& one) { return one.engine->solves; });
@@ -346,6 +350,7 @@ class Run {
     table.add("time", "ranks", static_cast<std::int64_t>(comm_.size));
     add_communication(world(), clock().step - std::max<std::int64_t>(resumes_at_, 0), table);
     progress_.say("\n" + table.text());
+    for (const std::string& line : judged) progress_.say(line);
     write_results(comm_, folder_.path(), table, provenance_);
     snapshots_->write_index();
     series_->write_hdf5();
@@ -381,6 +386,7 @@ class Run {
   const RunFolder& folder_;
   std::int64_t resumes_at_;  // the step of the restart file; negative: from the start
   DebrisLog debris_;
+  Shields shields_;
   Progress progress_;
   Progress::State shown_;
   ReactionRows reactions_;
@@ -426,10 +432,11 @@ std::string check_case(const Comm& comm, const Case& scene, Foretold foretold) {
   const auto whole = std::make_shared<Case>(with_stored_bodies(scene, InputFiles(comm)));
   return within_memory(comm, *whole, [&] {
     const double bytes_of_program = resident_bytes();
+    const Shields shields(comm, *whole);
     Simulation simulation(comm, Scene(whole));
     simulation.begin_phase();
-    std::string text =
-        describe_bodies(*whole, comm.size, bytes_of_program) + describe_phases(*whole);
+    std::string text = describe_bodies(*whole, comm.size, bytes_of_program) +
+                       describe_phases(*whole) + shields.describe();
     constexpr double seconds_of_sample = 2;
     if (foretold == Foretold::time_too)
       text += describe_time(simulation, sample_steps(simulation, seconds_of_sample));

@@ -6,7 +6,7 @@
 
 Values stand one after another: 1,10,100N is 1 N, 10 N, 100 N; 1..5 is 1, 2, 3, 4, 5; a list in brackets is one value.
 Each run has a folder of its own below --out. What is done stays; what was stopped goes on: say the same again.
-table.csv and table.json hold what was changed and all numbers of results.toml; sweep.png shows those of --show.
+table.csv and table.json hold what was changed and all numbers and verdicts of results.toml; sweep.png shows those of --show.
 """
 import argparse
 import csv
@@ -72,27 +72,27 @@ class Run:
         return ["mpirun", "-n", str(ranks), *words] if ranks > 1 else words
 
     def results(self):
-        """section.key -> number, of results.toml."""
+        """section.key -> number or text, of results.toml."""
         path = self.folder / "results.toml"
         if not path.is_file():
             return {}
         flat = {}
         for section, rows in tomllib.loads(path.read_text()).items():
             for key, value in rows.items():
-                if section != "provenance" and isinstance(value, (int, float)):
+                if section != "provenance" and isinstance(value, (int, float, str)):
                     flat[f"{section}.{key}"] = value
         return flat
 
 
-def claim(out, case, fixed, overwrite):
+def claim(out, case, fixed, overwrite, program="spall sweep"):
     """Runs of another case, or with other fixed keys, must not stand in the same table."""
     own = {"case": str(case), "sha256": hashlib.sha256(case.read_bytes()).hexdigest(), "fixed": fixed}
     path = out / "sweep.json"
     if path.is_file() and json.loads(path.read_text()) != own:
         if not overwrite:
-            sys.exit(f"spall sweep: {out} holds runs of another case or with other fixed keys ({path}); "
+            sys.exit(f"{program}: {out} holds runs of another case or with other fixed keys ({path}); "
                      "--overwrite forgets them, --out names another folder")
-        for old in [*out.glob("*/results.toml"), *out.glob("*/restart*.h5")]:
+        for old in [*out.glob("*/results.toml"), *out.glob("*/restart*.h5"), *out.glob("table.*")]:
             old.unlink()
     out.mkdir(parents=True, exist_ok=True)
     whole = path.with_suffix(f".{os.getpid()}")  # jobs of an array write it side by side
@@ -109,6 +109,10 @@ def write_tables(out, runs, states):
         writer.writerows(rows)
     (out / "table.json").write_text(json.dumps(rows, indent=1) + "\n")
     return rows
+
+
+def readable(value):
+    return value if isinstance(value, str) else f"{value:.6g}"
 
 
 def leading_number(text):
@@ -154,7 +158,7 @@ def main():
     parser.add_argument("--jobs", type=int, default=1, help="runs at a time")
     parser.add_argument("--ranks", type=int, default=1, help="of each run")
     parser.add_argument("--show", action="append", default=[], metavar="SECTION.KEY",
-                        help="a number of results.toml to print and draw, as deflection.beta; once for each")
+                        help="a result of results.toml to print, and a number to draw, as deflection.beta; once for each")
     parser.add_argument("--overwrite", action="store_true", help="forget what --out holds of another sweep")
     parser.add_argument("--commands", action="store_true",
                         help="run nothing: print a line for each run that is not done")
@@ -207,7 +211,7 @@ def main():
         states[run.name] = "done" if code == DONE else "stopped" if code == STOPPED else "failed"
         count = sum(state != "waits" for state in states.values())
         found = run.results()
-        shown = "".join(f"  {name} = {found[name]:.6g}" for name in options.show if name in found)
+        shown = "".join(f"  {name} = {readable(found[name])}" for name in options.show if name in found)
         print(f"{count} of {len(runs)}  {run.name}: {states[run.name]}{shown}", flush=True)
 
     if not options.table:
@@ -218,8 +222,9 @@ def main():
     for name in options.show:
         if not any(name in row for row in rows):
             sys.exit(f"spall sweep: no run has a result {name}; table.csv names all there are")
-    if options.show and swept:
-        draw(out, rows, swept, options.show)
+    numbers = [name for name in options.show if not any(isinstance(row.get(name), str) for row in rows)]
+    if numbers and swept:
+        draw(out, rows, swept, numbers)
     if "failed" in states.values():
         for run in runs:
             if states[run.name] == "failed":

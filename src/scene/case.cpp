@@ -19,6 +19,7 @@
 #include "scene/read_walls.hpp"
 #include "scene/resolved_case.hpp"
 #include "scene/shape.hpp"
+#include "scene/shields.hpp"
 #include "spall/error.hpp"
 
 namespace spall {
@@ -209,6 +210,8 @@ void read_case_keys(Section& in, Case& scene) {
   if (in.table("debris", "of a projectile behind a plate: what is measured",
                [&](Section& s) { read_debris(s, debris); }))
     scene.debris = debris;
+  in.tables("shields", "[[shields]]: walls that are judged in the end",
+            [&](Section& s) { read_shield(s, scene.shields.emplace_back()); });
   in.take("read_out", "after the impact: when dv is tabulated", scene.read_out, positive(time));
   scene.read_out_place = in.place("read_out");
 }
@@ -362,6 +365,7 @@ Case parse_case(const std::string& text, const std::string& file,
   find_debris_groups(scene);
   gather_motions(scene);
   check_whole(scene, groups);
+  find_shield_walls(scene);
   scene.resolved = resolved_text(std::move(root), scene);
   return scene;
 }

@@ -141,6 +141,14 @@ struct DebrisSettings {
   std::string place;           ///< where the case asks for it, for messages
 };
 
+/// A wall that is judged in the end: is it held, spalled or perforated?
+struct Shield {
+  int wall = -1;  ///< group
+  std::string wall_name;
+  Vec3 rear = Vec3::Zero();  ///< along an axis: through the wall, away from what flies at it
+  std::string place;         ///< where the case asks for it, for messages
+};
+
 /// The orbit whose change is asked for (thesis eqs. 3.3, 3.4).
 struct Binary {
   double separation = 0;   ///< m, R
@@ -173,6 +181,7 @@ struct Case : Surroundings {
   OutputSettings output;
   std::optional<Binary> binary;
   std::optional<DebrisSettings> debris;
+  std::vector<Shield> shields;
   std::vector<SceneSphere> spheres;  ///< that a program added; masses as they are
   std::vector<double> read_out;      ///< s after the impactor was added: where dv is tabulated
   std::string read_out_place;        ///< where the case asks for it, for messages

@@ -79,6 +79,11 @@ FieldSet fields(const Surroundings&, const EngineSettings&) {
           Field::shear_stress, Field::plastic_strain, Field::internal_energy};
 }
 
+bool breaks(const EngineSettings& settings, int material) {
+  const SolidLaw& law = settings.get<SolidSettings>().laws[material];
+  return law.yields && (std::isfinite(law.strength) || law.flow.fails() || law.flaws.known());
+}
+
 /// How it breaks, in bodies of this spacing (m).
 std::string failure_of(const SolidLaw& law, double spacing) {
   if (law.flaws.known()) {
@@ -142,6 +147,7 @@ const EngineType solid_engine{
     .derive = derive,
     .check = check,
     .fields = fields,
+    .breaks = breaks,
     .describe = describe,
     .make = make};
 

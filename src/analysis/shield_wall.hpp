@@ -1,0 +1,68 @@
+// Whether a wall has held: what is left of it seen along its normal, and what has left its rear.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "pairs/links.hpp"
+#include "scene/case.hpp"
+#include "spall/comm.hpp"
+
+namespace spall {
+
+/// A wall as the case laid it. Places are told along its normal, from its middle towards its rear,
+/// and across it, in a frame that moves on with the wall's velocity at the start.
+struct ShieldWall {
+  std::string name, section;  ///< of the group; of the results
+  std::int32_t group = 0;
+  Vec3 center, velocity;        ///< m, m/s at the start
+  Vec3 normal = Vec3::UnitZ();  ///< to the rear
+  std::array<Vec3, 2> across;
+  double thickness = 0;                ///< m
+  std::array<double, 2> half_width{};  ///< m, across
+  bool round = false;                  ///< a disc
+  double spacing = 0;  ///< m, of its bodies, or of a 400th of its width where that is more: what
+                       ///< can be seen of it
+  double columns = 0;  ///< 1/m^2, bodies behind each other where it is whole: the median
+  struct Approach {
+    std::int32_t group;
+    double speed;  ///< m/s at the start, towards the wall
+  };
+  std::vector<Approach> approaches;  ///< what flies at it
+};
+
+/// Throws Error where the wall has an opening before anything has met it. Collective.
+ShieldWall lay_wall(const Comm& comm, const Case& scene, const Shield& shield);
+
+enum class Outcome { held, detached_spall, perforated };
+const char* name_of(Outcome outcome);
+
+/// Judged is its main piece: the heaviest of those whose bodies hang together by links. A rim of a
+/// tenth of the half width, or of two spacings where that is more, is not judged.
+///
+/// It is perforated where a sphere as large as its bodies could pass along the normal without
+/// touching that piece. An opening is what such a sphere can sweep. Else spall has detached where
+/// other pieces lie behind the piece's rear surface, by more than a spacing, single bodies by more
+/// than two, and move away from it, together at least as heavy as four bodies: so many lie in one
+/// layer of the smallest opening.
+struct WallVerdict {
+  Outcome outcome = Outcome::held;
+  double margin = 0;    ///< of the thickness. Held: the thinnest part. Spall: minus the diameter
+                        ///< of a ball of it. Perforated: minus that of the largest opening
+  double thinnest = 0;  ///< m, of the main piece, over a circle of one and a half spacings
+  double hole = 0;      ///< m, diameter of a circle as large as the largest opening
+  std::int64_t openings = 0;
+  bool opening_at_edge = false;              ///< one reaches the rim
+  std::int64_t spall_pieces = 0;             ///< behind the rear, moving away; single bodies, too
+  double spall_mass = 0, spall_largest = 0;  ///< kg
+  double spall_speed = 0;                    ///< m/s, against the main piece, mean by mass
+  double still_coming = 0;  ///< share of the energy that flew at it of what is yet to meet it
+};
+/// Velocities and positions must belong to the same instant. Collective.
+WallVerdict judge_wall(const Comm& comm, const LinkedBodies& linked, const ShieldWall& wall,
+                       double time);
+
+}  // namespace spall

@@ -1,0 +1,243 @@
+# The critical diameter or speed of a shield: runs between one that its wall holds and one that it does not.
+# SPDX-License-Identifier: BSD-3-Clause
+"""Finds where a wall begins to fail, by runs of a case with one key varied between two ends.
+
+  spall limit shield.toml --vary groups.ball.volume.diameter=2..8mm --wall rear --jobs 4
+  spall limit shield.toml --vary 'groups.ball.velocity=[0, 0, "-2 km/s"]..[0, 0, "-8 km/s"]'
+
+The wall is one of [[shields]]. It has failed where its verdict is "detached spall" or "perforated".
+After the two ends each round runs --jobs values that part the bracket evenly; one at a time, that is bisection.
+Each run has a folder of its own below --out. What is done stays, also of other ranges; what was stopped goes on: say
+the same again. table.csv and table.json hold all values with their verdicts, limit.json holds the bracket.
+"""
+import argparse
+import csv
+import json
+import os
+import re
+import subprocess
+import sys
+import tomllib
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+from sweep import DONE, NUMBER, STOPPED, Run, claim
+
+NO_LIMIT = 4  # exit code: both ends have the same verdict
+NOT_FINAL = 0.01  # of the energy that flies at the wall, beyond which a verdict may change
+COLUMNS = ("verdict", "margin", "thinnest", "hole", "spall_mass", "still_coming")
+
+
+def leave(message, code=2):
+    print(f"spall limit: {message}", file=sys.stderr)
+    sys.exit(code)
+
+
+class Range:
+    """A key between two values that are alike but for numbers: a part 0 to 1 of the way gives a text, and back."""
+
+    def __init__(self, text):
+        self.key, equals, values = text.partition("=")
+        low, dots, high = (part.strip() for part in values.partition(".."))
+        if not equals or not dots or not low or not high:
+            leave(f"--vary {text}: KEY=LOW..HIGH is wanted")
+        if re.fullmatch(NUMBER, low) and (unit := re.fullmatch(rf"{NUMBER}\s*([^\d.\s].*)", high)):
+            low += unit[1]
+        self.ends = low, high
+        words, others = (re.split(f"({NUMBER})", end) for end in self.ends)
+        if [word.strip() for word in words[::2]] != [word.strip() for word in others[::2]]:
+            leave(f"--vary {text}: both ends must be alike but for their numbers")
+        self.words = words
+        self.varied = [k for k in range(1, len(words), 2) if float(words[k]) != float(others[k])]
+        self.low = [float(words[k]) for k in self.varied]
+        self.high = [float(others[k]) for k in self.varied]
+        if not self.varied:
+            leave(f"--vary {text}: both ends are the same")
+
+    def value(self, part):
+        if part in (0, 1):
+            return self.ends[part]
+        words = list(self.words)
+        for k, low, high in zip(self.varied, self.low, self.high):
+            words[k] = f"{low + part * (high - low):.6g}"
+        return "".join(words)
+
+    def numbers(self, text):
+        words = re.split(f"({NUMBER})", text)
+        return [float(words[k]) for k in self.varied] if len(words) == len(self.words) else None
+
+    def part(self, text):
+        """None of a value that is not of this range."""
+        if text in self.ends:
+            return self.ends.index(text)
+        numbers = self.numbers(text)
+        return (numbers[0] - self.low[0]) / (self.high[0] - self.low[0]) if numbers else None
+
+    def width(self, a, b):
+        """Of the bracket between two texts, of its middle."""
+        pairs = list(zip(self.numbers(a), self.numbers(b)))
+        return max(abs(x - y) / max(abs(x + y) / 2, 1e-300) for x, y in pairs)
+
+
+class Search:
+    """What is known so far: part of the way -> what the run there says of the wall."""
+
+    def __init__(self, out, options, span, fixed, wall):
+        self.out, self.options, self.span, self.fixed, self.wall = out, options, span, fixed, wall
+        self.known, self.states = {}, {}
+
+    def run_of(self, part):
+        return Run(self.out, {**self.fixed, self.span.key: self.span.value(part)}, [self.span.key])
+
+    def verdict(self, run):
+        """The section of the wall, of a run that is done; else None."""
+        path = run.folder / "results.toml"
+        if not path.is_file():
+            return None
+        sections = tomllib.loads(path.read_text()).values()
+        found = [rows for rows in sections if rows.get("wall") == self.wall and "verdict" in rows]
+        if not found:
+            leave(f"{path} has no verdict on the wall \"{self.wall}\"")
+        return found[0]
+
+    def recall(self):
+        """What earlier calls found, whatever their range was."""
+        path = self.out / "table.json"
+        for row in json.loads(path.read_text()) if path.is_file() else []:
+            part = self.span.part(row["value"])
+            if part is not None and 0 <= part <= 1 and self.span.value(part) == row["value"]:
+                if found := self.verdict(self.run_of(part)):
+                    self.known[part], self.states[part] = found, "done"
+
+    def carry_out(self, part):
+        run, options = self.run_of(part), self.options
+        command = run.command(options.spall, options.case, options.ranks)
+        code = DONE
+        if command:
+            with open(self.out / f"{run.name}.log", "w") as log:
+                code = subprocess.run(command, stdout=log, stderr=subprocess.STDOUT).returncode
+        self.states[part] = "done" if code == DONE else "stopped" if code == STOPPED else "failed"
+        found = self.verdict(run) if code == DONE else None
+        if found is None:
+            print(f"{self.span.value(part)}: {self.states[part]}, see {self.out / run.name}.log", flush=True)
+            return
+        self.known[part] = found
+        late = "" if found["still_coming"] <= NOT_FINAL else \
+            f"; not final: {100 * found['still_coming']:.2g} % of the energy that flies at it has not met it"
+        print(f"{self.span.value(part)}: {found['verdict']}, margin {found['margin']:.3g}{late}", flush=True)
+
+    def learn(self, parts):
+        wanted = [part for part in parts if part not in self.known]
+        with ThreadPoolExecutor(self.options.jobs) as pool:
+            list(pool.map(self.carry_out, wanted))
+        self.write_table()
+        states = [self.states[part] for part in wanted]
+        if "failed" in states:
+            leave("a run has failed; nothing can be said beyond it", 1)
+        if "stopped" in states:
+            leave("stopped; say the same again to go on", STOPPED)
+
+    def write_table(self):
+        rows = []
+        for part in sorted(self.states):
+            found = self.known.get(part, {})
+            rows.append({"value": self.span.value(part), "state": self.states[part],
+                         **{key: found.get(key, "") for key in COLUMNS}})
+        others = {row["value"] for row in rows}
+        path = self.out / "table.json"
+        rows += [row for row in (json.loads(path.read_text()) if path.is_file() else []) if row["value"] not in others]
+        with open(self.out / "table.csv", "w", newline="") as file:
+            writer = csv.DictWriter(file, ["value", "state", *COLUMNS])
+            writer.writeheader()
+            writer.writerows(rows)
+        path.write_text(json.dumps(rows, indent=1) + "\n")
+
+    def holds(self, part):
+        return self.known[part]["verdict"] == "held"
+
+    def changes(self):
+        """Neighbours of which one has held and one has not, from the low end on."""
+        parts = sorted(self.known)
+        return [(a, b) for a, b in zip(parts, parts[1:]) if self.holds(a) != self.holds(b)]
+
+    def told(self, part):
+        return f"{self.known[part]['verdict']} at {self.span.value(part)}"
+
+
+def between(a, b, count):
+    return [a + (b - a) * (k + 1) / (count + 1) for k in range(count)]
+
+
+def share(text):
+    """"5%" or "0.05"."""
+    value = float(text[:-1]) / 100 if text.endswith("%") else float(text)
+    if not value > 0:
+        raise ValueError
+    return value
+
+
+def main():
+    parser = argparse.ArgumentParser(prog="spall limit", description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("case", help="case file (TOML)")
+    parser.add_argument("--vary", required=True, metavar="KEY=LOW..HIGH", help="the key that is varied, and its ends")
+    parser.add_argument("--wall", help="whose verdict decides; may be left out where [[shields]] has one")
+    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="change a key; once for each")
+    parser.add_argument("--within", type=share, default=0.05, metavar="SHARE",
+                        help="end where the bracket is so narrow, of its middle; default: 5%%")
+    parser.add_argument("--out", type=Path, help="folder of all runs; default: out/<case>-limit")
+    parser.add_argument("--jobs", type=int, default=1, help="runs at a time")
+    parser.add_argument("--ranks", type=int, default=1, help="of each run")
+    parser.add_argument("--overwrite", action="store_true", help="forget what --out holds of another search")
+    options = parser.parse_args()
+    if options.jobs < 1 or options.ranks < 1:
+        leave("--jobs and --ranks are 1 at least")
+    options.spall = os.environ.get("SPALL_PROGRAM", "spall")
+    case = Path(options.case)
+    out = options.out or Path("out") / f"{case.parent.name if case.stem == 'case' else case.stem}-limit"
+    span, fixed = Range(options.vary), {}
+    for text in options.set:
+        key, equals, value = text.partition("=")
+        if not equals or key in fixed or key == span.key:
+            leave(f"--set {text}: {'KEY=VALUE is wanted' if not equals else 'told twice'}")
+        fixed[key] = value
+
+    # What one end refuses would end the search after hours: nothing is begun then.
+    search = Search(out, options, span, fixed, options.wall)
+    for end in (0, 1):
+        words = [options.spall, "check", options.case, *search.run_of(end).options()]
+        checked = subprocess.run(words, stdout=subprocess.DEVNULL)
+        if checked.returncode != 0:
+            leave(f"{span.key}={span.value(end)} is refused", checked.returncode)
+    walls = [shield["wall"] for shield in tomllib.loads(case.read_text()).get("shields", [])]
+    named = ", ".join(f"\"{wall}\"" for wall in walls)
+    if options.wall is None and len(walls) != 1:
+        leave(f"--wall is wanted: {case} judges {named or 'no wall; [[shields]] names those that it should'}")
+    search.wall = options.wall or walls[0]
+    if search.wall not in walls:
+        leave(f"--wall {search.wall}: {case} judges {named or 'no wall; [[shields]] names those that it should'}")
+
+    claim(out, case, {"vary": span.key, **fixed}, options.overwrite, "spall limit")
+    search.recall()
+    search.learn([0, 1, *between(0, 1, options.jobs - 2)])
+    if search.holds(0) == search.holds(1):
+        leave(f"{search.told(0)} and {search.told(1)}: the limit is not between them, or there are several", NO_LIMIT)
+    while True:
+        low, high = search.changes()[0]
+        texts = span.value(low), span.value(high)
+        parts = [part for part in between(low, high, options.jobs) if span.value(part) not in texts]
+        if span.width(*texts) <= options.within or not parts:
+            break
+        search.learn(parts)
+    if len(search.changes()) > 1:
+        found = "; ".join(f"{search.told(a)}, {search.told(b)}" for a, b in search.changes())
+        print(f"the verdict changes more than once: {found}; the first change is told")
+    print(f"limit: {search.told(low)}, {search.told(high)}")
+    whole = {"key": span.key, "wall": search.wall, "low": texts[0], "high": texts[1],
+             "verdict_low": search.known[low]["verdict"], "verdict_high": search.known[high]["verdict"]}
+    (out / "limit.json").write_text(json.dumps(whole, indent=1) + "\n")
+    print(f"table: {out / 'table.csv'}, {out / 'table.json'}")
+
+
+if __name__ == "__main__":
+    main()

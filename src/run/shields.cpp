@@ -1,0 +1,102 @@
+// Verdicts in numbers and in words.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "run/shields.hpp"
+
+#include <fmt/format.h>
+
+namespace spall {
+
+Shields::Shields(const Comm& comm, const Case& scene) {
+  for (const Shield& shield : scene.shields) walls_.push_back(lay_wall(comm, scene, shield));
+}
+
+std::string Shields::describe() const {
+  std::string text;
+  for (const ShieldWall& wall : walls_) {
+    int axis = 0;
+    wall.normal.cwiseAbs().maxCoeff(&axis);
+    text += fmt::format(
+        "\n  judged in the end: {}, {:.3g} spacings thick, its rear towards {}{}; openings "
+        "narrower "
+        "than {:.3g} m are not seen\n",
+        wall.name, wall.thickness / wall.spacing, wall.normal[axis] < 0 ? "-" : "+", "xyz"[axis],
+        wall.spacing);
+  }
+  return text;
+}
+
+namespace {
+
+/// What the margin is, which depends on the verdict.
+const char* meaning_of_margin(Outcome outcome) {
+  switch (outcome) {
+    case Outcome::held:
+      return "of the thickness: the thinnest part";
+    case Outcome::detached_spall:
+      return "of the thickness: minus the diameter of a ball of the spall";
+    case Outcome::perforated:
+      return "of the thickness: minus the diameter of the largest opening";
+  }
+  return "";
+}
+
+void add(const ShieldWall& wall, const WallVerdict& v, ResultTable& table) {
+  const std::string& section = wall.section;
+  table.add(section, "wall", wall.name);
+  table.add(section, "verdict", std::string(name_of(v.outcome)), "",
+            "held, detached spall or perforated");
+  table.add(section, "margin", v.margin, "", meaning_of_margin(v.outcome));
+  table.add(section, "thickness", wall.thickness, "m", "of the wall at the start");
+  table.add(section, "thinnest", v.thinnest, "m", "part of its main piece");
+  table.add(section, "hole", v.hole, "m", "diameter of a circle as large as the largest opening");
+  table.add(section, "openings", v.openings);
+  table.add(section, "opening_at_edge", v.opening_at_edge, "", "the wall may be too small");
+  table.add(section, "spall_mass", v.spall_mass, "kg", "behind its rear, moving away");
+  table.add(section, "spall_pieces", v.spall_pieces, "", "single bodies, too");
+  table.add(section, "spall_largest", v.spall_largest, "kg");
+  table.add(section, "spall_speed", v.spall_speed, "m/s", "against the wall, mean by mass");
+  table.add(section, "still_coming", v.still_coming, "",
+            "of the energy that flew at it: has not met it yet");
+  table.add(section, "spacing", wall.spacing, "m", "of its bodies: narrower openings are not seen");
+}
+
+}  // namespace
+
+std::string sentence_of(const ShieldWall& wall, const WallVerdict& v) {
+  std::string text =
+      fmt::format("wall {}: {}, margin {:.3g}: ", wall.name, name_of(v.outcome), v.margin);
+  switch (v.outcome) {
+    case Outcome::held:
+      text += fmt::format("{:.3g} m of its {:.3g} m are left where it is thinnest", v.thinnest,
+                          wall.thickness);
+      break;
+    case Outcome::detached_spall:
+      text += fmt::format("{:.3g} kg in {} pieces leave its rear at {:.3g} m/s", v.spall_mass,
+                          v.spall_pieces, v.spall_speed);
+      break;
+    case Outcome::perforated:
+      text += fmt::format("{} opening{} of up to {:.3g} m{}", v.openings, v.openings > 1 ? "s" : "",
+                          v.hole, v.opening_at_edge ? ", as far as its edge" : "");
+      break;
+  }
+  constexpr double little = 0.01;
+  if (v.still_coming > little)
+    text += fmt::format("; not final: {:.2g} % of the energy that flies at it has not met it",
+                        100 * v.still_coming);
+  return text;
+}
+
+std::vector<std::string> Shields::conclude(const World& world, const Engine& engine, double time,
+                                           ResultTable& table) const {
+  std::vector<std::string> lines;
+  if (walls_.empty()) return lines;
+  const LinkedBodies linked = engine.links(world);
+  for (const ShieldWall& wall : walls_) {
+    const WallVerdict verdict = judge_wall(world.comm, linked, wall, time);
+    add(wall, verdict, table);
+    lines.push_back(sentence_of(wall, verdict));
+  }
+  return lines;
+}
+
+}  // namespace spall

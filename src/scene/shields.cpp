@@ -1,0 +1,108 @@
+// What would make a verdict mean nothing is refused here: no plate, no damage, nothing that flies.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "scene/shields.hpp"
+
+#include <algorithm>
+#include <cctype>
+
+#include "scene/packing.hpp"
+#include "scene/shape.hpp"
+#include "spall/error.hpp"
+
+namespace spall {
+
+void read_shield(Section& in, Shield& shield) {
+  in.need("wall", "one of groups, a plate: held, detached spall or perforated?", shield.wall_name);
+  in.take("rear", "way through the wall, along an axis; left out: that of what flies at it",
+          shield.rear, any(dimension::number));
+  in.check("rear", (shield.rear.array() != 0).count() <= 1, "is not along x, y or z");
+  shield.place = in.place();
+}
+
+int axis_through(const Volume& volume) {
+  if (volume.shape != Shape::box && volume.shape != Shape::cylinder) return -1;
+  int thin = 2;
+  if (volume.shape == Shape::box) volume.extents.minCoeff(&thin);
+  const auto is_wider = [&](int k) { return volume.extents[k] > volume.extents[thin]; };
+  return is_wider((thin + 1) % 3) && is_wider((thin + 2) % 3) ? thin : -1;
+}
+
+std::string results_of(const Shield& shield) {
+  std::string section = "shield_" + shield.wall_name;
+  for (char& c : section)
+    if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
+  return section;
+}
+
+namespace {
+
+/// The way of the groups that fly at the wall; 0 where there are none or they come from both sides.
+double way_of_flight(const Case& scene, const Group& wall, int thin) {
+  bool up = false, down = false;
+  for (const Group& group : scene.groups) {
+    const double closing = group.velocity[thin] - wall.velocity[thin];
+    const double ahead = wall.volume.center[thin] - group.volume.center[thin];
+    if (closing * ahead > 0) (closing > 0 ? up : down) = true;
+  }
+  return up == down ? 0 : up ? 1 : -1;
+}
+
+void find_wall(const Case& scene, Shield& shield) {
+  const std::string& place = shield.place;
+  const std::string told = fmt::format("{}.wall = \"{}\"", place, shield.wall_name);
+  const auto found = std::ranges::find(scene.groups, shield.wall_name, &Group::name);
+  require(found != scene.groups.end(), "{} is not one of [[groups]]", told);
+  const Group& wall = *found;
+  shield.wall = static_cast<int>(found - scene.groups.begin());
+  const int thin = axis_through(wall.volume);
+  require(thin >= 0,
+          "{} is no plate: a box that is thinner along one axis, or a flat cylinder, is wanted",
+          told);
+  require(!wall.held(), "{} is {}: nothing can break it", told,
+          wall.fixed ? "fixed" : "moved as prescribed");
+  require(!scene.period.any(), "{}: walls are not judged in a [periodic] box", told);
+  const Lattice lattice = lattice_of(wall.packing);
+  require(wall.packing.type->lattice && lattice.neighbours > 0,
+          "{}: its packing is no lattice, whose spacing tells how small a hole can be seen", told);
+  // A rim of two spacings is not judged, and what is must be wider than the smallest hole.
+  constexpr double fewest_spacings = 8;
+  for (int k = 1; k <= 2; ++k) {
+    const double width = wall.volume.extents[(thin + k) % 3];
+    require(width >= fewest_spacings * lattice.distance,
+            "{} is {:g} m wide; {:g} spacings of {:g} m are the least that can be judged", told,
+            width, fewest_spacings, lattice.distance);
+  }
+  for (const Phase& phase : scene.phases)
+    require(!phase.impactor,
+            "{}: the impactor of phases.{} is no group; make it one with a velocity", told,
+            phase.name);
+  const Phase& last = scene.phases.back();
+  require(last.engine->breaks(last.settings, wall.material),
+          "{}: phases.{}.method = \"{}\" cannot break it; method = \"solid\" does where {} has a "
+          "strength, and \"potential\" with bonds that break",
+          told, last.name, last.engine->name, scene.materials[wall.material].name);
+  if (shield.rear.isZero(0)) {
+    shield.rear[thin] = way_of_flight(scene, wall, thin);
+    require(shield.rear[thin] != 0,
+            "{}: no group flies at it along {}, or some from either side: {}.rear tells the way "
+            "through it, such as [0, 0, -1]",
+            told, "xyz"[thin], place);
+  }
+  require(shield.rear[thin] != 0, "{}.rear does not lead through \"{}\", which is thin along {}",
+          place, shield.wall_name, "xyz"[thin]);
+  shield.rear.normalize();
+}
+
+}  // namespace
+
+void find_shield_walls(Case& scene) {
+  for (auto shield = scene.shields.begin(); shield != scene.shields.end(); ++shield) {
+    find_wall(scene, *shield);
+    for (auto other = scene.shields.begin(); other != shield; ++other)
+      require(results_of(*other) != results_of(*shield),
+              "{}.wall = \"{}\": \"{}\" has the section [{}] of the results already", shield->place,
+              shield->wall_name, other->wall_name, results_of(*shield));
+  }
+}
+
+}  // namespace spall

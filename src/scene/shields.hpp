@@ -1,0 +1,22 @@
+// [[shields]]: which groups are walls that a run judges, and which way leads through them.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "keys/section.hpp"
+#include "scene/case.hpp"
+
+namespace spall {
+
+void read_shield(Section& in, Shield& shield);
+
+/// Looks the walls up by name, finds their rear where it is left out, and throws Error where a wall
+/// cannot be judged.
+void find_shield_walls(Case& scene);
+
+/// The axis that leads through a plate; -1 of a volume that is none.
+int axis_through(const Volume& volume);
+
+/// "shield_rear": the section of a wall in results.
+std::string results_of(const Shield& shield);
+
+}  // namespace spall

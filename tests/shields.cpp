@@ -1,0 +1,359 @@
+// Walls that are whole, drilled, cratered, spalled: each has the verdict and the measure it was
+// given.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "run/shields.hpp"
+
+#include <cmath>
+#include <functional>
+
+#include "analysis/shield_wall.hpp"
+#include "run/simulation.hpp"
+#include "scene/scene.hpp"
+#include "testing.hpp"
+
+namespace spall {
+namespace {
+
+constexpr double d = 1e-3, thickness = 6e-3;  // m: spacing, wall
+
+const std::string solids = R"(
+[materials.al]
+library = "aluminium_6061_t6"
+)";
+const std::string bonded = solids + R"(
+[pair_potential]
+materials = ["al"]
+)";
+
+struct Asked {
+  std::string size = R"(["28 mm", "24 mm", "6 mm"])";
+  std::string method = "solid";
+  std::string way = "[0, 0, 1]";        // of the ball, m/s
+  std::string from = "[0, 0, -10e-3]";  // where the ball is, m
+  std::string more = "";                // of [[shields]]
+  std::string of_wall = "";             // keys of its group
+};
+
+Case read(const Asked& asked) {
+  return parse_case((asked.method == "potential" ? bonded : solids) + R"(
+[[groups]]
+name = "rear wall"
+material = "al"
+volume = {shape = "box", size = )" +
+                        asked.size +
+                        R"(}
+packing = {kind = "fcc", diameter = "1 mm", orientation = "random"}
+)" + asked.of_wall + R"(
+[[groups]]
+name = "ball"
+material = "al"
+volume = {shape = "sphere", diameter = "4 mm", center = )" +
+                        asked.from + R"(}
+packing = {kind = "fcc", diameter = "1 mm"}
+velocity = )" + asked.way +
+                        R"(
+[[phases]]
+name = "hit"
+method = ")" + asked.method +
+                        R"("
+step = "1 ns"
+duration = "1 us"
+[[shields]]
+wall = "rear wall"
+)" + asked.more,
+                    "x.toml");
+}
+
+/// A body of the wall, as the wall sees it at the start: across, and from its middle to its rear.
+struct Place {
+  double x, y, depth;
+  double radius() const { return std::hypot(x, y); }
+};
+
+enum class Fate { stays, fails, is_gone };
+
+struct Scenery {
+  Case scene;
+  World world;
+  std::unique_ptr<Engine> engine;
+  ShieldWall wall;
+
+  Scenery(const Comm& comm, const Asked& asked)
+      : scene(read(asked)),
+        world(make_world(comm, scene)),
+        engine(scene.phases[0].engine->make(scene.phases[0].settings)),
+        wall(lay_wall(comm, scene, scene.shields[0])) {
+    world.bodies = make_bodies(scene, comm);
+  }
+
+  /// What `f(place, position, velocity)` says of each body of the wall, which it may move.
+  void let(const std::function<Fate(const Place&, Vec3&, Vec3&)>& f) {
+    Bodies& bodies = world.bodies;
+    for (Index b = 0; b < bodies.owned; ++b) {
+      if (bodies.group[b] != wall.group) continue;
+      const Vec3 x = bodies.position[b] - wall.center;
+      const Place place{x.dot(wall.across[0]), x.dot(wall.across[1]), x.dot(wall.normal)};
+      const Fate fate = f(place, bodies.position[b], bodies.velocity[b]);
+      if (fate == Fate::fails) bodies.damage[b] = 1;
+      if (fate == Fate::is_gone) bodies.position[b] -= wall.normal;
+    }
+  }
+  void drill(double x, double y, double diameter, Fate fate = Fate::fails) {
+    let([&](const Place& p, Vec3&, Vec3&) {
+      return std::hypot(p.x - x, p.y - y) < (diameter + d) / 2 ? fate : Fate::stays;
+    });
+  }
+  WallVerdict judge(double time = 0) const {
+    return judge_wall(world.comm, engine->links(world), wall, time);
+  }
+};
+
+const std::vector<Asked> turned = {
+    {},
+    {.way = "[0, 0, -1]", .from = "[0, 0, 10e-3]"},
+    {.size = R"(["6 mm", "28 mm", "24 mm"])", .way = "[2, 1, 0]", .from = "[-10e-3, 0, 0]"},
+    {.size = R"(["24 mm", "6 mm", "28 mm"])", .way = "[0, -3, 0]", .from = "[0, 10e-3, 0]"},
+    {.method = "potential"}};
+
+TEST(Shields, a_whole_wall_has_held_with_nearly_all_of_its_thickness) {
+  for (const Asked& asked : turned) {
+    const WallVerdict v = Scenery(testing_world(), asked).judge();
+    EXPECT_EQ(v.outcome, Outcome::held);
+    EXPECT_GT(v.margin, 0.85);  // six layers, counted on circles of seven bodies
+    EXPECT_LE(v.margin, 1);
+    EXPECT_DOUBLE_EQ(v.margin, v.thinnest / thickness);
+    EXPECT_EQ(v.openings, 0);
+    EXPECT_EQ(v.hole, 0);
+    EXPECT_EQ(v.spall_mass, 0);
+  }
+}
+
+TEST(Shields, a_drilled_hole_is_as_wide_as_it_was_drilled) {
+  for (Asked asked : turned)
+    for (const double diameter : {3.0 * d, 6.4 * d}) {
+      Scenery shot(testing_world(), asked);
+      // Bonds of pair potentials are made by places: there what was drilled out is gone.
+      shot.drill(2 * d, -d, diameter, asked.method == "solid" ? Fate::fails : Fate::is_gone);
+      const WallVerdict v = shot.judge();
+      EXPECT_EQ(v.outcome, Outcome::perforated);
+      EXPECT_EQ(v.openings, 1);
+      // Bodies stand back from the drill by less than half a spacing.
+      EXPECT_GT(v.hole, diameter - d / 4);
+      EXPECT_LT(v.hole, diameter + 0.6 * d);
+      EXPECT_DOUBLE_EQ(v.margin, -v.hole / thickness);
+      EXPECT_FALSE(v.opening_at_edge);
+      EXPECT_LT(v.thinnest, 0.1 * thickness);
+    }
+}
+
+TEST(Shields, holes_are_counted_and_the_largest_is_told) {
+  Scenery shot(testing_world(), {});
+  shot.drill(-6 * d, 0, 3 * d);
+  shot.drill(5 * d, 3 * d, 5 * d);
+  const WallVerdict v = shot.judge();
+  EXPECT_EQ(v.openings, 2);
+  EXPECT_NEAR(v.hole, 5 * d, 0.6 * d);
+}
+
+TEST(Shields, what_is_narrower_than_a_body_is_no_opening) {
+  Scenery shot(testing_world(), {});
+  shot.drill(0, 0, 0.4 * d);
+  const WallVerdict v = shot.judge();
+  EXPECT_EQ(v.outcome, Outcome::held);
+  EXPECT_EQ(v.openings, 0);
+  EXPECT_LT(v.margin, 0.9);
+}
+
+TEST(Shields, a_crater_leaves_what_is_below_it) {
+  for (const Asked& asked : turned)
+    for (const double left : {1.0 / 3, 2.0 / 3}) {
+      Scenery shot(testing_world(), asked);
+      shot.let([&](const Place& p, Vec3&, Vec3&) {
+        const bool in_crater = p.radius() < 5 * d && p.depth < (0.5 - left) * thickness;
+        return in_crater ? (asked.method == "solid" ? Fate::fails : Fate::is_gone) : Fate::stays;
+      });
+      const WallVerdict v = shot.judge();
+      EXPECT_EQ(v.outcome, Outcome::held);
+      // Half a spacing: thickness is counted in layers.
+      EXPECT_NEAR(v.margin, left, 0.5 * d / thickness);
+    }
+}
+
+/// A disc of the rear, of this diameter and two spacings thick, a way behind it.
+void throw_flake(Scenery& shot, double diameter, double way, double speed) {
+  const Vec3 normal = shot.wall.normal;
+  shot.let([&](const Place& p, Vec3& position, Vec3& velocity) {
+    if (p.radius() < diameter / 2 && p.depth > thickness / 2 - 2 * d) {
+      position += way * normal;
+      velocity += speed * normal;
+    }
+    return Fate::stays;
+  });
+}
+
+TEST(Shields, a_flake_that_flies_off_the_rear_is_detached_spall) {
+  for (const Asked& asked : turned) {
+    Scenery shot(testing_world(), asked);
+    throw_flake(shot, 6 * d, 3 * d, 100);
+    const WallVerdict v = shot.judge();
+    EXPECT_EQ(v.outcome, Outcome::detached_spall);
+    EXPECT_EQ(v.openings, 0);
+    EXPECT_NEAR(v.spall_speed, 100, 1e-9);
+    // Lattices have as many bodies as the volume holds, give or take some on its surface.
+    const double volume = pi / 4 * 36 * d * d * 2 * d;
+    EXPECT_NEAR(v.spall_mass, volume * 2703, 0.2 * volume * 2703);
+    EXPECT_NEAR(v.margin, -std::cbrt(6 * volume / pi) / thickness, 0.07);
+    EXPECT_LE(v.spall_largest, v.spall_mass);
+    EXPECT_NEAR(v.thinnest, thickness - 2 * d, 0.5 * d);
+  }
+}
+
+TEST(Shields, what_comes_back_or_stays_or_is_a_grain_is_no_spall) {
+  const struct {
+    double diameter, way, speed;
+  } flakes[] = {{6 * d, 3 * d, -100}, {6 * d, 3 * d, 0}, {1.1 * d, 3 * d, 100}};
+  for (const auto& flake : flakes) {
+    Scenery shot(testing_world(), {});
+    throw_flake(shot, flake.diameter, flake.way, flake.speed);
+    const WallVerdict v = shot.judge();
+    EXPECT_EQ(v.outcome, Outcome::held);
+    EXPECT_EQ(v.spall_pieces > 0, flake.diameter < 2 * d);
+  }
+}
+
+TEST(Shields, what_failed_on_the_rear_and_rides_on_it_is_no_spall) {
+  Scenery shot(testing_world(), {});
+  shot.let([&](const Place& p, Vec3&, Vec3& velocity) {
+    if (p.depth < thickness / 2 - 1.3 * d) return Fate::stays;
+    velocity += 0.1 * shot.wall.normal;
+    return Fate::fails;
+  });
+  const WallVerdict v = shot.judge();
+  EXPECT_EQ(v.outcome, Outcome::held);
+  EXPECT_NEAR(v.margin, 1 - 1.3 * d / thickness, 0.5 * d / thickness);
+}
+
+TEST(Shields, a_wall_that_drifts_is_followed) {
+  const WallVerdict rest = Scenery(testing_world(), {}).judge();
+  Scenery shot(testing_world(), {.way = "[0, 0, 1000]", .of_wall = "velocity = [0, 30, 100]"});
+  const Vec3 way = 1e-4 * Vec3(0, 30, 100) + Vec3(2.2 * d, -1.7 * d, 9 * d);
+  shot.let([&](const Place&, Vec3& position, Vec3&) {
+    position += way;
+    return Fate::stays;
+  });
+  const WallVerdict v = shot.judge(1e-4);
+  EXPECT_EQ(v.outcome, Outcome::held);
+  EXPECT_NEAR(v.margin, rest.margin, 0.02);  // other pixels
+}
+
+TEST(Shields, half_a_wall_is_open_as_far_as_its_edge) {
+  Scenery shot(testing_world(), {});
+  shot.let([&](const Place& p, Vec3&, Vec3&) { return p.x > 2 * d ? Fate::fails : Fate::stays; });
+  const WallVerdict v = shot.judge();
+  EXPECT_EQ(v.outcome, Outcome::perforated);
+  EXPECT_TRUE(v.opening_at_edge);
+}
+
+TEST(Shields, what_has_not_arrived_is_told) {
+  Scenery shot(testing_world(), {});
+  EXPECT_NEAR(shot.judge().still_coming, 1, 1e-12);
+  EXPECT_NE(sentence_of(shot.wall, shot.judge()).find("not final: 1e+02 %"), std::string::npos);
+  Bodies& bodies = shot.world.bodies;
+  for (Index b = 0; b < bodies.owned; ++b)
+    if (bodies.group[b] == 1 && bodies.position[b].x() > 0) bodies.velocity[b] *= 0.5;
+  const double slowed = shot.judge().still_coming;
+  EXPECT_GT(slowed, 0.5);
+  EXPECT_LT(slowed, 0.75);
+  for (Index b = 0; b < bodies.owned; ++b)
+    if (bodies.group[b] == 1) bodies.velocity[b].x() = 2000;  // beside the wall
+  EXPECT_EQ(shot.judge().still_coming, 0);
+}
+
+TEST(Shields, verdicts_are_the_same_on_any_number_of_ranks) {
+  const auto hit = [](const Comm& comm) {
+    Scenery shot(comm, turned[2]);
+    shot.drill(-4 * d, 0, 4 * d);
+    throw_flake(shot, 5 * d, 3 * d, 70);
+    return shot.judge();
+  };
+  const WallVerdict many = hit(testing_world()), one = hit(alone());
+  EXPECT_EQ(many.outcome, one.outcome);
+  EXPECT_EQ(many.openings, one.openings);
+  EXPECT_EQ(many.hole, one.hole);
+  EXPECT_EQ(many.margin, one.margin);
+  EXPECT_NEAR(many.thinnest, one.thinnest, 1e-12 * thickness);
+  EXPECT_EQ(many.spall_pieces, one.spall_pieces);
+  EXPECT_NEAR(many.spall_mass, one.spall_mass, 1e-12 * one.spall_mass);
+  EXPECT_NEAR(many.spall_speed, one.spall_speed, 1e-9);
+  EXPECT_NEAR(many.still_coming, one.still_coming, 1e-12);
+}
+
+/// A ball of four bodies across on a wall two thick, with the verdict in the end.
+WallVerdict shoot(const std::string& speed) {
+  const auto scene = std::make_shared<Case>(parse_case(solids + R"(
+[[groups]]
+name = "wall"
+material = "al"
+volume = {shape = "cylinder", diameter = "20 mm", height = "2 mm"}
+packing = {kind = "fcc", diameter = "1 mm"}
+[[groups]]
+name = "ball"
+material = "al"
+volume = {shape = "sphere", diameter = "4 mm", center = [0, 0, "3.3 mm"]}
+packing = {kind = "fcc", diameter = "1 mm"}
+velocity = [0, 0, "-)" + speed + R"("]
+[[phases]]
+name = "hit"
+method = "solid"
+step = "8 ns"
+duration = "6 us"
+[[shields]]
+wall = "wall"
+)",
+                                                       "x.toml"));
+  const Comm comm = testing_world();
+  const ShieldWall wall = lay_wall(comm, *scene, scene->shields[0]);
+  Simulation run(comm, Scene(scene));
+  run.run_until(1);
+  return judge_wall(comm, run.engine().links(run.world()), wall, run.time());
+}
+
+TEST(Shields, a_thin_wall_holds_a_slow_ball_and_is_perforated_by_a_fast_one) {
+  const WallVerdict slow = shoot("200 m/s"), fast = shoot("3 km/s");
+  EXPECT_EQ(slow.outcome, Outcome::held);
+  EXPECT_GT(slow.margin, 0.7);
+  EXPECT_EQ(fast.outcome, Outcome::perforated);
+  EXPECT_GT(fast.hole, 4 * d);
+  EXPECT_LT(fast.hole, 12 * d);
+  EXPECT_LT(fast.still_coming, 1e-3);
+}
+
+TEST(Shields, what_cannot_be_judged_is_refused) {
+  const auto complaint = [](const Asked& asked) { return complaint_of([&] { read(asked); }); };
+  const auto starts = [](const std::string& text, const std::string& with) {
+    EXPECT_EQ(text.substr(0, with.size()), with);
+  };
+  const std::string place = "x.toml:22:1: shields.0", wall = place + ".wall = \"rear wall\"";
+  EXPECT_EQ(complaint({}), "");
+  starts(complaint({.size = R"(["6 mm", "6 mm", "6 mm"])"}), wall + " is no plate");
+  starts(complaint({.size = R"(["28 mm", "7 mm", "6 mm"])"}),
+         wall + " is 0.007 m wide; 8 spacings");
+  starts(complaint({.way = "[1, 0, 0]"}), wall + ": no group flies at it along z");
+  starts(complaint({.way = "[0, 0, -1]"}), wall + ": no group flies at it along z");
+  EXPECT_EQ(complaint({.way = "[0, 0, -1]", .more = "rear = [0, 0, -2]"}), "");
+  starts(complaint({.more = "rear = [0, 1, 0]"}), place + ".rear does not lead through");
+  starts(complaint({.more = "rear = [0, 1, 1]"}),
+         "x.toml:24:8: shields.0.rear is not along x, y or z");
+  starts(complaint({.more = "[[shields]]\nwall = \"rear wall\""}),
+         "x.toml:24:1: shields.1.wall = \"rear wall\": \"rear wall\" has the section "
+         "[shield_rear_wall] of the results already");
+  starts(complaint({.more = "[[shields]]\nwall = \"front\""}),
+         "x.toml:24:1: shields.1.wall = \"front\" is not one of [[groups]]");
+  starts(complaint({.more = "[[shields]]\nwall = \"ball\""}),
+         "x.toml:24:1: shields.1.wall = \"ball\" is no plate");
+  starts(complaint({.more = "[solid]\nelastic = true"}),
+         wall + ": phases.hit.method = \"solid\" cannot break it");
+}
+
+}  // namespace
+}  // namespace spall
