@@ -6,6 +6,7 @@
 #include <cmath>
 #include <vector>
 
+#include "testing.hpp"
 #include "worlds.hpp"
 
 namespace spall {
@@ -70,6 +71,12 @@ inline Eigen::Matrix3d stress_of_the_middle(const Lab& world) {
   return stress - s[6] * Eigen::Matrix3d::Identity();
 }
 
+inline double of_the_middle_body(const Lab& world, std::vector<double> Bodies::*field) {
+  return of_the_middle(world, [&](const Bodies& bodies, Index b) {
+    return std::vector<double>{(bodies.*field)[b]};
+  })[0];
+}
+
 struct Sums {
   double kinetic = 0, internal = 0, heat = 0;
   Vec3 momentum = Vec3::Zero(), angular = Vec3::Zero();
@@ -89,6 +96,22 @@ inline Sums sums_of(const Lab& world) {
   }
   world.comm.sum(all);
   return {all[0], all[1], all[2], {all[3], all[4], all[5]}, {all[6], all[7], all[8]}};
+}
+
+/// A ball of bodies that are held to a motion, with this damage.
+inline Lab held_ball(double d, const SolidLaw& law, double damage = 0) {
+  auto spheres = ball(d, law.density, turned, 3.2 * d);
+  for (Sphere& s : spheres) s.mass = infinity;
+  Lab world = world_of(testing_world(), spheres, law);
+  for (Index b = 0; b < world.bodies.owned; ++b) world.bodies.damage[b] = damage;
+  return world;
+}
+
+/// Moves bodies with the gradient `rate` (1/s) of velocity.
+inline void deform(Lab& world, const Eigen::Matrix3d& rate, double h, int steps) {
+  for (Index b = 0; b < world.bodies.owned; ++b)
+    world.bodies.velocity[b] = rate * world.bodies.position[b];
+  solid_steps(world, h, steps);
 }
 
 }  // namespace spall

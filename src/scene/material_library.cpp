@@ -48,6 +48,8 @@ std::string describe_material_library() {
     tell("johnson_cook_d1", "strain at failure");
     tell("spall_strength", "spall");
     tell("weibull_k", "flaws");
+    tell("lundborg_limit", "strength under pressure");
+    tell("failed_friction", "friction");
     tell("melting_point", "melting");
     tell("melt_energy", "its energy");
     told += line(material.name, table["title"].value_or(std::string()), known);

@@ -53,6 +53,16 @@ void read_solid(Section& in, Solid& solid) {
           "k of the flaws of a brittle solid, k eps^m a volume at a tensile strain eps",
           solid.weibull.k, positive(number_density));
   in.take("weibull_m", "m of them", solid.weibull.m, positive(number));
+  RockStrength& rock = solid.rock;
+  in.take("lundborg_cohesion",
+          "Y0 of the shear stress that intact rock bears at a pressure p, Y0 + mu p/(1 + mu p/(Ym "
+          "- Y0)), as the root of J2",
+          rock.cohesion, positive(pressure));
+  in.take("lundborg_friction", "mu of it", rock.friction, positive(number));
+  in.take("lundborg_limit", "Ym of it", rock.limit, positive(pressure));
+  in.take("failed_friction",
+          "of what has failed: the shear stress that it bears, of the pressure; without it, none",
+          rock.failed_friction, positive(number));
 }
 
 }  // namespace

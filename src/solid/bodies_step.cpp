@@ -9,6 +9,7 @@
 
 #include "base/kernels.hpp"
 #include "solid/flaws.hpp"
+#include "solid/rock.hpp"
 #include "solid/tensors.hpp"
 
 namespace spall {
@@ -111,7 +112,23 @@ LaneTensor turned(const LaneTensor& s, const Lanes (&q)[3]) {
   return R * s * R.transposed();
 }
 
-/// One body between its trial and its final state.
+/// Of eight bodies that bear von Mises' stress `mises`: that of what is intact, of it; and that of
+/// the cracks.
+void find_intact(const Bodies& bodies, const std::vector<SolidLaw>& laws,
+                 const std::array<Index, lane_count>& row, const Lanes& mises, Lanes* intact,
+                 Lanes* sliding) {
+  for (std::size_t l = 0; l < lane_count; ++l) {
+    const SolidLaw& law = laws[bodies.material[row[l]]];
+    if (!law.brittle() || mises[l] == 0) continue;
+    const double pressure = bodies.pressure[row[l]];
+    const double stress = intact_stress(law, bodies.damage[row[l]], mises[l], pressure);
+    (*intact)[l] = stress / mises[l];
+    (*sliding)[l] = std::min(stress, law.sliding_strength(pressure));
+  }
+}
+
+/// One body between its trial and its final state. The trial stress of rock is that of what is
+/// intact.
 struct Body {
   const SolidLaw& law;
   Index row;
@@ -121,44 +138,72 @@ struct Body {
   double shear_power;  ///< s : L, W/m^3, of the trial stress
   double mises;        ///< Pa, of the trial stress
   double around;       ///< Pa, mean of its pressure and that of its neighbours, before
+  double intact;       ///< the old stress of what is intact, of the body's
+  double sliding;      ///< Pa, von Mises' stress on cracks if they did not slide, at most
 };
 
-/// Returns by how much the trial deviator is to be scaled.
-double settle(Bodies& bodies, const Body& b, double* sound_speed) {
+/// What is left of a body's trial deviator.
+struct Sheared {
+  double scale = 0;
+  double energy = 0;    ///< J, elastic
+  double strained = 0;  ///< plastic strain
+};
+
+/// Metals return to their flow stress, and fail where they have flown too far.
+Sheared sheared_metal(Bodies& bodies, const Body& b, double hot) {
   const SolidLaw& law = b.law;
-  const Index row = b.row;
-  double& damage = bodies.damage[row];
-  const double mass = b.rest_volume * law.density;
-  const double old_heat = bodies.heat[row];
-  const double hot = law.homologous(old_heat / mass);
-  const bool melted = law.yields && hot >= 1;
-
-  const double borne_before = law.borne(damage);
-  if (law.flaws.known() && b.h > 0) damage = grown_damage(law, bodies, row, b.rest_volume, b.h);
-  const double borne = law.borne(damage);
-
-  double scale = damage >= 1 || melted ? 0 : borne / borne_before;
-  if (law.yields && scale > 0 && b.mises > 0 && b.h > 0) {
-    const double trial = b.mises / borne_before;  // between the cracks
-    double strained = 0;
-    const bool may = trial > law.flow.a * (law.flow.m >= 1 ? 1 - hot : 0);
-    if (may) strained = law.plastic_increment(trial, bodies.plastic_strain[row], b.h, hot);
-    scale *= std::max(0.0, 1 - 3 * law.shear * strained / trial);
-    bodies.plastic_strain[row] += strained;
-    if (strained > 0 && law.flow.fails()) {
-      const double left = scale * b.mises;
-      const double triaxiality = left > 0 ? std::max(-most_triaxial, -b.around / left) : 0;
-      const double most = law.failure_strain(triaxiality, strained / b.h, hot);
-      if (triaxiality <= most_triaxial && most > 0) damage += strained / most;
-      if (damage >= 1) scale = 0;
+  double& damage = bodies.damage[b.row];
+  Sheared left{.scale = damage >= 1 || (law.yields && hot >= 1) ? 0.0 : 1.0};
+  if (law.yields && left.scale > 0 && b.mises > 0 && b.h > 0) {
+    const bool may = b.mises > law.flow.a * (law.flow.m >= 1 ? 1 - hot : 0);
+    if (may) left.strained = law.plastic_increment(b.mises, bodies.plastic_strain[b.row], b.h, hot);
+    left.scale *= std::max(0.0, 1 - 3 * law.shear * left.strained / b.mises);
+    if (left.strained > 0 && law.flow.fails()) {
+      const double stress = left.scale * b.mises;
+      const double triaxiality = stress > 0 ? std::max(-most_triaxial, -b.around / stress) : 0;
+      const double most = law.failure_strain(triaxiality, left.strained / b.h, hot);
+      if (triaxiality <= most_triaxial && most > 0) damage += left.strained / most;
+      if (damage >= 1) left.scale = 0;
     }
   }
+  const double stress = left.scale * b.mises;
+  left.energy = stress > 0 ? b.volume * stress * stress / (6 * law.shear) : 0;
+  return left;
+}
 
-  const double x = bodies.compression[row];
+/// Rock returns to what its intact share bears at this pressure, and its cracks slide.
+Sheared sheared_rock(const Bodies& bodies, const Body& b, double pressure, double hot) {
+  const SolidLaw& law = b.law;
+  if (b.mises == 0 || hot >= 1) return {};
+  const double damage = bodies.damage[b.row], whole = 1 - damage;
+  double intact = b.mises;
+  if (law.rock.known())
+    intact = std::min(intact, law.intact_strength(pressure));
+  else if (b.h > 0)
+    intact -= 3 * law.shear * law.plastic_increment(intact, bodies.plastic_strain[b.row], b.h, hot);
+  const double slides = std::min({intact, b.sliding, law.sliding_strength(pressure)});
+  double flown = whole * (b.mises - intact);
+  if (slides > 0) flown += damage * (std::min(b.mises, b.sliding) - slides);
+  return {
+      .scale = (whole * intact + damage * slides) / b.mises,
+      .energy = b.volume * (whole * intact * intact + damage * slides * slides) / (6 * law.shear),
+      .strained = flown / (3 * law.shear)};
+}
+
+/// Pressure and energy at the end of a step.
+struct Pressed {
+  double pressure = 0;
+  double energy = 0, heat = 0;  ///< J
+  double sound_speed2 = 0;      ///< (m/s)^2, of the bulk
+  double damage = 0;
+};
+
+Pressed pressed(const Bodies& bodies, const Body& b, const Sheared& sheared, bool melted) {
+  const SolidLaw& law = b.law;
+  const double x = bodies.compression[b.row], damage = bodies.damage[b.row];
   const double half = b.h / 2 * b.volume;
-  const double before = bodies.internal_energy[row] + b.gained + half * scale * b.shear_power;
-  const double left = scale * b.mises;
-  const double deviatoric = left > 0 ? b.volume * left * left / (6 * law.shear * borne) : 0;
+  const double before =
+      bodies.internal_energy[b.row] + b.gained + half * sheared.scale * b.shear_power;
   ColdCurve::State cold;
   // P = P_c + Gamma rho Q/m of matter so pressed, and Q depends on the work of P. The rest of the
   // volume are voids.
@@ -166,36 +211,64 @@ double settle(Bodies& bodies, const Body& b, double* sound_speed) {
     cold = law.cold.at(matter);
     const double share = x / matter;
     const double per_heat = share * law.gruneisen / b.rest_volume * std::min(1.0, matter);
-    const double given = before - b.rest_volume * cold.energy - deviatoric;
+    const double given = before - b.rest_volume * cold.energy - sheared.energy;
     return (share * cold.pressure + per_heat * given) / (1 + per_heat * half * b.growth);
   };
-  double pressure = pressure_of(x);
-  const double whole_pressure = pressure, whole_energy = cold.energy;
-  const bool parted = damage >= 1 || melted || borne < 1;
+  Pressed after{.pressure = pressure_of(x), .damage = damage};
+  const double whole_pressure = after.pressure, whole_energy = cold.energy;
+  const bool parted = damage >= 1 || melted || (law.brittle() && damage > 0);
   const double bearable = parted ? 0 : (1 - damage) * law.strength;
-  if (pressure < -bearable) {
+  if (after.pressure < -bearable) {
     double matter = std::max(x, least_matter);
-    pressure = pressure_of(matter);
+    double pressure = pressure_of(matter);
     for (int k = 0; k < 20 && std::abs(pressure + bearable) > tension_error * law.bulk; ++k) {
       matter -= (pressure + bearable) * matter / (x * law.density * cold.slope2);
       pressure = pressure_of(matter);
     }
-    if (melted) damage = 1;
-    if (law.flaws.known()) {
+    if (melted) after.damage = 1;
+    if (law.brittle()) {
       // Cracks have opened in the share D; the rest is stretched as if there were none.
-      const double rest = law.borne(damage);
-      pressure = damage * pressure + rest * whole_pressure;
-      cold.energy = damage * cold.energy + rest * whole_energy;
-    } else if (law.yields)
-      damage = std::min(1.0, std::max(damage, (1 - x / matter) / most_voids));
+      pressure = after.damage * pressure + (1 - after.damage) * whole_pressure;
+      cold.energy = after.damage * cold.energy + (1 - after.damage) * whole_energy;
+    } else if (law.yields) {
+      after.damage = std::min(1.0, std::max(after.damage, (1 - x / matter) / most_voids));
+    }
+    after.pressure = pressure;
   }
+  after.energy = before - half * after.pressure * b.growth;
+  after.heat = after.energy - b.rest_volume * cold.energy - sheared.energy;
+  after.sound_speed2 = cold.slope2;
+  return after;
+}
 
-  const double energy = before - half * pressure * b.growth;
-  bodies.internal_energy[row] = energy;
-  bodies.heat[row] = energy - b.rest_volume * cold.energy - deviatoric;
-  bodies.pressure[row] = pressure;
-  *sound_speed = std::sqrt(cold.slope2 + (scale > 0 ? 4 * law.shear / 3 / law.density : 0));
-  return scale;
+/// Returns by how much the trial deviator is to be scaled.
+double settle(Bodies& bodies, const Body& b, double* sound_speed) {
+  const SolidLaw& law = b.law;
+  const Index row = b.row;
+  const double hot = law.homologous(bodies.heat[row] / (b.rest_volume * law.density));
+  const bool melted = law.yields && hot >= 1;
+  Sheared sheared;
+  Pressed after;
+  if (law.brittle()) {
+    if (b.h > 0) bodies.damage[row] = grown_damage(law, bodies, row, b.rest_volume, b.intact, b.h);
+    // What rock bears depends on its pressure, which follows from the energy: in two rounds.
+    after.pressure = bodies.pressure[row];
+    for (int round = 0; round < 2; ++round) {
+      sheared = sheared_rock(bodies, b, after.pressure, hot);
+      after = pressed(bodies, b, sheared, melted);
+    }
+  } else {
+    sheared = sheared_metal(bodies, b, hot);
+    after = pressed(bodies, b, sheared, melted);
+  }
+  bodies.plastic_strain[row] += sheared.strained;
+  bodies.damage[row] = after.damage;
+  bodies.internal_energy[row] = after.energy;
+  bodies.heat[row] = after.heat;
+  bodies.pressure[row] = after.pressure;
+  *sound_speed =
+      std::sqrt(after.sound_speed2 + (sheared.scale > 0 ? 4 * law.shear / 3 / law.density : 0));
+  return sheared.scale;
 }
 
 }  // namespace
@@ -247,12 +320,15 @@ SPALL_KERNEL(double, update_bodies,
     const LaneTensor middle = one + spread(-h / 2) * L, middle_adjoint = adjugate(middle);
     const LaneTensor G = (1.0 / determinant(middle, middle_adjoint)) * (L * middle_adjoint);
 
-    Lanes shear, pressure, volume, x, old_volume, weight;
+    const LaneTensor s_old = deviator_of(bodies, row);
+    Lanes shear, pressure, volume, x, old_volume, weight, intact = spread(1), sliding{};
+    bool brittle = false;
     for (std::size_t l = 0; l < lane_count; ++l) {
       const Index b = row[l];
       const SolidLaw& law = laws[bodies.material[b]];
-      shear[l] = law.borne(bodies.damage[b]) * law.shear;
+      shear[l] = law.shear;
       pressure[l] = bodies.pressure[b];
+      brittle |= law.brittle();
       x[l] = bodies.compression[b];
       old_volume[l] = rest_volume[b] / x[l];
       weight[l] = rows[b].place[3];
@@ -260,12 +336,17 @@ SPALL_KERNEL(double, update_bodies,
     const Lanes compression = x * shrunk;
     volume = old_volume / shrunk;
 
-    const LaneTensor s_old = deviator_of(bodies, row);
     const LaneTensor D = symmetric_part(G);
     const LaneTensor half_step = (h * shear) * (D + LaneTensor::diagonal(D.trace() * (-1.0 / 3)));
+    LaneTensor turning = s_old;
+    if (brittle) {
+      find_intact(bodies, laws, row, root_of(1.5 * contracted(s_old, s_old)), &intact, &sliding);
+      turning = intact * s_old;
+      sliding += root_of(6.0 * contracted(half_step, half_step));
+    }
     const Lanes q[3] = {0.25 * h * (G.at[2][1] - G.at[1][2]), 0.25 * h * (G.at[0][2] - G.at[2][0]),
                         0.25 * h * (G.at[1][0] - G.at[0][1])};
-    const LaneTensor trial = turned(s_old + half_step, q) + half_step;
+    const LaneTensor trial = turned(turning + half_step, q) + half_step;
 
     const Lanes gained =
         0.5 * h * old_volume * (contracted(s_old, L_old) - pressure * L_old.trace());
@@ -295,7 +376,9 @@ SPALL_KERNEL(double, update_bodies,
                          .growth = growth[l],
                          .shear_power = shear_power[l],
                          .mises = mises[l],
-                         .around = around[l]},
+                         .around = around[l],
+                         .intact = intact[l],
+                         .sliding = sliding[l]},
                         &c);
       heat += bodies.heat[b];
       new_pressure[l] = bodies.pressure[b];

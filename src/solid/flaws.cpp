@@ -20,10 +20,11 @@ double uniform(std::uint64_t bits) {
   return static_cast<double>((bits >> 11) + 1) * 0x1p-53;
 }
 
-/// Pa; 0 where there is no tension.
-double largest_tension(const Bodies& bodies, Index row) {
-  const Vec3 &direct = bodies.direct_stress[row], &shear = bodies.shear_stress[row];
-  const double pressure = bodies.pressure[row];
+/// Pa, where these times the body's deviator and pressure are borne; 0 where there is no tension.
+double largest_tension(const Bodies& bodies, Index row, double of_deviator, double of_pressure) {
+  const Vec3 direct = of_deviator * bodies.direct_stress[row],
+             shear = of_deviator * bodies.shear_stress[row];
+  const double pressure = of_pressure * bodies.pressure[row];
   // No principal value of a deviator s is larger than sqrt(2/3) |s|.
   const double bound = std::sqrt(2.0 / 3 * (direct.squaredNorm() + 2 * shear.squaredNorm()));
   if (bound <= pressure) return 0;
@@ -54,12 +55,14 @@ double strain_of_first_flaw(const SolidLaw& law, double spacing) {
   return std::pow(std::log(2.0) / (law.flaws.k * volume), 1 / law.flaws.m);
 }
 
-double grown_damage(const SolidLaw& law, const Bodies& bodies, Index row, double volume, double h) {
+double grown_damage(const SolidLaw& law, const Bodies& bodies, Index row, double volume,
+                    double intact, double h) {
   const double damage = bodies.damage[row];
-  const double tension = damage < 1 ? largest_tension(bodies, row) : 0;
+  if (damage >= 1) return damage;
+  const double pulled = bodies.pressure[row] < 0 ? 1 / (1 - damage) : 1;
+  const double tension = largest_tension(bodies, row, intact, pulled);
   if (tension == 0) return damage;
-  const double strain = tension / ((1 - damage) * law.youngs_modulus());
-  const double opened = open_flaws(law, bodies.id[row], volume, strain);
+  const double opened = open_flaws(law, bodies.id[row], volume, tension / law.youngs_modulus());
   if (opened == 0) return damage;
   const double radius = std::cbrt(3 * volume / (4 * pi));
   const double grown = std::cbrt(damage) + std::cbrt(opened) * crack_speed(law) * h / radius;

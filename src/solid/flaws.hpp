@@ -26,9 +26,12 @@ double strain_of_first_flaw(const SolidLaw& law, double spacing);
 /// The damage of an owned body `h` (s) on. Its n open flaws are cracks that grow as spheres
 /// (Grady & Kipp; Benz & Asphaug, Comput. Phys. Commun. 87 (1995) 253),
 ///
-///   dD^(1/3)/dt = n^(1/3) c_g / R,   4 pi R^3/3 = V,   eps = sigma / ((1 - D) E),
+///   dD^(1/3)/dt = n^(1/3) c_g / R,   4 pi R^3/3 = V,   eps = sigma / E,
 ///
-/// sigma the largest principal stress.
-double grown_damage(const SolidLaw& law, const Bodies& bodies, Index row, double volume, double h);
+/// sigma the largest principal stress, here in what is intact, whose deviator is `intact` times the
+/// body's: sigma/(1 - D) where it is pulled and cracks are open. What is pressed bears the pressure
+/// on all of its volume.
+double grown_damage(const SolidLaw& law, const Bodies& bodies, Index row, double volume,
+                    double intact, double h);
 
 }  // namespace spall

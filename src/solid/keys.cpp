@@ -84,14 +84,30 @@ bool breaks(const EngineSettings& settings, int material) {
   return law.yields && (std::isfinite(law.strength) || law.flow.fails() || law.flaws.known());
 }
 
+/// When it flows.
+std::string flow_of(const SolidLaw& law) {
+  if (!law.rock.known())
+    return fmt::format("    flows at {:.4g} Pa + {:.4g} Pa eps^{:g}, C = {:g}, m = {:g}\n",
+                       law.flow.a, law.flow.b, law.flow.n, law.flow.c, law.flow.m);
+  return fmt::format(
+      "    intact, bears a shear stress of {:.4g} Pa, and under pressure {:g} of it more, but at "
+      "most "
+      "{:.4g} Pa\n",
+      law.rock.cohesion, law.rock.friction, law.rock.limit);
+}
+
 /// How it breaks, in bodies of this spacing (m).
 std::string failure_of(const SolidLaw& law, double spacing) {
-  if (law.flaws.known()) {
+  if (law.brittle()) {
     const double strain = strain_of_first_flaw(law, spacing);
     return fmt::format(
         "    breaks by cracks that grow at {:.4g} m/s from {:.4g}/m^3 eps^{:g} flaws: a tension of "
-        "{:.4g} Pa opens one in half of the bodies\n",
-        crack_speed(law), law.flaws.k, law.flaws.m, law.youngs_modulus() * strain);
+        "{:.4g} Pa opens one in half of the bodies\n    failed, {}\n",
+        crack_speed(law), law.flaws.k, law.flaws.m, law.youngs_modulus() * strain,
+        law.rock.failed_friction > 0
+            ? fmt::format("slides at a shear stress of {:g} of its pressure",
+                          law.rock.failed_friction)
+            : "bears pressure alone: failed_friction is not known");
   }
   std::string text =
       std::isfinite(law.strength)
@@ -122,9 +138,7 @@ std::string describe(const Surroundings& around, std::span<const MaterialUse> us
         around.materials[use.material].name, law.bulk, law.shear, law.sound_speed(),
         std::sqrt(law.shear / law.density));
     if (law.yields) {
-      text += fmt::format("    flows at {:.4g} Pa + {:.4g} Pa eps^{:g}, C = {:g}, m = {:g}\n",
-                          law.flow.a, law.flow.b, law.flow.n, law.flow.c, law.flow.m);
-      text += failure_of(law, spacing);
+      text += flow_of(law) + failure_of(law, spacing);
     } else {
       text += "    elastic: nothing yields, melts or tears\n";
     }

@@ -52,6 +52,36 @@ double SolidLaw::plastic_increment(double trial, double strain, double h, double
   return x;
 }
 
+double SolidLaw::intact_strength(double pressure) const {
+  const double rubbed = rock.friction * std::max(0.0, pressure);
+  return std::sqrt(3.0) * (rock.cohesion + rubbed / (1 + rubbed / (rock.limit - rock.cohesion)));
+}
+
+double SolidLaw::sliding_strength(double pressure) const {
+  if (rock.failed_friction == 0 || pressure <= 0) return 0;
+  const double intact = rock.known() ? intact_strength(pressure) : flow.a;
+  return std::min(std::sqrt(3.0) * rock.failed_friction * pressure, intact);
+}
+
+namespace {
+
+/// What solids with Weibull's flaws need, and cannot have.
+void check_rock(const SolidLaw& law, const Solid& solid, const std::string& place) {
+  const auto both = [&](bool metal, const char* key, const char* other) {
+    require(!metal, "{}: {} and {}: a solid breaks by its flaws, or as metals do; leave one out",
+            place, key, other);
+  };
+  both(solid.johnson_cook.fails(), "weibull_k", "johnson_cook_d1 ...");
+  both(solid.spall_strength > 0, "weibull_k", "spall_strength");
+  if (!law.rock.known()) return;
+  both(solid.johnson_cook.a > 0, "lundborg_limit", "johnson_cook_a");
+  require(law.rock.limit > law.rock.cohesion,
+          "{}: lundborg_limit = {:g} Pa must be more than lundborg_cohesion = {:g} Pa", place,
+          law.rock.limit, law.rock.cohesion);
+}
+
+}  // namespace
+
 SolidLaw solid_law(const Solid& solid, bool yields, const std::string& place) {
   const auto need = [&](double value, const char* key) {
     require(value > 0, "{}: a solid with a stress needs {}", place, key);
@@ -71,24 +101,31 @@ SolidLaw solid_law(const Solid& solid, bool yields, const std::string& place) {
                .yields = yields,
                .flow = solid.johnson_cook,
                .flaws = solid.weibull,
+               .rock = solid.rock,
                .cold = ColdCurve(solid)};
   if (!yields) {
     law.flaws = {};
     return law;
   }
   if (solid.spall_strength > 0) law.strength = solid.spall_strength;
+  const RockStrength& rock = solid.rock;
+  if (rock.known() || rock.cohesion > 0 || rock.friction > 0) {
+    need(rock.cohesion, "lundborg_cohesion beside the others of Lundborg");
+    need(rock.friction, "lundborg_friction beside the others of Lundborg");
+    need(rock.limit, "lundborg_limit beside the others of Lundborg");
+  }
+  if (rock.known() || rock.failed_friction > 0)
+    need(solid.weibull.k, "weibull_k beside lundborg_limit or failed_friction");
   if (law.flow.a == 0) law.flow = {.a = solid.yield_strength, .d = law.flow.d};
-  need(law.flow.a, "johnson_cook_a or yield_strength");
+  if (!rock.known()) need(law.flow.a, "johnson_cook_a, yield_strength or lundborg_limit");
   if (law.flow.m != 1 || law.flow.fails()) {
     need(solid.specific_heat, "specific_heat");
     need(solid.melting_point, "melting_point");
   }
   if (solid.weibull.m > 0) need(solid.weibull.k, "weibull_k beside weibull_m");
-  if (law.flaws.known()) {
+  if (law.brittle()) {
     need(solid.weibull.m, "weibull_m beside weibull_k");
-    require(!law.flow.fails() && solid.spall_strength == 0,
-            "{}: weibull_k and {}: a solid breaks by its flaws, or as metals do; leave one out",
-            place, law.flow.fails() ? "johnson_cook_d1 ..." : "spall_strength");
+    check_rock(law, solid, place);
   }
   return law;
 }

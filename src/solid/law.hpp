@@ -22,14 +22,14 @@ struct SolidLaw {
   bool yields = true;
   JohnsonCook flow;
   Weibull flaws;
+  RockStrength rock;
   std::uint64_t seed = 0;  ///< of the flaws
   ColdCurve cold;
 
   double bulk_speed() const { return std::sqrt(bulk / density); }  ///< m/s
   double sound_speed() const;                                      ///< m/s, longitudinal
   double youngs_modulus() const { return 9 * bulk * shear / (3 * bulk + shear); }  ///< Pa
-  /// The share of tension and shear that cracks leave at this damage.
-  double borne(double damage) const { return flaws.known() ? 1 - damage : 1; }
+  bool brittle() const { return flaws.known(); }
   /// From 298 K (0) to the melting point (1 and more), with this heat (J/kg).
   double homologous(double heat) const;
   /// Pa, with its slopes by the strain and by the logarithm of the rate; of this plastic strain and
@@ -43,6 +43,10 @@ struct SolidLaw {
   /// The plastic strain that brings von Mises' stress `trial` (Pa) back to the flow stress within
   /// `h` (s).
   double plastic_increment(double trial, double strain, double h, double homologous) const;
+  /// Pa, von Mises' stress sqrt(3 J2) that intact rock bears at this pressure, and at which failed
+  /// rock slides.
+  double intact_strength(double pressure) const;
+  double sliding_strength(double pressure) const;
 };
 
 /// Throws Error, which begins with `place`, where a constant is missing.

@@ -32,6 +32,19 @@ struct Weibull {
   bool known() const { return k > 0; }
 };
 
+/// The shear stress, as sqrt(J2), that rock bears at a pressure p; the more, the harder it is
+/// pressed. What is intact bears Y_i = Y0 + mu_i p/(1 + mu_i p/(Ym - Y0)), or Y0 in tension; what
+/// has failed slides at Y_d = min(mu_d p, Y_i). (Lundborg, Int. J. Rock Mech. Min. Sci. 5 (1968)
+/// 427; Collins, Melosh & Ivanov, Meteorit. Planet. Sci. 39 (2004) 217.)
+struct RockStrength {
+  double cohesion = 0;         ///< Pa, Y0
+  double friction = 0;         ///< mu_i
+  double limit = 0;            ///< Pa, Ym; 0: not known
+  double failed_friction = 0;  ///< mu_d
+
+  bool known() const { return limit > 0; }
+};
+
 /// What handbooks say of a solid. 0: not known; a law that needs it says so.
 struct Solid {
   double density = 0;             ///< kg/m^3
@@ -49,6 +62,7 @@ struct Solid {
   double sublimation_energy = 0;  ///< J/kg
   JohnsonCook johnson_cook;
   Weibull weibull = {};
+  RockStrength rock = {};
 
   double bulk_modulus() const { return density * sound_speed * sound_speed; }          ///< Pa
   double shear_modulus() const { return youngs_modulus / (2 * (1 + poisson_ratio)); }  ///< Pa
