@@ -25,11 +25,12 @@ class EngineSettings {
     const auto found = of_type_.find(typeid(Settings));
     return found == of_type_.end() ? nullptr : std::any_cast<Settings>(&found->second);
   }
-  /// These, or defaults.
+  /// These, or defaults. They last as long as this does.
   template <class Settings>
-  Settings get() const {
+  const Settings& get() const {
+    static const Settings defaults{};
     const Settings* found = find<Settings>();
-    return found ? *found : Settings{};
+    return found ? *found : defaults;
   }
 
  private:
