@@ -198,13 +198,15 @@ class Verdicts(unittest.TestCase):
     def test_walls_have_their_verdicts(self):
         def wall(verdict, **more):
             table = {"wall": "rear", "verdict": verdict, "margin": 0.62, "thickness": 4.8e-3, "hole": 9.1e-3, "openings": 2, "spall_mass": 2e-5,
-                     "spall_pieces": 3, "spall_speed": 120.0, "still_coming": 1e-4, "opening_at_edge": False, "spacing": 1e-3}
+                     "spall_pieces": 3, "spall_speed": 120.0, "still_coming": 1e-4, "opening_at_edge": False, "spacing": 1e-3,
+                     "times": [1e-6, 2e-6], "margins": [0.63, 0.62]}
             return self.of({"shield_rear": table | more}, method="solid")
         self.check(wall("held"), "good", "rear has held: where it is thinnest, 62 % of its 4.8 mm")
         self.check(wall("perforated"), "note", "2 openings of up to 9.1 mm")
         self.check(wall("detached spall"), "note", "0.02 g in 3 pieces leave its rear at 120 m/s")
         self.assertEqual(len(wall("held")), len(self.of({"solver": {}}, method="solid")) + 1)
         self.check(wall("held", still_coming=0.3), "note", "not final: 30 %")
+        self.check(wall("held", margins=[0.8, 0.62]), "note", "still changed from 0.8 to 0.62 of its thickness between 1 µs and 2 µs")
         self.check(wall("perforated", opening_at_edge=True), "note", "reaches its edge")
         self.check(wall("held", spacing=2e-3), "note", "2.4 spacings")
 

@@ -288,6 +288,23 @@ TEST(Shields, verdicts_are_the_same_on_any_number_of_ranks) {
   EXPECT_NEAR(many.still_coming, one.still_coming, 1e-12);
 }
 
+TEST(Shields, margins_survive_a_restart_and_are_told_with_the_verdict) {
+  const Scenery shot(testing_world(), {});
+  Shields walls(shot.world.comm, shot.scene), resumed(shot.world.comm, shot.scene);
+  walls.read_out(shot.world, *shot.engine, 1);
+  walls.read_out(shot.world, *shot.engine, 2);
+  Scalars scalars;
+  walls.save(scalars);
+  resumed.load(scalars);
+  ResultTable one, two;
+  const auto said = walls.conclude(shot.world, *shot.engine, 2, one);
+  EXPECT_EQ(said, resumed.conclude(shot.world, *shot.engine, 2, two));
+  EXPECT_EQ(said.at(0).substr(0, 31), "wall rear wall: held, margin 0.");
+  EXPECT_EQ(one.toml(), two.toml());
+  EXPECT_EQ(one.toml().find("[shield_rear_wall]\nwall = \"rear wall\"\nverdict = \"held\""), 0u);
+  EXPECT_NE(one.toml().find("times = [1.0, 2.0]"), std::string::npos);
+}
+
 /// A ball of four bodies across on a wall two thick, with the verdict in the end.
 WallVerdict shoot(const std::string& speed) {
   const auto scene = std::make_shared<Case>(parse_case(solids + R"(

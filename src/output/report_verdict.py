@@ -9,6 +9,7 @@ ENERGY_CLOSED, ENERGY_OPEN = 0.01, 0.05  # unexplained, of what was dissipated o
 SAME_BETA = 0.02  # beta within this of 1 + e is taken for it
 STILL_RISING = 0.02  # of dv between the last two read-outs
 YET_TO_COME = 0.01  # of the energy that flies at a wall, beyond which its verdict is not final
+STILL_FAILING = 0.05  # of the margin between the last two snapshots
 FEW_LAYERS = 3  # of bodies in a wall, fewer than which tell little of it
 LARGE_OVERLAP = 0.01  # of the smaller radius: rigid bodies should have none
 
@@ -49,6 +50,12 @@ def shields(results):
         if wall["still_coming"] > YET_TO_COME:
             yield NOTE, (f"The verdict on the wall {name} is not final: {percent(wall['still_coming'])} of the energy that flies "
                          "at it has not met it yet. A longer run may give another.")
+        if len(margins := wall["margins"]) > 1:
+            before, after = margins[-2:]
+            times = [readable_time(time) for time in wall["times"][-2:]]
+            if abs(after - before) > STILL_FAILING * abs(after):
+                yield NOTE, (f"The margin of the wall {name} still changed from {before:.3g} to {after:.3g} of its thickness between "
+                             f"{times[0]} and {times[1]}: a longer run may give another verdict.")
         if wall["opening_at_edge"]:
             yield NOTE, f"An opening of the wall {name} reaches its edge: a wider wall may give another verdict."
         if wall["thickness"] < FEW_LAYERS * wall["spacing"]:

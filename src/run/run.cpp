@@ -224,7 +224,10 @@ class Run {
 
   /// Snapshots and read-outs at the instant that the clock has just reached, from `before`.
   void at_instant(const Clock& before) {
-    if (passed_multiple(scene_.output.snapshot_every)) snapshot();
+    if (passed_multiple(scene_.output.snapshot_every)) {
+      snapshot();
+      judge_walls();
+    }
     if (passed_multiple(debris_.every())) {
       StageTimer timer(world().stages, "analysis");
       progress_.say(debris_.read_out(world(), clock().time));
@@ -268,6 +271,13 @@ class Run {
     snapshots_->write(world().bodies, clock().step, clock().time);
   }
 
+  /// Beside the snapshots of bodies on their way.
+  void judge_walls() {
+    StageTimer timer(world().stages, "analysis");
+    for (const std::string& line : shields_.read_out(world(), simulation_->engine(), clock().time))
+      progress_.say(fmt::format("at {}: {}", readable_time(clock().time), line));
+  }
+
   void end_phase() {
     if (!passed_multiple(scene_.output.snapshot_every)) snapshot();
     progress_.say(fmt::format("phase {} done at {}: {} steps", phase().name,
@@ -301,6 +311,7 @@ class Run {
     save_scalars(record_, state.scalars);
     verdict_.save(state.scalars);
     debris_.save(state.scalars);
+    shields_.save(state.scalars);
     reactions_.save(state.scalars);
     kept_ = state;
     simulation_->go_on(state);
@@ -323,6 +334,7 @@ class Run {
     load_scalars(record_, scalars);
     verdict_.load(scalars);
     debris_.load(scalars);
+    shields_.load(scalars);
     reactions_.load(scalars);
   }
 

@@ -7,12 +7,15 @@
 namespace spall {
 
 Shields::Shields(const Comm& comm, const Case& scene) {
-  for (const Shield& shield : scene.shields) walls_.push_back(lay_wall(comm, scene, shield));
+  for (const Shield& shield : scene.shields)
+    walls_.push_back(
+        {.wall = lay_wall(comm, scene, shield), .last = {}, .times = {}, .margins = {}});
 }
 
 std::string Shields::describe() const {
   std::string text;
-  for (const ShieldWall& wall : walls_) {
+  for (const Judged& judged : walls_) {
+    const ShieldWall& wall = judged.wall;
     int axis = 0;
     wall.normal.cwiseAbs().maxCoeff(&axis);
     text += fmt::format(
@@ -86,17 +89,58 @@ std::string sentence_of(const ShieldWall& wall, const WallVerdict& v) {
   return text;
 }
 
-std::vector<std::string> Shields::conclude(const World& world, const Engine& engine, double time,
-                                           ResultTable& table) const {
+std::vector<std::string> Shields::read_out(const World& world, const Engine& engine, double time) {
   std::vector<std::string> lines;
   if (walls_.empty()) return lines;
   const LinkedBodies linked = engine.links(world);
-  for (const ShieldWall& wall : walls_) {
-    const WallVerdict verdict = judge_wall(world.comm, linked, wall, time);
-    add(wall, verdict, table);
-    lines.push_back(sentence_of(wall, verdict));
+  for (Judged& judged : walls_) {
+    judged.last = judge_wall(world.comm, linked, judged.wall, time);
+    judged.times.push_back(time);
+    judged.margins.push_back(judged.last.margin);
+    lines.push_back(sentence_of(judged.wall, judged.last));
   }
   return lines;
+}
+
+std::vector<std::string> Shields::conclude(const World& world, const Engine& engine, double time,
+                                           ResultTable& table) {
+  for (Judged& judged : walls_)  // of the last snapshot, which is of the same instant
+    if (!judged.times.empty() && judged.times.back() >= time) {
+      judged.times.pop_back();
+      judged.margins.pop_back();
+    }
+  const std::vector<std::string> lines = read_out(world, engine, time);
+  for (const Judged& judged : walls_) {
+    add(judged.wall, judged.last, table);
+    table.add(judged.wall.section, "times", judged.times, "s", "of snapshots");
+    table.add(judged.wall.section, "margins", judged.margins, "", "at these times");
+  }
+  return lines;
+}
+
+namespace {
+
+std::string entry(const ShieldWall& wall, std::size_t row, const char* what) {
+  return fmt::format("{}.{}.{}", wall.section, row, what);
+}
+
+}  // namespace
+
+void Shields::save(Scalars& scalars) const {
+  for (const Judged& judged : walls_)
+    for (std::size_t r = 0; r < judged.times.size(); ++r) {
+      scalars[entry(judged.wall, r, "time")] = judged.times[r];
+      scalars[entry(judged.wall, r, "margin")] = judged.margins[r];
+    }
+}
+
+/// A wall that is named from here on has none.
+void Shields::load(const Scalars& scalars) {
+  for (Judged& judged : walls_)
+    for (std::size_t r = 0; scalars.contains(entry(judged.wall, r, "time")); ++r) {
+      judged.times.push_back(find_scalar(scalars, entry(judged.wall, r, "time")));
+      judged.margins.push_back(find_scalar(scalars, entry(judged.wall, r, "margin")));
+    }
 }
 
 }  // namespace spall

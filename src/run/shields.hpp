@@ -7,6 +7,7 @@
 
 #include "analysis/shield_wall.hpp"
 #include "engine/engine.hpp"
+#include "output/restart.hpp"
 #include "output/results.hpp"
 
 namespace spall {
@@ -18,13 +19,24 @@ class Shields {
   Shields(const Comm& comm, const Case& scene);
   /// A line a wall: how it is judged.
   std::string describe() const;
-  /// Adds a section a wall, [shield_NAME], and returns a line a wall to show. Velocities and
-  /// positions must belong to the same instant. Collective.
+  /// Judges the walls as they are; velocities and positions must belong to the same instant.
+  /// Returns a line a wall to show. Collective.
+  std::vector<std::string> read_out(const World& world, const Engine& engine, double time);
+  /// Adds a section a wall, [shield_NAME], with the verdict as it is now and the margins so far,
+  /// and returns a line a wall to show. The same holds. Collective.
   std::vector<std::string> conclude(const World& world, const Engine& engine, double time,
-                                    ResultTable& table) const;
+                                    ResultTable& table);
+
+  void save(Scalars& scalars) const;
+  void load(const Scalars& scalars);
 
  private:
-  std::vector<ShieldWall> walls_;
+  struct Judged {
+    ShieldWall wall;
+    WallVerdict last;
+    std::vector<double> times, margins;  ///< s; of the thickness
+  };
+  std::vector<Judged> walls_;
 };
 
 /// What a verdict is, in words.
