@@ -36,6 +36,8 @@ PairPotential morse_law(const Solid& solid, const Lattice& lattice, Match match,
           "{}: bonds between the nearest neighbours make no solid of a simple cubic lattice, which "
           "has no shear stiffness; take fcc or hcp",
           place);
+  require(!solid.pores.any(), "{}: pairs have no pores; leave out the material's distension",
+          place);
   const double Z = lattice.neighbours, d = lattice.distance, V = lattice.volume();
   const double all_k =
       18 * sphere_mass(solid, lattice) * solid.sound_speed * solid.sound_speed / (Z * d * d);

@@ -50,6 +50,7 @@ std::string describe_material_library() {
     tell("weibull_k", "flaws");
     tell("lundborg_limit", "strength under pressure");
     tell("failed_friction", "friction");
+    tell("distension", "pores");
     tell("melting_point", "melting");
     tell("melt_energy", "its energy");
     told += line(material.name, table["title"].value_or(std::string()), known);

@@ -20,7 +20,8 @@ using namespace dimension;
 void read_solid(Section& in, Solid& solid) {
   std::string title;
   in.take("title", "what it is", title);
-  in.need("density", "of the solid", solid.density, positive(density));
+  in.need("density", "of the solid; of one with pores, of its matter", solid.density,
+          positive(density));
   in.take("sound_speed", "c0 of the shock speed c0 + s up", solid.sound_speed, positive(speed));
   in.take("hugoniot_slope", "s of it", solid.hugoniot_slope, positive(number));
   in.take("gruneisen", "Gruneisen's parameter", solid.gruneisen, positive(number));
@@ -63,6 +64,15 @@ void read_solid(Section& in, Solid& solid) {
   in.take("failed_friction",
           "of what has failed: the shear stress that it bears, of the pressure; without it, none",
           rock.failed_friction, positive(number));
+  Pores& pores = solid.pores;
+  in.take("distension",
+          "alpha0 of a solid with pores: its volume over that of its matter; its other constants "
+          "but for the elastic ones are those of the matter",
+          pores.distension, Quantity{number, 1, infinity});
+  in.take("elastic_pressure", "Pe, from which on pores are crushed", pores.elastic,
+          positive(pressure));
+  in.take("compaction_pressure", "Ps, at which no pores are left", pores.compacted,
+          positive(pressure));
 }
 
 }  // namespace
@@ -84,7 +94,7 @@ void read_material(Section& in, Material& material) {
             Quantity{number, 0, 0.5});
   }
   if (material.solid) {
-    material.density = solid.density;
+    material.density = solid.bulk_density();
     material.youngs_modulus = solid.youngs_modulus;
     material.poisson_ratio = solid.poisson_ratio;
   }

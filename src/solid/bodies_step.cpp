@@ -31,6 +31,8 @@ constexpr double most_triaxial = 1;
 /// Where the search for the compression of matter between voids begins at least, and the error (of
 /// the bulk modulus) at which it ends.
 constexpr double least_matter = 0.95, tension_error = 1e-7;
+/// Of the pressure at which no pores are left.
+constexpr double crushing_error = 1e-9;
 
 /// tr K of a body in an fcc lattice, of d^2 V.
 double shape_of_lattice() {
@@ -195,48 +197,93 @@ struct Pressed {
   double pressure = 0;
   double energy = 0, heat = 0;  ///< J
   double sound_speed2 = 0;      ///< (m/s)^2, of the bulk
-  double damage = 0;
+  double damage = 0, crushed = 0;
 };
 
+/// How far pores are crushed once what is left of them bears the pressure `pressure_of(matter)`, of
+/// matter that fills the share x of its volume at rest (with pores: x alpha of that at rest).
+template <class F>
+double crushed_by(const SolidLaw& law, double x, double crushed, F&& pressure_of) {
+  // Pressure falls, as pores close, and what crushes them grows: Newton's steps in a bracket.
+  double low = crushed, high = 1, at = crushed;
+  if (pressure_of(x) >= law.pores.compacted) return 1;
+  for (int iteration = 0; iteration < 60; ++iteration) {
+    const double alpha = law.distension(at);
+    const double over = pressure_of(x * alpha) - law.crushing_pressure(at);
+    if (std::abs(over) <= crushing_error * law.pores.compacted) break;
+    (over > 0 ? low : high) = at;
+    const double stiffness = law.bulk * law.pores.distension / (alpha * alpha);  // dP/d alpha
+    const double slope = 2 * stiffness * (law.pores.distension - 1) * (1 - at) +
+                         law.pores.compacted - law.pores.elastic;
+    const double next = at + over / slope;
+    at = next > low && next < high ? next : (low + high) / 2;
+  }
+  return at;
+}
+
+/// The damage of rock whose pores have been crushed: D^(1/3) grows by that of the share of pores
+/// that are closed.
+double crushed_damage(const SolidLaw& law, double damage, double before, double after) {
+  const auto closed = [&](double crushed) {
+    return std::cbrt(1 - (law.distension(crushed) - 1) / (law.pores.distension - 1));
+  };
+  const double grown = std::cbrt(damage) + closed(after) - closed(before);
+  return std::min(1.0, grown * grown * grown);
+}
+
+/// Of metals without pores, which are most, the rest is not asked for.
+template <bool plain>
 Pressed pressed(const Bodies& bodies, const Body& b, const Sheared& sheared, bool melted) {
   const SolidLaw& law = b.law;
-  const double x = bodies.compression[b.row], damage = bodies.damage[b.row];
+  const double damage = bodies.damage[b.row];
+  const double crushed = !plain && law.pores.any() ? bodies.crushed[b.row] : 0;
+  const double alpha = plain ? 1 : law.distension(crushed);
+  // Of matter at rest: its density and its volume.
+  const double filled = plain ? 1 : law.filled;
+  const double x = bodies.compression[b.row] * filled;
+  const double rest_volume = b.rest_volume * filled;
   const double half = b.h / 2 * b.volume;
   const double before =
       bodies.internal_energy[b.row] + b.gained + half * sheared.scale * b.shear_power;
   ColdCurve::State cold;
   // P = P_c + Gamma rho Q/m of matter so pressed, and Q depends on the work of P. The rest of the
-  // volume are voids.
+  // volume are pores and voids.
   const auto pressure_of = [&](double matter) {
     cold = law.cold.at(matter);
     const double share = x / matter;
-    const double per_heat = share * law.gruneisen / b.rest_volume * std::min(1.0, matter);
-    const double given = before - b.rest_volume * cold.energy - sheared.energy;
+    const double per_heat = share * law.gruneisen / rest_volume * std::min(1.0, matter);
+    const double given = before - rest_volume * cold.energy - sheared.energy;
     return (share * cold.pressure + per_heat * given) / (1 + per_heat * half * b.growth);
   };
-  Pressed after{.pressure = pressure_of(x), .damage = damage};
+  Pressed after{.pressure = pressure_of(alpha * x), .damage = damage, .crushed = crushed};
+  if (!plain && alpha > 1 && law.yields && after.pressure > law.crushing_pressure(crushed)) {
+    after.crushed = crushed_by(law, x, crushed, pressure_of);
+    after.pressure = pressure_of(x * law.distension(after.crushed));
+    // Crushing breaks rock: Jutzi, Benz & Michel, Icarus 198 (2008) 242.
+    if (law.brittle()) after.damage = crushed_damage(law, damage, crushed, after.crushed);
+  }
   const double whole_pressure = after.pressure, whole_energy = cold.energy;
-  const bool parted = damage >= 1 || melted || (law.brittle() && damage > 0);
+  const bool parted = damage >= 1 || melted || (!plain && law.brittle() && damage > 0);
   const double bearable = parted ? 0 : (1 - damage) * law.strength;
   if (after.pressure < -bearable) {
-    double matter = std::max(x, least_matter);
+    double matter = std::max(alpha * x, least_matter);
     double pressure = pressure_of(matter);
     for (int k = 0; k < 20 && std::abs(pressure + bearable) > tension_error * law.bulk; ++k) {
       matter -= (pressure + bearable) * matter / (x * law.density * cold.slope2);
       pressure = pressure_of(matter);
     }
     if (melted) after.damage = 1;
-    if (law.brittle()) {
+    if (!plain && law.brittle()) {
       // Cracks have opened in the share D; the rest is stretched as if there were none.
       pressure = after.damage * pressure + (1 - after.damage) * whole_pressure;
       cold.energy = after.damage * cold.energy + (1 - after.damage) * whole_energy;
     } else if (law.yields) {
-      after.damage = std::min(1.0, std::max(after.damage, (1 - x / matter) / most_voids));
+      after.damage = std::min(1.0, std::max(after.damage, (1 - alpha * x / matter) / most_voids));
     }
     after.pressure = pressure;
   }
   after.energy = before - half * after.pressure * b.growth;
-  after.heat = after.energy - b.rest_volume * cold.energy - sheared.energy;
+  after.heat = after.energy - rest_volume * cold.energy - sheared.energy;
   after.sound_speed2 = cold.slope2;
   return after;
 }
@@ -255,14 +302,16 @@ double settle(Bodies& bodies, const Body& b, double* sound_speed) {
     after.pressure = bodies.pressure[row];
     for (int round = 0; round < 2; ++round) {
       sheared = sheared_rock(bodies, b, after.pressure, hot);
-      after = pressed(bodies, b, sheared, melted);
+      after = pressed<false>(bodies, b, sheared, melted);
     }
   } else {
     sheared = sheared_metal(bodies, b, hot);
-    after = pressed(bodies, b, sheared, melted);
+    after = law.pores.any() ? pressed<false>(bodies, b, sheared, melted)
+                            : pressed<true>(bodies, b, sheared, melted);
   }
   bodies.plastic_strain[row] += sheared.strained;
   bodies.damage[row] = after.damage;
+  if (law.pores.any()) bodies.crushed[row] = after.crushed;
   bodies.internal_energy[row] = after.energy;
   bodies.heat[row] = after.heat;
   bodies.pressure[row] = after.pressure;

@@ -73,10 +73,13 @@ void check(const Surroundings& around, std::span<const MaterialUse> uses,
   }
 }
 
-FieldSet fields(const Surroundings&, const EngineSettings&) {
-  return {Field::heat,         Field::kick,           Field::damage,
-          Field::compression,  Field::pressure,       Field::direct_stress,
-          Field::shear_stress, Field::plastic_strain, Field::internal_energy};
+FieldSet fields(const Surroundings& around, const EngineSettings&) {
+  FieldSet set{Field::heat,         Field::kick,           Field::damage,
+               Field::compression,  Field::pressure,       Field::direct_stress,
+               Field::shear_stress, Field::plastic_strain, Field::internal_energy};
+  for (const Material& material : around.materials)
+    if (material.solid && material.solid->pores.any()) set |= {Field::crushed};
+  return set;
 }
 
 bool breaks(const EngineSettings& settings, int material) {
@@ -137,6 +140,11 @@ std::string describe(const Surroundings& around, std::span<const MaterialUse> us
         "m/s\n",
         around.materials[use.material].name, law.bulk, law.shear, law.sound_speed(),
         std::sqrt(law.shear / law.density));
+    if (law.pores.any())
+      text += fmt::format(
+          "    pores, {:.3g} of its volume, are crushed from {:.4g} Pa on and closed at {:.4g} "
+          "Pa\n",
+          1 - law.filled, law.pores.elastic, law.pores.compacted);
     if (law.yields) {
       text += flow_of(law) + failure_of(law, spacing);
     } else {

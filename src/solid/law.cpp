@@ -90,8 +90,20 @@ SolidLaw solid_law(const Solid& solid, bool yields, const std::string& place) {
   need(solid.hugoniot_slope, "hugoniot_slope");
   need(solid.gruneisen, "gruneisen");
   need(solid.youngs_modulus, "youngs_modulus");
-  SolidLaw law{.density = solid.density,
-               .bulk = solid.bulk_modulus(),
+  const Pores& pores = solid.pores;
+  if (pores.any() || pores.elastic > 0 || pores.compacted > 0) {
+    require(pores.any(),
+            "{}: distension must be more than 1 beside elastic_pressure and "
+            "compaction_pressure",
+            place);
+    need(pores.elastic, "elastic_pressure beside distension");
+    need(pores.compacted, "compaction_pressure beside distension");
+    require(pores.compacted > pores.elastic,
+            "{}: compaction_pressure = {:g} Pa must be more than elastic_pressure = {:g} Pa", place,
+            pores.compacted, pores.elastic);
+  }
+  SolidLaw law{.density = solid.bulk_density(),
+               .bulk = solid.bulk_modulus() / pores.distension,
                .shear = solid.shear_modulus(),
                .slope = solid.hugoniot_slope,
                .gruneisen = solid.gruneisen,
@@ -102,6 +114,8 @@ SolidLaw solid_law(const Solid& solid, bool yields, const std::string& place) {
                .flow = solid.johnson_cook,
                .flaws = solid.weibull,
                .rock = solid.rock,
+               .pores = pores,
+               .filled = 1 / pores.distension,
                .cold = ColdCurve(solid)};
   if (!yields) {
     law.flaws = {};

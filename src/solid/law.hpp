@@ -13,8 +13,8 @@ namespace spall {
 
 /// Constants and curves of one material.
 struct SolidLaw {
-  double density = 0;          ///< kg/m^3; 0: no body is of it
-  double bulk = 0, shear = 0;  ///< Pa
+  double density = 0;          ///< kg/m^3, with its pores; 0: no body is of it
+  double bulk = 0, shear = 0;  ///< Pa, with its pores
   double slope = 0;            ///< s of the shock speed c0 + s u_p
   double gruneisen = 0;
   double strength = infinity;  ///< Pa, tension from all sides that opens voids
@@ -23,6 +23,8 @@ struct SolidLaw {
   JohnsonCook flow;
   Weibull flaws;
   RockStrength rock;
+  Pores pores;
+  double filled = 1;       ///< the share of the volume at rest that is matter, 1/alpha0
   std::uint64_t seed = 0;  ///< of the flaws
   ColdCurve cold;
 
@@ -47,6 +49,14 @@ struct SolidLaw {
   /// rock slides.
   double intact_strength(double pressure) const;
   double sliding_strength(double pressure) const;
+  /// alpha, where pores have been crushed so far.
+  double distension(double crushed) const {
+    return 1 + (pores.distension - 1) * (1 - crushed) * (1 - crushed);
+  }
+  /// Pa, that crushes pores further.
+  double crushing_pressure(double crushed) const {
+    return pores.elastic + crushed * (pores.compacted - pores.elastic);
+  }
 };
 
 /// Throws Error, which begins with `place`, where a constant is missing.

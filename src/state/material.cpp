@@ -14,7 +14,7 @@ double temperature(const Solid& solid, double heat) {
 }
 
 double sphere_mass(const Solid& solid, const Lattice& lattice) {
-  return solid.density * lattice.volume();
+  return solid.bulk_density() * lattice.volume();
 }
 
 std::string pair_name(const std::vector<Material>& materials, int a, int b) {

@@ -45,9 +45,22 @@ struct RockStrength {
   bool known() const { return limit > 0; }
 };
 
+/// Pores of a solid, whose volume is alpha times that of its matter. They stay as they are up to
+/// the pressure Pe; then they are crushed, until none are left at Ps:
+///
+///   alpha = 1 + (alpha0 - 1) ((Ps - P)/(Ps - Pe))^2 .
+///
+/// (Herrmann, J. Appl. Phys. 40 (1969) 2490; Carroll & Holt, J. Appl. Phys. 43 (1972) 759.)
+struct Pores {
+  double distension = 1;              ///< alpha0; 1: none
+  double elastic = 0, compacted = 0;  ///< Pa, Pe and Ps
+
+  bool any() const { return distension > 1; }
+};
+
 /// What handbooks say of a solid. 0: not known; a law that needs it says so.
 struct Solid {
-  double density = 0;             ///< kg/m^3
+  double density = 0;             ///< kg/m^3, of its matter: without pores
   double sound_speed = 0;         ///< m/s, c0 of the shock speed U_s = c0 + s u_p
   double hugoniot_slope = 0;      ///< s
   double gruneisen = 0;           ///< Gruneisen's parameter
@@ -63,8 +76,11 @@ struct Solid {
   JohnsonCook johnson_cook;
   Weibull weibull = {};
   RockStrength rock = {};
+  Pores pores = {};
 
-  double bulk_modulus() const { return density * sound_speed * sound_speed; }          ///< Pa
+  double bulk_density() const { return density / pores.distension; }  ///< kg/m^3, with its pores
+  /// Pa, of its matter.
+  double bulk_modulus() const { return density * sound_speed * sound_speed; }
   double shear_modulus() const { return youngs_modulus / (2 * (1 + poisson_ratio)); }  ///< Pa
 };
 
