@@ -15,12 +15,12 @@ FIELDS = "Fields of bodies in snapshots and trajectories (H5MD)"
 def read_keys(text):
     """Rows (depth, name, kind, default, meaning) of what `spall keys` prints."""
     for line in text.splitlines():
-        name, kind, rest = line[:22].rstrip(), line[23:37].rstrip(), line[38:]
+        name, kind, rest = line[:24].rstrip(), line[25:39].rstrip(), line[40:]
         default, meaning = rest[:11], rest[12:]
         if rest[11:12].strip():  # longer than its column
             default, _, meaning = rest.partition(" ")
         depth = (len(name) - len(name.lstrip())) // 2
-        if not re.fullmatch(r" *\w+", name) or line[22:23].strip() or line[37:38].strip():
+        if not re.fullmatch(r" *\w+", name) or line[24:25].strip() or line[39:40].strip():
             raise ValueError(f"this is no line of `spall keys`: {line}")
         yield depth, name.strip(), kind, default.strip(), meaning.strip()
 

@@ -191,7 +191,7 @@ const toml::node* Section::find(const Key& key, const std::string& kind,
     const std::size_t depth = path.empty() ? 0 : 1 + std::ranges::count(path, '.');
     reference_->keys.insert(key_of(key.name));
     reference_->text +=
-        fmt::format("{:<22} {:<14} {:<11} {}\n", fmt::format("{:{}}{}", "", 2 * depth, key.name),
+        fmt::format("{:<24} {:<14} {:<11} {}\n", fmt::format("{:{}}{}", "", 2 * depth, key.name),
                     kind, key.required ? "required" : by_default, key.meaning);
     return nullptr;
   }
