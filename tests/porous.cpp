@@ -101,7 +101,9 @@ TEST(Porous, unloads_elastically_at_its_distension) {
     EXPECT_NEAR(loaded.pressure - back.pressure, 6e-4 * soft().bulk_modulus() / alpha,
                 0.3 * 6e-4 * soft().bulk_modulus());
     const double work = loaded.pressure * 6e-4 * d * d * d / std::sqrt(2.0);
-    EXPECT_NEAR(of_the_middle_body(world, &Bodies::heat), heat, 0.02 * work);
+    // What is warm cools as it expands: dQ = -Gamma Q dV/V.
+    EXPECT_NEAR(of_the_middle_body(world, &Bodies::heat), heat * (1 - 6e-4 * soft().gruneisen),
+                0.02 * work);
     if (squeezed < 0.001) {
       EXPECT_EQ(alpha, 1.275);
       EXPECT_LE(std::abs(heat), 0.02 * work);
@@ -138,6 +140,54 @@ TEST(Porous, rock_is_broken_by_the_share_of_pores_that_are_closed) {
   }
 }
 
+TEST(Porous, rock_that_is_crushed_bears_less_shear) {
+  Solid rock = soft();
+  rock.weibull = {.k = 1e-60, .m = 9};
+  rock.yield_strength = 1e12;
+  const SolidLaw strong = solid_law(rock, true, "rock");
+  Lab world = held_ball(d, strong);
+  Eigen::Matrix3d shearing = Eigen::Matrix3d::Zero();
+  shearing(0, 1) = shearing(1, 0) = 1;
+  deform(world, 0.001 / (20 * h) * shearing, h, 20);
+  const double whole = stress_of_the_middle(world)(0, 1);
+  EXPECT_NEAR(whole, 0.002 * strong.shear, 1e-3 * whole);
+  for (int part = 0; part < 5; ++part) {
+    deform(world, -0.01 / (50 * h) * as_is, h, 50);
+    const double damage = of_the_middle_body(world, &Bodies::damage);
+    EXPECT_NEAR(stress_of_the_middle(world)(0, 1), (1 - damage) * whole, 0.02 * whole) << damage;
+  }
+  EXPECT_GT(of_the_middle_body(world, &Bodies::damage), 0.5);
+}
+
+// --- tension ---
+
+TEST(Porous, that_has_cracked_bears_no_tension_whatever_its_pores) {
+  for (double distension : {1.275, 2.0, 3.5}) {
+    Solid rock = soft();
+    rock.weibull = {.k = 1e-60, .m = 9};
+    rock.pores.distension = distension;
+    Lab world = held_ball(d, solid_law(rock, true, "rock"), 1);
+    deform(world, 0.01 / (50 * h) * as_is, h, 50);
+    EXPECT_NEAR(of_the_middle_body(world, &Bodies::pressure), 0, 1e-6 * rock.bulk_modulus())
+        << distension;
+  }
+}
+
+TEST(Porous, bears_its_spall_strength_less_the_voids_whatever_its_pores) {
+  for (double distension : {1.275, 2.0, 3.5}) {
+    Solid metal = soft();
+    metal.spall_strength = 5e7;
+    metal.pores.distension = distension;
+    Lab world = held_ball(d, solid_law(metal, true, "metal"));
+    deform(world, 0.005 / (50 * h) * as_is, h, 50);
+    const double damage = of_the_middle_body(world, &Bodies::damage);
+    EXPECT_GT(damage, 0.01);
+    EXPECT_LT(damage, 0.2);
+    EXPECT_NEAR(of_the_middle_body(world, &Bodies::pressure), -(1 - damage) * 5e7, 1e6)
+        << distension;
+  }
+}
+
 // --- shocks ---
 
 struct Jump {
@@ -164,7 +214,8 @@ Jump jump(const Solid& solid, double u) {
 }
 
 TEST(PorousShock, has_the_speed_density_and_pressure_of_the_jump_conditions) {
-  constexpr int cells = 26, across = 4;
+  // The elastic wave comes back from the rear as a release, which must not have met the shock.
+  constexpr int cells = 36, across = 4;
   const double a = std::sqrt(2.0) * d;
   const Pores partly{.distension = 1.275, .elastic = 8e6, .compacted = 4e9};
   const struct {
@@ -206,7 +257,7 @@ TEST(PorousShock, has_the_speed_density_and_pressure_of_the_jump_conditions) {
     const double step = 0.7 * longest_step(law(), d, 2 * u);
     std::vector<double> reached(cells, 0.0), before(cells, -u);  // s, by half of the jump
     double time = 0;
-    while (time < 22 * a / expected.speed) {
+    while (time < 20 * a / expected.speed) {
       solid_steps(world, step, 2);
       const auto now =
           of_layers([](const Bodies& bodies, Index b) { return bodies.velocity[b].z(); });
@@ -272,10 +323,10 @@ std::string complaint(const std::string& more, const std::string& method = "soli
 
 TEST(PorousCase, weighs_what_its_matter_does) {
   const Case scene = parse_case(text, "x.toml");
-  double mass = 0;
-  for (double m : make_bodies(scene, Comm(MPI_COMM_SELF)).mass) mass += m;
+  const double of_a_body = 2707 / 1.275 * d * d * d / std::sqrt(2.0);
+  for (double m : make_bodies(scene, Comm(MPI_COMM_SELF)).mass)
+    EXPECT_NEAR(m, of_a_body, 1e-12 * of_a_body);
   EXPECT_NEAR(scene.materials[0].density, 2707 / 1.275, 1e-9);
-  EXPECT_NEAR(mass, 125e-9 * 2707 / 1.275, 0.2 * mass);
   EXPECT_EQ(law().sound_speed(), std::sqrt((law().bulk + 4 * law().shear / 3) / (2707 / 1.275)));
   EXPECT_NE(describe_phases(scene).find("pores, 0.216 of its volume"), std::string::npos);
 }

@@ -174,10 +174,11 @@ Sheared sheared_metal(Bodies& bodies, const Body& b, double hot) {
 }
 
 /// Rock returns to what its intact share bears at this pressure, and its cracks slide.
-Sheared sheared_rock(const Bodies& bodies, const Body& b, double pressure, double hot) {
+Sheared sheared_rock(const Bodies& bodies, const Body& b, double damage, double pressure,
+                     double hot) {
   const SolidLaw& law = b.law;
   if (b.mises == 0 || hot >= 1) return {};
-  const double damage = bodies.damage[b.row], whole = 1 - damage;
+  const double whole = 1 - damage;
   double intact = b.mises;
   if (law.rock.known())
     intact = std::min(intact, law.intact_strength(pressure));
@@ -269,7 +270,7 @@ Pressed pressed(const Bodies& bodies, const Body& b, const Sheared& sheared, boo
     double matter = std::max(alpha * x, least_matter);
     double pressure = pressure_of(matter);
     for (int k = 0; k < 20 && std::abs(pressure + bearable) > tension_error * law.bulk; ++k) {
-      matter -= (pressure + bearable) * matter / (x * law.density * cold.slope2);
+      matter -= (pressure + bearable) * matter * filled / (x * law.density * cold.slope2);
       pressure = pressure_of(matter);
     }
     if (melted) after.damage = 1;
@@ -298,10 +299,12 @@ double settle(Bodies& bodies, const Body& b, double* sound_speed) {
   Pressed after;
   if (law.brittle()) {
     if (b.h > 0) bodies.damage[row] = grown_damage(law, bodies, row, b.rest_volume, b.intact, b.h);
-    // What rock bears depends on its pressure, which follows from the energy: in two rounds.
+    // What rock bears depends on its pressure, which follows from the energy, and on what crushing
+    // breaks: in two rounds.
     after.pressure = bodies.pressure[row];
+    after.damage = bodies.damage[row];
     for (int round = 0; round < 2; ++round) {
-      sheared = sheared_rock(bodies, b, after.pressure, hot);
+      sheared = sheared_rock(bodies, b, after.damage, after.pressure, hot);
       after = pressed<false>(bodies, b, sheared, melted);
     }
   } else {
