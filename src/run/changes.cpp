@@ -33,8 +33,9 @@ void check_materials(const RestartState& state, const toml::table& materials,
             "materials.NAME.solid.CONSTANT=... changes one",
             option);
     if (name.str() == "impactor" && !struck) continue;
-    require(!material->contains("density") && !(*material)["solid"]["density"],
-            "{}: bodies have their masses already, of the density before", option);
+    const auto solid = (*material)["solid"];
+    require(!material->contains("density") && !solid["density"] && !solid["distension"],
+            "{}: bodies have their masses already, of the density and the pores before", option);
   }
 }
 
