@@ -32,7 +32,7 @@ if "broken.key" in changes:
     sys.exit(1)
 if "stopped.key" in changes and not Path("go_on").exists():
     sys.exit(3)
-size = float(re.match(r"[\d.]+", changes.get("ball.diameter", "4"))[0])
+size = float(re.match(r"[\d.e-]+", changes.get("ball.diameter", "4"))[0])
 speed = float(re.search(r"-([\d.]+)", changes.get("ball.velocity", "-5"))[1])
 islands = "islands.key" in changes and 2.9 < size < 3.1
 held = size < 4.3 and speed < 5.2 and not islands
@@ -89,7 +89,9 @@ grep -q 'limit: held at \[0, 0, "-5.1.* km/s"\], perforated at \[0, 0, "-5.2.* k
   fail "of a speed: $(cat out.txt)"
 
 limit shield.toml --vary ball.diameter=2..4mm --out out/none
-[ $? = 4 ] && grep -q "held at 2mm and held at 4mm" out.txt || fail "no limit between: $(cat out.txt)"
+[ $? = 4 ] && grep -q "held, not final at 2mm and held at 4mm" out.txt || fail "no limit between: $(cat out.txt)"
+limit shield.toml --vary ball.diameter=2000e-3..8e0 --within 1% --out out/exponents || fail "exponents: $(cat out.txt)"
+grep -q "limit: held at 4.29[0-9]*, perforated at 4.3" out.txt || fail "of exponents: $(cat out.txt)"
 limit shield.toml --vary ball.diameter=2..8mm --set islands.key=1 --jobs 7 --out out/islands || fail "islands"
 grep -q "changes more than once" out.txt || fail "islands: $(cat out.txt)"
 limit shield.toml --vary ball.diameter=2..8mm --set broken.key=1 --out out/broken
@@ -141,7 +143,7 @@ wall = "plate"
 END
 "$spall" limit thin.toml --vary 'groups.ball.velocity=[0, 0, "-300 m/s"]..[0, 0, "-3000 m/s"]' --within 150% --jobs 2 >out.txt 2>&1 ||
   fail "the program: $(cat out.txt)"
-grep -q "limit: held at.*m/s" out.txt || fail "the program's bracket: $(cat out.txt)"
+grep -q "limit: held.* at .*m/s.*, perforated at .*m/s" out.txt || fail "the program's bracket: $(cat out.txt)"
 
 [ $failures = 0 ] && echo "all passed"
 exit $failures

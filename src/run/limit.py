@@ -41,7 +41,8 @@ class Range:
         low, dots, high = (part.strip() for part in values.partition(".."))
         if not equals or not dots or not low or not high:
             leave(f"--vary {text}: KEY=LOW..HIGH is wanted")
-        if re.fullmatch(NUMBER, low) and (unit := re.fullmatch(rf"{NUMBER}\s*([^\d.\s].*)", high)):
+        unit = re.fullmatch(rf"{NUMBER}\s*([^\d.\s].*)", high)
+        if unit and re.fullmatch(NUMBER, low) and not re.fullmatch(NUMBER, high):
             low += unit[1]
         self.ends = low, high
         words, others = (re.split(f"({NUMBER})", end) for end in self.ends)
@@ -122,7 +123,7 @@ class Search:
             print(f"{self.span.value(part)}: {self.states[part]}, see {self.out / run.name}.log", flush=True)
             return
         self.known[part] = found
-        late = "" if found["still_coming"] <= NOT_FINAL else \
+        late = "" if self.final(part) else \
             f"; not final: {100 * found['still_coming']:.2g} % of the energy that flies at it has not met it"
         print(f"{self.span.value(part)}: {found['verdict']}, margin {found['margin']:.3g}{late}", flush=True)
 
@@ -155,13 +156,18 @@ class Search:
     def holds(self, part):
         return self.known[part]["verdict"] == "held"
 
+    def final(self, part):
+        """What has failed stays so; what has held may yet fail by what is still coming."""
+        return not self.holds(part) or self.known[part]["still_coming"] <= NOT_FINAL
+
     def changes(self):
         """Neighbours of which one has held and one has not, from the low end on."""
         parts = sorted(self.known)
         return [(a, b) for a, b in zip(parts, parts[1:]) if self.holds(a) != self.holds(b)]
 
     def told(self, part):
-        return f"{self.known[part]['verdict']} at {self.span.value(part)}"
+        late = "" if self.final(part) else ", not final"
+        return f"{self.known[part]['verdict']}{late} at {self.span.value(part)}"
 
 
 def between(a, b, count):
@@ -218,6 +224,7 @@ def main():
         leave(f"--wall {search.wall}: {case} judges {named or 'no wall; [[shields]] names those that it should'}")
 
     claim(out, case, {"vary": span.key, **fixed}, options.overwrite, "spall limit")
+    (out / "limit.json").unlink(missing_ok=True)
     search.recall()
     search.learn([0, 1, *between(0, 1, options.jobs - 2)])
     if search.holds(0) == search.holds(1):
@@ -234,7 +241,8 @@ def main():
         print(f"the verdict changes more than once: {found}; the first change is told")
     print(f"limit: {search.told(low)}, {search.told(high)}")
     whole = {"key": span.key, "wall": search.wall, "low": texts[0], "high": texts[1],
-             "verdict_low": search.known[low]["verdict"], "verdict_high": search.known[high]["verdict"]}
+             "verdict_low": search.known[low]["verdict"], "verdict_high": search.known[high]["verdict"],
+             "final": search.final(low) and search.final(high)}
     (out / "limit.json").write_text(json.dumps(whole, indent=1) + "\n")
     print(f"table: {out / 'table.csv'}, {out / 'table.json'}")
 
