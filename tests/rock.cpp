@@ -246,6 +246,12 @@ TEST(RockCase, needs_all_of_lundborg_s_constants_and_flaws) {
             "x: a solid with a stress needs johnson_cook_a, yield_strength or lundborg_limit");
   half.yield_strength = 1e9;
   EXPECT_EQ(complains(half), "");
+  half.johnson_cook.c = 0.01;
+  EXPECT_EQ(complains(half), "x: johnson_cook_b, c, n and m need johnson_cook_a beside them");
+  half = basalt();
+  half.melting_point = 273;
+  EXPECT_EQ(complains(half),
+            "x: melting_point = 273 K: solids begin at 298 K, and would be liquid");
 }
 
 }  // namespace

@@ -94,9 +94,9 @@ std::string flow_of(const SolidLaw& law) {
                        law.flow.a, law.flow.b, law.flow.n, law.flow.c, law.flow.m);
   return fmt::format(
       "    intact, bears a shear stress of {:.4g} Pa, and under pressure {:g} of it more, but at "
-      "most "
-      "{:.4g} Pa\n",
-      law.rock.cohesion, law.rock.friction, law.rock.limit);
+      "most {:.4g} Pa{}\n",
+      law.rock.cohesion, law.rock.friction, law.rock.limit,
+      law.flow.a > 0 ? "; yield_strength counts in contacts alone" : "");
 }
 
 /// How it breaks, in bodies of this spacing (m).
@@ -140,12 +140,12 @@ std::string describe(const Surroundings& around, std::span<const MaterialUse> us
         "m/s\n",
         around.materials[use.material].name, law.bulk, law.shear, law.sound_speed(),
         std::sqrt(law.shear / law.density));
-    if (law.pores.any())
-      text += fmt::format(
-          "    pores, {:.3g} of its volume, are crushed from {:.4g} Pa on and closed at {:.4g} "
-          "Pa\n",
-          1 - law.filled, law.pores.elastic, law.pores.compacted);
     if (law.yields) {
+      if (law.pores.any())
+        text += fmt::format(
+            "    pores, {:.3g} of its volume, are crushed from {:.4g} Pa on and closed at {:.4g} "
+            "Pa\n",
+            1 - law.filled, law.pores.elastic, law.pores.compacted);
       text += flow_of(law) + failure_of(law, spacing);
     } else {
       text += "    elastic: nothing yields, melts or tears\n";

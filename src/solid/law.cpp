@@ -14,9 +14,8 @@ double SolidLaw::sound_speed() const {
 }
 
 double SolidLaw::homologous(double heat) const {
-  constexpr double room = 298;
   if (specific_heat == 0 || melting == 0) return 0;
-  return std::max(0.0, heat / specific_heat / (melting - room));
+  return std::max(0.0, heat / specific_heat / (melting - room_temperature));
 }
 
 SolidLaw::Flow SolidLaw::flow_stress(double strain, double rate, double homologous) const {
@@ -109,7 +108,6 @@ SolidLaw solid_law(const Solid& solid, bool yields, const std::string& place) {
                .gruneisen = solid.gruneisen,
                .specific_heat = solid.specific_heat,
                .melting = solid.melting_point,
-               .melt_energy = solid.melt_energy,
                .yields = yields,
                .flow = solid.johnson_cook,
                .flaws = solid.weibull,
@@ -130,12 +128,20 @@ SolidLaw solid_law(const Solid& solid, bool yields, const std::string& place) {
   }
   if (rock.known() || rock.failed_friction > 0)
     need(solid.weibull.k, "weibull_k beside lundborg_limit or failed_friction");
-  if (law.flow.a == 0) law.flow = {.a = solid.yield_strength, .d = law.flow.d};
+  if (law.flow.a == 0) {
+    const JohnsonCook none{.d = law.flow.d};
+    require(law.flow == none, "{}: johnson_cook_b, c, n and m need johnson_cook_a beside them",
+            place);
+    law.flow.a = solid.yield_strength;
+  }
   if (!rock.known()) need(law.flow.a, "johnson_cook_a, yield_strength or lundborg_limit");
   if (law.flow.m != 1 || law.flow.fails()) {
     need(solid.specific_heat, "specific_heat");
     need(solid.melting_point, "melting_point");
   }
+  require(solid.melting_point == 0 || solid.melting_point > room_temperature,
+          "{}: melting_point = {:g} K: solids begin at {:g} K, and would be liquid", place,
+          solid.melting_point, room_temperature);
   if (solid.weibull.m > 0) need(solid.weibull.k, "weibull_k beside weibull_m");
   if (law.brittle()) {
     need(solid.weibull.m, "weibull_m beside weibull_k");

@@ -17,8 +17,8 @@ struct SolidLaw {
   double bulk = 0, shear = 0;  ///< Pa, with its pores
   double slope = 0;            ///< s of the shock speed c0 + s u_p
   double gruneisen = 0;
-  double strength = infinity;  ///< Pa, tension from all sides that opens voids
-  double specific_heat = 0, melting = 0, melt_energy = 0;
+  double strength = infinity;             ///< Pa, tension from all sides that opens voids
+  double specific_heat = 0, melting = 0;  ///< J/(kg K), K; 0: not known
   bool yields = true;
   JohnsonCook flow;
   Weibull flaws;

@@ -7,8 +7,7 @@
 namespace spall {
 
 double temperature(const Solid& solid, double heat) {
-  constexpr double room = 298;
-  const double c = solid.specific_heat, T = room + heat / c;
+  const double c = solid.specific_heat, T = room_temperature + heat / c;
   if (solid.melting_point == 0 || T < solid.melting_point) return T;
   return std::max(solid.melting_point, solid.melting_point + (heat - solid.melt_energy) / c);
 }

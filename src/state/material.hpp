@@ -21,6 +21,7 @@ struct JohnsonCook {
   std::array<double, 5> d{};   ///< -; all 0: not known
 
   bool fails() const { return d != std::array<double, 5>{}; }
+  bool operator==(const JohnsonCook&) const = default;
 };
 
 /// Flaws of a brittle solid: k eps^m a volume that a tensile strain eps opens. (Weibull,
@@ -57,6 +58,8 @@ struct Pores {
 
   bool any() const { return distension > 1; }
 };
+
+inline constexpr double room_temperature = 298;  ///< K, of all bodies that have no heat
 
 /// What handbooks say of a solid. 0: not known; a law that needs it says so.
 struct Solid {
