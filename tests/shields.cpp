@@ -359,6 +359,10 @@ TEST(Shields, what_cannot_be_judged_is_refused) {
   starts(complaint({.way = "[0, 0, -1]"}), wall + ": no group flies at it along z");
   EXPECT_EQ(complaint({.way = "[0, 0, -1]", .more = "rear = [0, 0, -2]"}), "");
   starts(complaint({.more = "rear = [0, 1, 0]"}), place + ".rear does not lead through");
+  starts(complaint({.more = "rear = [0, 0, -1]"}), place + ".rear leads against what flies at");
+  starts(complaint({.more = "[[phases]]\nname = \"on\"\nmethod = \"solid\"\nstep = \"1 ns\"\n"
+                            "duration = \"1 us\"\nremove_drift = true"}),
+         "x.toml:24:1: phases.on.remove_drift would move groups.rear wall from where");
   starts(complaint({.more = "rear = [0, 1, 1]"}),
          "x.toml:24:8: shields.0.rear is not along x, y or z");
   starts(complaint({.more = "[[shields]]\nwall = \"rear wall\""}),

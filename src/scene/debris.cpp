@@ -26,6 +26,10 @@ void find_debris_groups(Case& scene) {
             key, name);
     return static_cast<int>(found - scene.groups.begin());
   };
+  for (const Phase& phase : scene.phases)
+    require(!phase.remove_drift,
+            "{}.remove_drift would move groups.{} from where [debris] looks at it", phase.place,
+            debris.plate_name);
   debris.projectile = find("projectile", debris.projectile_name);
   debris.plate = find("plate", debris.plate_name);
   const Volume& plate = scene.groups[debris.plate].volume;

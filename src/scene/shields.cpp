@@ -72,17 +72,22 @@ void find_wall(const Case& scene, Shield& shield) {
             "{} is {:g} m wide; {:g} spacings of {:g} m are the least that can be judged", told,
             width, fewest_spacings, lattice.distance);
   }
-  for (const Phase& phase : scene.phases)
+  for (const Phase& phase : scene.phases) {
     require(!phase.impactor,
             "{}: the impactor of phases.{} is no group; make it one with a velocity", told,
             phase.name);
+    require(!phase.remove_drift,
+            "{}.remove_drift would move groups.{} from where [[shields]] judge it", phase.place,
+            shield.wall_name);
+  }
   const Phase& last = scene.phases.back();
   require(last.engine->breaks(last.settings, wall.material),
           "{}: phases.{}.method = \"{}\" cannot break it; method = \"solid\" does where {} has a "
           "strength, and \"potential\" with bonds that break",
           told, last.name, last.engine->name, scene.materials[wall.material].name);
+  const double way = way_of_flight(scene, wall, thin);
   if (shield.rear.isZero(0)) {
-    shield.rear[thin] = way_of_flight(scene, wall, thin);
+    shield.rear[thin] = way;
     require(shield.rear[thin] != 0,
             "{}: no group flies at it along {}, or some from either side: {}.rear tells the way "
             "through it, such as [0, 0, -1]",
@@ -90,6 +95,9 @@ void find_wall(const Case& scene, Shield& shield) {
   }
   require(shield.rear[thin] != 0, "{}.rear does not lead through \"{}\", which is thin along {}",
           place, shield.wall_name, "xyz"[thin]);
+  require(shield.rear[thin] * way >= 0,
+          "{}.rear leads against what flies at \"{}\": its rear is where that would come out",
+          place, shield.wall_name);
   shield.rear.normalize();
 }
 
