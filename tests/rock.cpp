@@ -243,7 +243,8 @@ TEST(RockCase, needs_all_of_lundborg_s_constants_and_flaws) {
   half = basalt();
   half.rock = {.failed_friction = 0.6};
   EXPECT_EQ(complains(half),
-            "x: a solid with a stress needs johnson_cook_a, yield_strength or lundborg_limit");
+            "x: a solid with a stress needs johnson_cook_a, steinberg_y0, yield_strength or "
+            "lundborg_limit");
   half.yield_strength = 1e9;
   EXPECT_EQ(complains(half), "");
   half.johnson_cook.c = 0.01;

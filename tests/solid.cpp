@@ -386,7 +386,7 @@ TEST(SolidCase, refuses_what_it_does_not_model) {
             "[materials.rock.solid]");
   EXPECT_NE(complaint("", "gruneisen = 2.02\n", "").find("needs gruneisen"), std::string::npos);
   EXPECT_NE(complaint("", "yield_strength = \"90 MPa\"\n", "")
-                .find("needs johnson_cook_a, yield_strength or"),
+                .find("needs johnson_cook_a, steinberg_y0, yield_strength or"),
             std::string::npos);
   EXPECT_EQ(complaint("[solid]\nelastic = true\n", "yield_strength = \"90 MPa\"\n", ""), "");
   EXPECT_EQ(

@@ -86,6 +86,8 @@ constexpr struct {
     {dimension::specific_energy, "an energy of a mass", "J/kg", "\"1.05 MJ/kg\""},
     {dimension::energy, "an energy", "J", "\"1 kJ\""},
     {dimension::temperature, "a temperature", "K", "\"855 K\""},
+    {dimension::per_pressure, "a share a pressure", "Pa^-1", "\"14.5 TPa^-1\""},
+    {dimension::per_temperature, "a share a temperature", "K^-1", "\"0.13 kK^-1\""},
     {dimension::specific_heat, "a specific heat", "J/(kg K)", "\"896 J/(kg K)\""},
     {dimension::gravitational_parameter, "a gravitational parameter", "m^3/s^2",
      "\"34.1 m^3/s^2\""},

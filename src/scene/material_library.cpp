@@ -45,6 +45,7 @@ std::string describe_material_library() {
     };
     tell("yield_strength", "yield");
     tell("johnson_cook_a", "flow stress");
+    tell("steinberg_y0", "flow stress under pressure");
     tell("johnson_cook_d1", "strain at failure");
     tell("spall_strength", "spall");
     tell("weibull_k", "flaws");

@@ -50,6 +50,17 @@ void read_solid(Section& in, Solid& solid) {
                      "(1 + D4 ln rate)(1 + D5 T*)"
                    : "",
             jc.d[k], any(number));
+  SteinbergGuinan& steinberg = solid.steinberg;
+  in.take(
+      "steinberg_y0",
+      "Y0 of its flow stress Y0 (1 + beta eps)^n g and shear modulus G0 g, g = 1 + A P/eta^(1/3) "
+      "- B (T - 298 K)",
+      steinberg.y0, positive(pressure));
+  in.take("steinberg_ymax", "the most of Y0 (1 + beta eps)^n", steinberg.ymax, positive(pressure));
+  in.take("steinberg_beta", "", steinberg.beta, not_negative(number));
+  in.take("steinberg_n", "", steinberg.n, not_negative(number));
+  in.take("steinberg_a", "A of g", steinberg.a, not_negative(per_pressure));
+  in.take("steinberg_b", "B of it", steinberg.b, not_negative(per_temperature));
   in.take("weibull_k",
           "k of the flaws of a brittle solid, k eps^m a volume at a tensile strain eps",
           solid.weibull.k, positive(number_density));

@@ -135,6 +135,7 @@ struct Body {
   const SolidLaw& law;
   Index row;
   double volume, rest_volume, h;
+  double stiffness;    ///< of its shear modulus at rest
   double gained;       ///< J, by the power of old stresses, over half of h
   double growth;       ///< tr L, 1/s
   double shear_power;  ///< s : L, W/m^3, of the trial stress
@@ -155,11 +156,13 @@ struct Sheared {
 Sheared sheared_metal(Bodies& bodies, const Body& b, double hot) {
   const SolidLaw& law = b.law;
   double& damage = bodies.damage[b.row];
-  Sheared left{.scale = damage >= 1 || (law.yields && hot >= 1) ? 0.0 : 1.0};
+  const bool fluid = damage >= 1 || (law.yields && hot >= 1) || b.stiffness == 0;
+  Sheared left{.scale = fluid ? 0.0 : 1.0};
   if (law.yields && left.scale > 0 && b.mises > 0 && b.h > 0) {
-    const bool may = b.mises > law.flow.a * (law.flow.m >= 1 ? 1 - hot : 0);
-    if (may) left.strained = law.plastic_increment(b.mises, bodies.plastic_strain[b.row], b.h, hot);
-    left.scale *= std::max(0.0, 1 - 3 * law.shear * left.strained / b.mises);
+    const double trial = b.mises / b.stiffness;
+    if (trial > law.least_flow_stress(hot))
+      left.strained = law.plastic_increment(trial, bodies.plastic_strain[b.row], b.h, hot);
+    left.scale *= std::max(0.0, 1 - 3 * law.shear * left.strained / trial);
     if (left.strained > 0 && law.flow.fails()) {
       const double stress = left.scale * b.mises;
       const double triaxiality = stress > 0 ? std::max(-most_triaxial, -b.around / stress) : 0;
@@ -169,7 +172,7 @@ Sheared sheared_metal(Bodies& bodies, const Body& b, double hot) {
     }
   }
   const double stress = left.scale * b.mises;
-  left.energy = stress > 0 ? b.volume * stress * stress / (6 * law.shear) : 0;
+  left.energy = stress > 0 ? b.volume * stress * stress / (6 * law.shear * b.stiffness) : 0;
   return left;
 }
 
@@ -318,8 +321,8 @@ double settle(Bodies& bodies, const Body& b, double* sound_speed) {
   bodies.internal_energy[row] = after.energy;
   bodies.heat[row] = after.heat;
   bodies.pressure[row] = after.pressure;
-  *sound_speed =
-      std::sqrt(after.sound_speed2 + (sheared.scale > 0 ? 4 * law.shear / 3 / law.density : 0));
+  const double shear = sheared.scale > 0 ? law.shear * b.stiffness : 0;
+  *sound_speed = std::sqrt(after.sound_speed2 + 4 * shear / 3 / law.density);
   return sheared.scale;
 }
 
@@ -373,15 +376,19 @@ SPALL_KERNEL(double, update_bodies,
     const LaneTensor G = (1.0 / determinant(middle, middle_adjoint)) * (L * middle_adjoint);
 
     const LaneTensor s_old = deviator_of(bodies, row);
-    Lanes shear, pressure, volume, x, old_volume, weight, intact = spread(1), sliding{};
+    Lanes stiffness, shear, pressure, volume, x, old_volume, weight, intact = spread(1), sliding{};
     bool brittle = false;
     for (std::size_t l = 0; l < lane_count; ++l) {
       const Index b = row[l];
       const SolidLaw& law = laws[bodies.material[b]];
-      shear[l] = law.shear;
       pressure[l] = bodies.pressure[b];
-      brittle |= law.brittle();
       x[l] = bodies.compression[b];
+      stiffness[l] = 1;
+      if (law.steinberg.known())
+        stiffness[l] =
+            law.stiffness(x[l], pressure[l], bodies.heat[b] / (rest_volume[b] * law.density));
+      shear[l] = law.shear * stiffness[l];
+      brittle |= law.brittle();
       old_volume[l] = rest_volume[b] / x[l];
       weight[l] = rows[b].place[3];
     }
@@ -424,6 +431,7 @@ SPALL_KERNEL(double, update_bodies,
                          .volume = volume[l],
                          .rest_volume = rest_volume[b],
                          .h = h,
+                         .stiffness = stiffness[l],
                          .gained = gained[l],
                          .growth = growth[l],
                          .shear_power = shear_power[l],

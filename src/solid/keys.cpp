@@ -89,6 +89,13 @@ bool breaks(const EngineSettings& settings, int material) {
 
 /// When it flows.
 std::string flow_of(const SolidLaw& law) {
+  if (law.steinberg.known())
+    return fmt::format(
+        "    flows at {:.4g} Pa (1 + {:g} eps)^{:g}, at most {:.4g} Pa, times what its shear "
+        "modulus "
+        "grows by: {:.4g}/GPa less {:.4g}/K\n",
+        law.steinberg.y0, law.steinberg.beta, law.steinberg.n, law.steinberg.ymax,
+        1e9 * law.steinberg.a, law.steinberg.b);
   if (!law.rock.known())
     return fmt::format("    flows at {:.4g} Pa + {:.4g} Pa eps^{:g}, C = {:g}, m = {:g}\n",
                        law.flow.a, law.flow.b, law.flow.n, law.flow.c, law.flow.m);

@@ -1,4 +1,4 @@
-// The law of Johnson and Cook, and what it needs.
+// The laws of Johnson and Cook, of Steinberg and Guinan, and what they need.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "solid/law.hpp"
 
@@ -18,8 +18,24 @@ double SolidLaw::homologous(double heat) const {
   return std::max(0.0, heat / specific_heat / (melting - room_temperature));
 }
 
+double SolidLaw::stiffness(double compression, double pressure, double heat) const {
+  const double warmed = specific_heat > 0 ? heat / specific_heat : 0;
+  return std::max(0.0, 1 + steinberg.a * pressure / std::cbrt(compression) - steinberg.b * warmed);
+}
+
+double SolidLaw::least_flow_stress(double homologous) const {
+  if (steinberg.known()) return homologous < 1 ? steinberg.y0 : 0;
+  return flow.a * (flow.m >= 1 ? 1 - homologous : 0);
+}
+
 SolidLaw::Flow SolidLaw::flow_stress(double strain, double rate, double homologous) const {
   if (homologous >= 1) return {};
+  if (steinberg.known()) {
+    const double worked = 1 + steinberg.beta * strain;
+    const double stress = steinberg.y0 * std::pow(worked, steinberg.n);
+    if (stress >= steinberg.ymax) return {.stress = steinberg.ymax};
+    return {.stress = stress, .by_strain = steinberg.n * steinberg.beta * stress / worked};
+  }
   const double soft = homologous > 0 ? 1 - std::pow(homologous, flow.m) : 1;
   const double hard = flow.b > 0 && strain > 0 ? flow.b * std::pow(strain, flow.n) : 0;
   const bool counts = flow.c > 0 && rate > 1;
@@ -72,6 +88,7 @@ void check_rock(const SolidLaw& law, const Solid& solid, const std::string& plac
   };
   both(solid.johnson_cook.fails(), "weibull_k", "johnson_cook_d1 ...");
   both(solid.spall_strength > 0, "weibull_k", "spall_strength");
+  both(solid.steinberg.known(), "weibull_k", "steinberg_y0");
   if (!law.rock.known()) return;
   both(solid.johnson_cook.a > 0, "lundborg_limit", "johnson_cook_a");
   require(law.rock.limit > law.rock.cohesion,
@@ -110,6 +127,7 @@ SolidLaw solid_law(const Solid& solid, bool yields, const std::string& place) {
                .melting = solid.melting_point,
                .yields = yields,
                .flow = solid.johnson_cook,
+               .steinberg = solid.steinberg,
                .flaws = solid.weibull,
                .rock = solid.rock,
                .pores = pores,
@@ -117,6 +135,7 @@ SolidLaw solid_law(const Solid& solid, bool yields, const std::string& place) {
                .cold = ColdCurve(solid)};
   if (!yields) {
     law.flaws = {};
+    law.steinberg = {};
     return law;
   }
   if (solid.spall_strength > 0) law.strength = solid.spall_strength;
@@ -128,13 +147,27 @@ SolidLaw solid_law(const Solid& solid, bool yields, const std::string& place) {
   }
   if (rock.known() || rock.failed_friction > 0)
     need(solid.weibull.k, "weibull_k beside lundborg_limit or failed_friction");
+  const SteinbergGuinan& steinberg = solid.steinberg;
+  if (steinberg.known()) {
+    require(law.flow.a == 0, "{}: johnson_cook_a and steinberg_y0: leave one out", place);
+    need(steinberg.ymax, "steinberg_ymax beside steinberg_y0");
+    require(steinberg.ymax >= steinberg.y0,
+            "{}: steinberg_ymax = {:g} Pa must not be less than steinberg_y0 = {:g} Pa", place,
+            steinberg.ymax, steinberg.y0);
+    require(!pores.any(), "{}: distension and steinberg_y0: leave one out", place);
+    if (steinberg.b > 0) need(solid.specific_heat, "specific_heat beside steinberg_b");
+  } else {
+    require(steinberg == SteinbergGuinan{},
+            "{}: steinberg_ymax, beta, n, a and b need steinberg_y0 beside them", place);
+  }
   if (law.flow.a == 0) {
     const JohnsonCook none{.d = law.flow.d};
     require(law.flow == none, "{}: johnson_cook_b, c, n and m need johnson_cook_a beside them",
             place);
-    law.flow.a = solid.yield_strength;
+    law.flow.a = steinberg.known() ? steinberg.y0 : solid.yield_strength;
   }
-  if (!rock.known()) need(law.flow.a, "johnson_cook_a, yield_strength or lundborg_limit");
+  if (!rock.known())
+    need(law.flow.a, "johnson_cook_a, steinberg_y0, yield_strength or lundborg_limit");
   if (law.flow.m != 1 || law.flow.fails()) {
     need(solid.specific_heat, "specific_heat");
     need(solid.melting_point, "melting_point");

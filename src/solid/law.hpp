@@ -21,6 +21,7 @@ struct SolidLaw {
   double specific_heat = 0, melting = 0;  ///< J/(kg K), K; 0: not known
   bool yields = true;
   JohnsonCook flow;
+  SteinbergGuinan steinberg;  ///< in place of Johnson and Cook's flow stress, where it is known
   Weibull flaws;
   RockStrength rock;
   Pores pores;
@@ -34,16 +35,21 @@ struct SolidLaw {
   bool brittle() const { return flaws.known(); }
   /// From 298 K (0) to the melting point (1 and more), with this heat (J/kg).
   double homologous(double heat) const;
+  /// What shear modulus and flow stress of Steinberg and Guinan's metals are of those at rest, with
+  /// this pressure (Pa) and heat (J/kg); 0 where nothing is left.
+  double stiffness(double compression, double pressure, double heat) const;
   /// Pa, with its slopes by the strain and by the logarithm of the rate; of this plastic strain and
-  /// rate (1/s).
+  /// rate (1/s), at the stiffness 1.
   struct Flow {
     double stress = 0, by_strain = 0, by_rate = 0;
   };
   Flow flow_stress(double strain, double rate, double homologous) const;
   /// The plastic strain at which it fails.
   double failure_strain(double triaxiality, double rate, double homologous) const;
-  /// The plastic strain that brings von Mises' stress `trial` (Pa) back to the flow stress within
-  /// `h` (s).
+  /// Pa, which no flow stress at this temperature is below, at the stiffness 1.
+  double least_flow_stress(double homologous) const;
+  /// The plastic strain that brings von Mises' stress `trial` (Pa, over the stiffness) back to the
+  /// flow stress within `h` (s).
   double plastic_increment(double trial, double strain, double h, double homologous) const;
   /// Pa, von Mises' stress sqrt(3 J2) that intact rock bears at this pressure, and at which failed
   /// rock slides.

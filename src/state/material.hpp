@@ -24,6 +24,19 @@ struct JohnsonCook {
   bool operator==(const JohnsonCook&) const = default;
 };
 
+/// Shear modulus and flow stress that grow with pressure and fall with temperature: of their values
+/// at rest, G0 and Y0 (1 + beta eps)^n but at most Ymax, the part 1 + A P/eta^(1/3) - B (T - 298 K)
+/// at the compression eta. (Steinberg, Cochran & Guinan, J. Applied Physics 51 (1980) 1498.)
+struct SteinbergGuinan {
+  double y0 = 0, ymax = 0;  ///< Pa; 0: not known
+  double beta = 0, n = 0;   ///< -
+  double a = 0;             ///< 1/Pa
+  double b = 0;             ///< 1/K
+
+  bool known() const { return y0 > 0; }
+  bool operator==(const SteinbergGuinan&) const = default;
+};
+
 /// Flaws of a brittle solid: k eps^m a volume that a tensile strain eps opens. (Weibull,
 /// Ingvetensk. Akad. Handl. 151 (1939); Grady & Kipp, Int. J. Rock Mech. Min. Sci. 17 (1980) 147.)
 struct Weibull {
@@ -77,6 +90,7 @@ struct Solid {
   double melt_energy = 0;         ///< J/kg, from room temperature to liquid
   double sublimation_energy = 0;  ///< J/kg
   JohnsonCook johnson_cook;
+  SteinbergGuinan steinberg = {};
   Weibull weibull = {};
   RockStrength rock = {};
   Pores pores = {};
