@@ -65,12 +65,14 @@ template <class T>
 constexpr py::ssize_t columns = 1;
 template <>
 constexpr py::ssize_t columns<Vec3> = 3;
+template <>
+constexpr py::ssize_t columns<Quaternion> = 4;
 
 /// A view of the first `rows` rows, of which `owner` keeps the memory; to be written where asked.
 template <class T>
 py::array view(const T* data, py::ssize_t rows, py::handle owner, bool writable) {
   py::array array;
-  if constexpr (columns<T> == 3)
+  if constexpr (columns < T >> 1)
     array = py::array_t<double>({rows, columns<T>}, reinterpret_cast<const double*>(data), owner);
   else
     array = py::array_t<T>({rows}, data, owner);

@@ -32,12 +32,15 @@ inline constexpr unsigned kept = migrated | restarted;
   X(BodyId, id, 0, "", always | kept | ghosted | written, "number of the body, for ever")          \
   X(std::int32_t, group, 0, "", always | kept | ghosted | fixed, "number of the group")            \
   X(std::int32_t, material, 0, "", always | kept | ghosted | fixed, "number of the material")      \
-  X(double, radius, 0, "m", always | kept | ghosted | fixed, "")                                   \
+  X(double, radius, 0, "m", always | kept | ghosted | fixed, "of the sphere around it")            \
+  X(std::int32_t, shape, 0, "", kept | ghosted | fixed, "number of the shape; 0: a sphere")        \
   X(double, mass, 0, "kg", always | kept | ghosted | fixed, "infinite: fixed or prescribed")       \
   X(Vec3, position, Vec3::Zero(), "m", always | kept | ghosted | refreshed | written, "")          \
   X(Vec3, velocity, Vec3::Zero(), "m s-1", always | kept | ghosted | refreshed | written, "")      \
   X(Vec3, angular_velocity, Vec3::Zero(), "rad s-1", kept | ghosted | refreshed | written,         \
     "in the world's frame")                                                                        \
+  X(Quaternion, orientation, Quaternion::Identity(), "", kept | ghosted | refreshed | written,     \
+    "x, y, z, w; turns the principal axes of the shape into the world's")                          \
   X(Vec3, acceleration, Vec3::Zero(), "m s-2", kept | ghosted | refreshed | written,               \
     "by gravity when its field was last evaluated")                                                \
   X(Vec3, anchor, Vec3::Zero(), "m", kept, "at the start, of bodies that move as prescribed")      \
@@ -110,8 +113,9 @@ class FieldSet {
   std::uint64_t bits_ = 0;
 };
 
-/// Spheres. Row b of every field is body b of this rank; rows [0, owned) are this rank's own, the
-/// rest are copies of other ranks' bodies, current only after a ghost exchange.
+/// Spheres, or bodies with a shape made of them. Row b of every field is body b of this rank; rows
+/// [0, owned) are this rank's own, the rest are copies of other ranks' bodies, current only after a
+/// ghost exchange.
 struct Bodies {
   Index owned = 0;
   FieldSet fields = FieldSet::all();  ///< the same on every rank; a field not in it is empty

@@ -11,6 +11,9 @@
 namespace spall {
 
 using Vec3 = Eigen::Vector3d;
+using Mat3 = Eigen::Matrix3d;
+/// As numbers lie in arrays, x, y, z, w: of an alignment that no set of instructions changes.
+using Quaternion = Eigen::Quaternion<double, Eigen::DontAlign>;
 
 /// A body's place in this rank's arrays: dies at the next migration.
 using Index = std::int32_t;

@@ -73,6 +73,17 @@ struct Layout<Vec3> {
   static constexpr hsize_t width = 3;
 };
 
+template <>
+struct Layout<Quaternion> {
+  static hid_t type() { return H5T_NATIVE_DOUBLE; }
+  static constexpr hsize_t width = 4;
+};
+template <>
+struct Layout<std::array<std::int32_t, 2>> {
+  static hid_t type() { return H5T_NATIVE_INT32; }
+  static constexpr hsize_t width = 2;
+};
+
 /// This rank's rows [begin, begin + count) of a dataset with `total` rows.
 struct Rows {
   hsize_t begin = 0, count = 0, total = 0;
@@ -122,8 +133,8 @@ class File {
   /// Where the dataset holds something else than one text of fixed length, an Error.
   std::string read_text(const std::string& name) const;
 
-  /// Writes this rank's rows; the dataset is (total) or (total, 3), with `as_frame` (1, total, …).
-  /// Integers with `names` are an enumeration, in which names[k] stands for k.
+  /// Writes this rank's rows; the dataset is (total) or (total, width), with `as_frame` (1, total,
+  /// …). Integers with `names` are an enumeration, in which names[k] stands for k.
   template <class T>
   void write(const std::string& name, std::span<const T> values, const Rows& rows,
              bool as_frame = false, const Names& names = {}) {

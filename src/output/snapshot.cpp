@@ -86,6 +86,7 @@ FieldNames names_of(const Case& scene) {
   };
   for (const Group& group : scene.groups) add(Field::group, group.name);
   for (const Material& material : scene.materials) add(Field::material, material.name);
+  for (const BodyShape& shape : scene.shapes) add(Field::shape, shape.name);
   for (const Phase& phase : scene.phases)
     if (phase.impactor) add(Field::group, "impactor");
   return names;
@@ -118,6 +119,7 @@ SnapshotWriter::SnapshotWriter(Comm comm, std::string folder, const Case& scene,
       provenance_(std::move(provenance)),
       materials_(scene.materials),
       names_(names_of(scene)),
+      shapes_(scene.shapes),
       period_(scene.period),
       gravity_(scene.gravity),
       map_(scene.gravity_map),
@@ -141,6 +143,19 @@ void SnapshotWriter::write_metadata(h5::File& file) const {
   };
   if (period_.any()) write_corner(box + "/edges", period_.size);
   if (period_.any()) write_corner(box + "/offset", period_.low);
+  for (const BodyShape& shape : shapes_) {
+    const std::string group = "/parameters/shapes/" + shape.name + "/";
+    std::vector<Vec3> centers;
+    std::vector<double> radii;
+    for (const ShapeSphere& sphere : shape.spheres) {
+      centers.push_back(sphere.at);
+      radii.push_back(sphere.radius);
+    }
+    file.write<Vec3>(group + "centers", centers);
+    file.write<double>(group + "radii", radii);
+    file.write<double>(group + "volume", std::array{shape.volume});
+    file.write<double>(group + "inertia", {shape.inertia.data(), 3});
+  }
   for (const auto& [key, value] : provenance_) {
     const std::string name = "/parameters/" + key;
     if (const auto* number = std::get_if<std::int64_t>(&value))
@@ -291,6 +306,7 @@ void SnapshotWriter::write_xdmf() const {
     none.fields = fields_;
     for_each_output(none, [&](const FieldInfo& info, const auto& values) {
       using Value = typename std::decay_t<decltype(values)>::value_type;
+      if constexpr (std::is_same_v<Value, Quaternion>) return;  // XDMF knows none
       constexpr bool is_vector = std::is_same_v<Value, Vec3>;
       const bool fixed = info.is(trait::fixed);
       const bool is_place = info.field == Field::position;

@@ -73,6 +73,7 @@ class SnapshotWriter {
   Provenance provenance_;
   std::vector<Material> materials_;
   FieldNames names_;
+  BodyShapes shapes_;
   Period period_;
   GravitySettings gravity_;
   std::optional<Grid> map_;

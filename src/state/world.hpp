@@ -11,6 +11,7 @@
 #include "base/timer.hpp"
 #include "spall/bodies.hpp"
 #include "spall/comm.hpp"
+#include "state/body_shape.hpp"
 #include "state/by_pair.hpp"
 #include "state/contact_law.hpp"
 #include "state/cut.hpp"
@@ -27,6 +28,7 @@ namespace spall {
 struct Surroundings {
   std::uint64_t seed = 1;  ///< of all that is drawn
   std::vector<Material> materials;
+  BodyShapes shapes;  ///< empty: all bodies are spheres
   ByPair<ContactLaw> contact;
   std::vector<Plane> planes;
   std::vector<Cylinder> cylinders;
