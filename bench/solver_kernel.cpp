@@ -44,8 +44,15 @@ struct Block {
   }
 
   ContactProblem problem(int dimension) const {
-    return {dimension, 0,     inverse_mass,  i,        j,
-            normal,    kappa, free_velocity, friction, cohesive_impulse};
+    return {.dimension = dimension,
+            .inverse_mass = inverse_mass,
+            .i = i,
+            .j = j,
+            .normal = normal,
+            .kappa = kappa,
+            .free_velocity = free_velocity,
+            .friction = friction,
+            .cohesive_impulse = cohesive_impulse};
   }
 };
 

@@ -83,8 +83,16 @@ struct Piece {
   }
 
   ContactProblem problem() const {
-    return {own.dimension, boundary,  own.inverse_mass,  own.i,        own.j,
-            own.normal,    own.kappa, own.free_velocity, own.friction, own.cohesive_impulse};
+    return {.dimension = own.dimension,
+            .boundary = boundary,
+            .inverse_mass = own.inverse_mass,
+            .i = own.i,
+            .j = own.j,
+            .normal = own.normal,
+            .kappa = own.kappa,
+            .free_velocity = own.free_velocity,
+            .friction = own.friction,
+            .cohesive_impulse = own.cohesive_impulse};
   }
 };
 

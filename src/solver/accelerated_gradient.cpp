@@ -130,7 +130,7 @@ void descend(ContactSystem<dimension>& system, ContactBlocks<dimension, Real>& c
   become_velocities(contacts, velocity.data());
   velocity.back() = Row<dimension, Real>();
 
-  Momentum momentum(eps, dimension == 3 && system.friction == FrictionModel::coulomb);
+  Momentum momentum(eps, dimension != 1 && system.friction == FrictionModel::coulomb);
   DelayedSum late(system.ghosts.comm().raw);
   double lipschitz = first_lipschitz;
   double beta = 0;
@@ -209,5 +209,7 @@ template Candidate<1> accelerated_gradient(ContactSystem<1>&, const SolverSettin
                                            SolverReport&);
 template Candidate<3> accelerated_gradient(ContactSystem<3>&, const SolverSettings&, Candidate<3>,
                                            SolverReport&);
+template Candidate<levers> accelerated_gradient(ContactSystem<levers>&, const SolverSettings&,
+                                                Candidate<levers>, SolverReport&);
 
 }  // namespace spall

@@ -56,7 +56,7 @@ struct Euclidean {
                             const Vector& d) const {
     Lanes total{};
     for (std::size_t at = 0; at < a.size(); ++at)
-      for (int k = 0; k < dimension; ++k)
+      for (int k = 0; k < components<dimension>; ++k)
         total += convert<double>(counted(system.contacts.blocks[at], system.contacts.owned)) *
                  (a[at].at[k] - b[at].at[k]) * (c[at].at[k] - d[at].at[k]);
     return system.ghosts.comm().sum(sum_of_lanes(total));
@@ -91,7 +91,8 @@ Candidate<dimension> apgd(const ContactSystem<dimension>& system, const SolverSe
     while (true) {
       next.impulse = y;
       for (std::size_t at = 0; at < blocks; ++at) {
-        for (int d = 0; d < dimension; ++d) next.impulse[at].at[d] -= g[at].at[d] / lipschitz;
+        for (int d = 0; d < components<dimension>; ++d)
+          next.impulse[at].at[d] -= g[at].at[d] / lipschitz;
         project_euclidean(system.contacts.blocks[at], next.impulse[at].at);
       }
       next.velocity = system.product(next.impulse);
@@ -110,7 +111,7 @@ Candidate<dimension> apgd(const ContactSystem<dimension>& system, const SolverSe
       next_theta = 1;
     }
     for (std::size_t at = 0; at < blocks; ++at)
-      for (int d = 0; d < dimension; ++d)
+      for (int d = 0; d < components<dimension>; ++d)
         y[at].at[d] = next.impulse[at].at[d] + beta * (next.impulse[at].at[d] - gamma[at].at[d]);
     theta = next_theta;
     lipschitz *= 0.9;
@@ -126,5 +127,7 @@ template Candidate<1> apgd(const ContactSystem<1>&, const SolverSettings&, Candi
                            SolverReport&);
 template Candidate<3> apgd(const ContactSystem<3>&, const SolverSettings&, Candidate<3>,
                            SolverReport&);
+template Candidate<levers> apgd(const ContactSystem<levers>&, const SolverSettings&,
+                                Candidate<levers>, SolverReport&);
 
 }  // namespace spall

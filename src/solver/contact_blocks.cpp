@@ -30,11 +30,19 @@ void for_each_place(const ContactProblem& problem, F&& f) {
 /// The contact's diagonal block of the Delassus operator, 1/kg.
 ContactMetric metric(const ContactProblem& problem, Index c) {
   if (problem.matrix) return problem.matrix->metric[c];
+  if (problem.has_arms()) return bound_of(delassus_block(problem, c), problem.normal[c]);
   const Index j = problem.j[c];
   const double kappa = problem.kappa[c];
   const double a_n =
       problem.inverse_mass[problem.i[c]] + (j == ground ? 0 : problem.inverse_mass[j]);
   return {a_n, (1 + 1 / sphere_inertia * kappa * kappa) * a_n};
+}
+
+/// Whether neither of its bodies ever moves.
+bool is_held(const ContactProblem& problem, Index c) {
+  if (!problem.has_arms()) return metric(problem, c).a_n == 0;
+  const Index j = problem.j[c];
+  return problem.inverse_mass[problem.i[c]] == 0 && (j == ground || problem.inverse_mass[j] == 0);
 }
 
 double inverse_or_zero(double a) {
@@ -71,6 +79,16 @@ ContactBlocks<dimension, double> pack(const ContactProblem& problem, const Packe
   for (Index b = 0; b < owned; ++b)
     packed.inverse_mass.push_back(problem.inverse_mass[b] / unit_of_inverse_mass);
   if (problem.matrix) packed.matrix = pack(*problem.matrix, unit_of_inverse_mass);
+  if constexpr (dimension == levers) {
+    const auto symmetric = [](const Mat3& m) -> Symmetric<double> {
+      return {{m(0, 0), m(1, 1), m(2, 2), m(1, 2), m(2, 0), m(0, 1)}};
+    };
+    for (Index b = 0; b < owned; ++b) {
+      const Mat3 factor = problem.turning[b] / unit_of_inverse_mass;
+      packed.turning.push_back({symmetric(factor), factor.isZero(0) ? Symmetric<double>{}
+                                                                    : symmetric(factor.inverse())});
+    }
+  }
 
   const Index zero_row = packed.rows - 1;
   ContactBlock<dimension, double> empty{};
@@ -93,7 +111,7 @@ ContactBlocks<dimension, double> pack(const ContactProblem& problem, const Packe
       block.free_impulse[0][l] = block.inverse_a_n[l] * n.dot(b);
     } else {
       const double a_t = s.a_t / unit_of_inverse_mass;
-      block.kappa[l] = problem.matrix ? 0 : problem.kappa[c];
+      block.kappa[l] = problem.matrix || problem.has_arms() ? 0 : problem.kappa[c];
       block.friction[l] = problem.friction[c];
       block.a_t[l] = static_cast<float>(a_t);
       block.inverse_a_t[l] = static_cast<float>(inverse_or_zero(a_t));
@@ -101,6 +119,11 @@ ContactBlocks<dimension, double> pack(const ContactProblem& problem, const Packe
       const Vec3 scaled =
           double(block.inverse_a_n[l]) * b_n + double(block.inverse_a_t[l]) * (b - b_n);
       for (int d = 0; d < 3; ++d) block.free_impulse[d][l] = scaled[d];
+      if constexpr (dimension == levers)
+        for (int d = 0; d < 3; ++d) {
+          block.arm_i[d][l] = problem.arm_i[c][d];
+          block.arm_j[d][l] = problem.j[c] == ground ? 0 : problem.arm_j[c][d];
+        }
     }
   });
   return packed;
@@ -110,7 +133,7 @@ template <int dimension>
 void add_centre(ContactBlocks<dimension, double>& contacts,
                 const Impulses<dimension, double>& centre, double prox) {
   for (std::size_t at = 0; at < centre.size(); ++at)
-    for (int d = 0; d < dimension; ++d)
+    for (int d = 0; d < components<dimension>; ++d)
       contacts.blocks[at].free_impulse[d] -= prox * centre[at].at[d];
 }
 
@@ -122,16 +145,29 @@ ContactBlocks<dimension, float> round(const ContactBlocks<dimension, double>& co
   rounded.rows = contacts.rows;
   rounded.inverse_mass.assign(contacts.inverse_mass.begin(), contacts.inverse_mass.end());
   if (contacts.matrix) rounded.matrix = round(contacts.matrix);
+  rounded.turning.resize(contacts.turning.size());
+  for (std::size_t b = 0; b < contacts.turning.size(); ++b)
+    for (int k = 0; k < 6; ++k) {
+      const Turning<double>& from = contacts.turning[b];
+      rounded.turning[b].factor.at[k] = static_cast<float>(from.factor.at[k]);
+      rounded.turning[b].inverse.at[k] = static_cast<float>(from.inverse.at[k]);
+    }
   rounded.blocks.resize(contacts.blocks.size());
   for (std::size_t at = 0; at < contacts.blocks.size(); ++at) {
     const ContactBlock<dimension, double>& from = contacts.blocks[at];
     ContactBlock<dimension, float>& to = rounded.blocks[at];
     for (int d = 0; d < 3; ++d) to.normal[d] = convert<float>(from.normal[d]);
-    for (int d = 0; d < dimension; ++d) to.free_impulse[d] = convert<float>(from.free_impulse[d]);
+    for (int d = 0; d < components<dimension>; ++d)
+      to.free_impulse[d] = convert<float>(from.free_impulse[d]);
     to.cohesion = convert<float>(from.cohesion);
     to.a_n = from.a_n;
     to.inverse_a_n = from.inverse_a_n;
-    if constexpr (dimension == 3) {
+    if constexpr (dimension == levers)
+      for (int d = 0; d < 3; ++d) {
+        to.arm_i[d] = convert<float>(from.arm_i[d]);
+        to.arm_j[d] = convert<float>(from.arm_j[d]);
+      }
+    if constexpr (dimension != 1) {
       to.kappa = convert<float>(from.kappa);
       to.friction = convert<float>(from.friction);
       to.a_t = from.a_t;
@@ -148,7 +184,7 @@ Impulses<dimension, double> pack_impulses(const ContactProblem& problem, const P
                                           const std::vector<Vec3>& impulse) {
   Impulses<dimension, double> packed(total_blocks(problem));
   for_each_place(problem, [&](Index c, std::size_t at, int l) {
-    if (metric(problem, c).a_n == 0) return;
+    if (is_held(problem, c)) return;
     if constexpr (dimension == 1)
       packed[at].at[0][l] = problem.normal[c].dot(impulse[c]) / units.impulse;
     else
@@ -182,5 +218,14 @@ template void unpack_impulses<1>(const ContactProblem&, const PackedUnits&,
                                  const Impulses<1, double>&, std::vector<Vec3>&);
 template void unpack_impulses<3>(const ContactProblem&, const PackedUnits&,
                                  const Impulses<3, double>&, std::vector<Vec3>&);
+template ContactBlocks<levers, double> pack<levers>(const ContactProblem&, const PackedUnits&,
+                                                    Index);
+template ContactBlocks<levers, float> round<levers>(const ContactBlocks<levers, double>&);
+template void add_centre<levers>(ContactBlocks<levers, double>&, const Impulses<levers, double>&,
+                                 double);
+template Impulses<levers, double> pack_impulses<levers>(const ContactProblem&, const PackedUnits&,
+                                                        const std::vector<Vec3>&);
+template void unpack_impulses<levers>(const ContactProblem&, const PackedUnits&,
+                                      const Impulses<levers, double>&, std::vector<Vec3>&);
 
 }  // namespace spall

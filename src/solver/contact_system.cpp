@@ -50,7 +50,8 @@ template <int dimension>
 Impulses<dimension, double> ContactSystem<dimension>::gradient(const DoubleRows& velocity) const {
   DoubleImpulses result = gradient_change(velocity);
   for (std::size_t at = 0; at < result.size(); ++at)
-    for (int d = 0; d < dimension; ++d) result[at].at[d] += contacts.blocks[at].free_impulse[d];
+    for (int d = 0; d < components<dimension>; ++d)
+      result[at].at[d] += contacts.blocks[at].free_impulse[d];
   return result;
 }
 
@@ -91,7 +92,7 @@ void ContactSystem<dimension>::stay_near(const DoubleImpulses& impulse, double e
   for (std::size_t at = 0; at < impulse.size(); ++at)
     for (std::size_t l = 0; l < lane_count; ++l) {
       bool none = true;
-      for (int d = 0; d < dimension; ++d) none &= impulse[at].at[d][l] == 0;
+      for (int d = 0; d < components<dimension>; ++d) none &= impulse[at].at[d][l] == 0;
       fresh[at][l] = none || none_holds ? 1 : 0;
     }
 }
@@ -100,7 +101,7 @@ template <int dimension>
 void ContactSystem<dimension>::follow(const DoubleImpulses& iterate) {
   DoubleImpulses change(iterate.size());
   for (std::size_t at = 0; at < iterate.size(); ++at)
-    for (int d = 0; d < dimension; ++d) {
+    for (int d = 0; d < components<dimension>; ++d) {
       change[at].at[d] = fresh[at] * (iterate[at].at[d] - centre[at].at[d]);
       centre[at].at[d] += change[at].at[d];
     }
@@ -116,5 +117,6 @@ Candidate<dimension> ContactSystem<dimension>::evaluate(DoubleImpulses impulse) 
 
 template struct ContactSystem<1>;
 template struct ContactSystem<3>;
+template struct ContactSystem<levers>;
 
 }  // namespace spall

@@ -106,9 +106,9 @@ template <int dimension>
 void make_admissible(const ContactSystem<dimension>& system, Impulses<dimension, double>& impulse) {
   with_friction(system.friction, [&](auto model) {
     for (std::size_t at = 0; at < impulse.size(); ++at) {
-      Lanes p[dimension];
+      Lanes p[components<dimension>];
       project<model()>(system.contacts.blocks[at], impulse[at].at, p);
-      std::copy_n(p, dimension, impulse[at].at);
+      std::copy_n(p, components<dimension>, impulse[at].at);
     }
   });
 }

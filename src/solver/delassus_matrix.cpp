@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 
+#include "solver/problem.hpp"
 #include "spall/error.hpp"
 
 namespace spall {
@@ -87,6 +88,29 @@ void measure_outside(DelassusMatrix& matrix) {
 }
 
 }  // namespace
+
+ContactMetric bound_of(const Mat3& block, const Vec3& normal) {
+  const Vec3 t1 = normal.unitOrthogonal(), t2 = normal.cross(t1);
+  const Vec3 along = block * normal;
+  const double nn = normal.dot(along), nt = (along - nn * normal).norm();
+  const double a = t1.dot(block * t1), c = t2.dot(block * t2), ac = t1.dot(block * t2);
+  const double b = (a + c) / 2 + std::hypot((a - c) / 2, ac);
+  if (nn <= 0 || b <= 0) return {};  // neither body ever moves
+  const double rho = nt / std::sqrt(nn * b);
+  return {(1 + rho) * nn, (1 + rho) * b};
+}
+
+Mat3 delassus_block(const ContactProblem& problem, Index c) {
+  Mat3 block = Mat3::Zero();
+  const auto add = [&](Index b, const Vec3& arm) {
+    Mat3 cross;
+    cross << 0, -arm.z(), arm.y(), arm.z(), 0, -arm.x(), -arm.y(), arm.x(), 0;
+    block += problem.inverse_mass[b] * Mat3::Identity() - cross * problem.turning[b] * cross;
+  };
+  add(problem.i[c], problem.arm_i[c]);
+  if (problem.j[c] != ground) add(problem.j[c], problem.arm_j[c]);
+  return block;
+}
 
 ContactMetric bounding_metric(const Eigen::Matrix3d& block) {
   const double mean = (block(1, 1) + block(2, 2)) / 2;

@@ -21,6 +21,11 @@ struct ContactMetric {
 /// below B. A sphere's block is met exactly.
 ContactMetric bounding_metric(const Eigen::Matrix3d& block);
 
+/// The same in closed form, of a block D in the world's frame: S = (1 + rho) diag(D_nn, b, b) is
+/// nowhere below D with rho = |D_nt| / sqrt(D_nn b), as 2 p_n |D_nt| |p_t| <= rho (D_nn p_n^2 + b
+/// |p_t|^2). Not the smallest multiple, but at most twice it.
+ContactMetric bound_of(const Mat3& block, const Vec3& normal);
+
 /// One number of W, at its row and column of the whole matrix.
 struct MatrixEntry {
   std::int64_t row, column;

@@ -16,6 +16,14 @@ struct BlockRange {
 };
 
 template <class P>
+void cross(const P* a, const P* b, P* out) {
+  for (int d = 0; d < 3; ++d) {
+    const int e = (d + 1) % 3, f = (d + 2) % 3;
+    out[d] = a[e] * b[f] - a[f] * b[e];
+  }
+}
+
+template <class P>
 P dot(const P* a, const P* b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
@@ -58,6 +66,23 @@ template <class Real>
   for (int d = 0; d < 3; ++d) g[d] = inverse_a_t * u[d] + normal * n[d];
 }
 
+/// The same with lever arms: u = v_j - v_i + s_j x a_j - s_i x a_i.
+template <class Real>
+[[gnu::always_inline]] inline void scaled_velocity(const ContactBlock<levers, Real>& block,
+                                                   const Row<levers, Real>* velocity,
+                                                   LanesOf<Real>* g) {
+  using P = LanesOf<Real>;
+  P v[9], of_i[3], of_j[3], u[3];
+  load_both(velocity, block.i, block.j, v);
+  cross(v + 3, block.arm_i, of_i);
+  cross(v + 6, block.arm_j, of_j);
+  for (int d = 0; d < 3; ++d) u[d] = v[d] + of_j[d] - of_i[d];
+  const P* n = block.normal;
+  const P inverse_a_t = convert<Real>(block.inverse_a_t);
+  const P normal = (convert<Real>(block.inverse_a_n) - inverse_a_t) * dot(u, n);
+  for (int d = 0; d < 3; ++d) g[d] = inverse_a_t * u[d] + normal * n[d];
+}
+
 /// Adds eight contacts' impulses to their bodies' rows, in impulse form.
 template <class Real>
 [[gnu::always_inline]] inline void add_impulses(const ContactBlock<1, Real>& block,
@@ -77,6 +102,15 @@ template <class Real>
                                     block.kappa * (n[2] * p[0] - n[0] * p[2]),
                                     block.kappa * (n[0] * p[1] - n[1] * p[0])};
   add_opposite(rows, block.i, block.j, impulse);
+}
+
+template <class Real>
+[[gnu::always_inline]] inline void add_impulses(const ContactBlock<levers, Real>& block,
+                                                const LanesOf<Real>* p, Row<levers, Real>* rows) {
+  LanesOf<Real> both[9] = {p[0], p[1], p[2]};
+  cross(block.arm_i, p, both + 3);
+  cross(block.arm_j, p, both + 6);
+  add_both(rows, block.i, block.j, both);
 }
 
 /// The admissible impulse that replaces z, by the named friction model.
@@ -141,20 +175,21 @@ void step_contacts(const ContactBlocks<dimension, Real>& contacts, BlockRange ra
   Lanes length2{}, progress{};
   for (std::size_t first = range.first; first < range.last; first += batch) {
     const std::size_t last = std::min(first + batch, range.last);
-    P g[batch][dimension];
+    P g[batch][components<dimension>];
     for (std::size_t at = first; at < last; ++at)
       scaled_velocity(blocks[at], velocity, g[at - first]);
     P batch_length2{}, batch_progress{};
     for (std::size_t at = first; at < last; ++at) {
       const ContactBlock<dimension, Real>& block = blocks[at];
-      P y[dimension], z[dimension], next[dimension], from_y[dimension], from_p[dimension];
-      for (int d = 0; d < dimension; ++d) {
+      P y[components<dimension>], z[components<dimension>], next[components<dimension>],
+          from_y[components<dimension>], from_p[components<dimension>];
+      for (int d = 0; d < components<dimension>; ++d) {
         const P p = iterate[at].at[d];
         y[d] = p + with.momentum * (p - before[at].at[d]);
         z[d] = with.keep * y[d] - with.step * (g[at - first][d] + block.free_impulse[d]);
       }
       project<model>(block, z, next);
-      for (int d = 0; d < dimension; ++d) {
+      for (int d = 0; d < components<dimension>; ++d) {
         before[at].at[d] = next[d];
         from_y[d] = next[d] - y[d];
         from_p[d] = next[d] - iterate[at].at[d];
@@ -199,6 +234,20 @@ Row<dimension, Real> row_velocity(Real inverse_mass, const Row<dimension, Real>&
   return {inverse_mass * halves<dimension, Real>(-1 / sphere_inertia) * impulse.at};
 }
 
+/// M v of a symmetric matrix and what lies in the second half of a row; the first half is `low`.
+template <class Real>
+LanesOf<Real> times_second_half(const Symmetric<Real>& m, const LanesOf<Real>& row, Real low) {
+  const Real x = row[4], y = row[5], z = row[6];
+  return LanesOf<Real>{low * row[0],
+                       low * row[1],
+                       low * row[2],
+                       low * row[3],
+                       m.at[0] * x + m.at[5] * y + m.at[4] * z,
+                       m.at[5] * x + m.at[1] * y + m.at[3] * z,
+                       m.at[4] * x + m.at[3] * y + m.at[2] * z,
+                       0};
+}
+
 /// Rows of a problem with a matrix: a contact enters its own row with -p, and reads -(row). In
 /// impulse form [-p 0 | -W p 0] once the matrix was applied, in velocity form the halves exchanged.
 template <class Real>
@@ -215,7 +264,11 @@ void become_velocities(const ContactBlocks<dimension, Real>& contacts, Row<dimen
       return;
     }
   for (Index b = 0; b < contacts.owned; ++b)
-    rows[b] = row_velocity(contacts.inverse_mass[b], rows[b]);
+    if constexpr (dimension == levers)
+      rows[b] = {
+          times_second_half(contacts.turning[b].factor, rows[b].at, contacts.inverse_mass[b])};
+    else
+      rows[b] = row_velocity(contacts.inverse_mass[b], rows[b]);
 }
 
 /// The loop of `extrapolate_rows`: `of(b, row)` is a row's velocity form, `energy(b, change)` twice
@@ -257,13 +310,26 @@ double extrapolate_rows(const ContactBlocks<dimension, Real>& contacts, Real mom
             return halves<3, Real>(0) * change * exchange_halves(Row<3, Real>{change}).at;
           });
   const Real* w = contacts.inverse_mass.data();
-  return extrapolate(
-      contacts.owned, momentum, iterate, before, velocity,
-      [w](Index b, const Row<dimension, Real>& row) { return row_velocity(w[b], row); },
-      [w](Index b, const Vector& change) -> Vector {
-        const Real mass = w[b] > 0 ? 1 / w[b] : 0;
-        return mass * halves<dimension, Real>(sphere_inertia) * change * change;
-      });
+  if constexpr (dimension == levers) {
+    const Turning<Real>* turning = contacts.turning.data();
+    return extrapolate(
+        contacts.owned, momentum, iterate, before, velocity,
+        [=](Index b, const Row<levers, Real>& row) {
+          return Row<levers, Real>{times_second_half(turning[b].factor, row.at, w[b])};
+        },
+        [=](Index b, const Vector& change) -> Vector {
+          const Real mass = w[b] > 0 ? 1 / w[b] : 0;
+          return change * times_second_half(turning[b].inverse, change, mass);
+        });
+  } else {
+    return extrapolate(
+        contacts.owned, momentum, iterate, before, velocity,
+        [w](Index b, const Row<dimension, Real>& row) { return row_velocity(w[b], row); },
+        [w](Index b, const Vector& change) -> Vector {
+          const Real mass = w[b] > 0 ? 1 / w[b] : 0;
+          return mass * halves<dimension, Real>(sphere_inertia) * change * change;
+        });
+  }
 }
 
 /// What the natural map leaves, summed over counted contacts, in packed units.
@@ -322,9 +388,9 @@ ResidualSums residual_sums(const ContactBlocks<dimension, double>& contacts,
   for (std::size_t at = 0; at < iterate.size(); ++at) {
     const ContactBlock<dimension, double>& block = contacts.blocks[at];
     const Lanes* p = iterate[at].at;
-    Lanes g[dimension], g_prox[dimension], d[dimension];
+    Lanes g[components<dimension>], g_prox[components<dimension>], d[components<dimension>];
     scaled_velocity(block, velocity, g);
-    for (int k = 0; k < dimension; ++k) {
+    for (int k = 0; k < components<dimension>; ++k) {
       g[k] += block.free_impulse[k];
       g_prox[k] = g[k] + prox * p[k];
       g[k] += prox * centre[at].at[k];

@@ -20,6 +20,12 @@ namespace spall {
 ///   u = free_velocity + dv_j - dv_i - kappa (ds_i + ds_j) x n
 ///   p_n >= -cohesive_impulse, |p_t| <= mu (p_n + cohesive_impulse), and complementarity with u
 ///
+/// With lever arms a, over the radius, from both centres to one common point, and turning factors
+/// K = r^2 J^-1, bodies may have any inertia:
+///
+///   ds_j += K_j (a_j x p),  ds_i -= K_i (a_i x p)
+///   u = free_velocity + dv_j - dv_i + ds_j x a_j - ds_i x a_i
+///
 /// Rows [0, owned) of the bodies are this rank's, then ghosts as in `ghosts`; a contact's j may be
 /// `ground`. Contacts [0, boundary) have a ghost row and are evaluated on both ranks; a contact
 /// counts in sums on the rank that owns row i.
@@ -34,13 +40,21 @@ struct ContactProblem {
   std::span<const Index> i, j;
   std::span<const Vec3> normal;  ///< from i to j
   std::span<const double> kappa;
-  std::span<const Vec3> free_velocity;       ///< m/s: D^T v_free, with the bias b added along n
-  std::span<const double> friction;          ///< mu
+  std::span<const Vec3> arm_i = {};     ///< in place of kappa where arms are given; dimension 3
+  std::span<const Vec3> arm_j = {};     ///< of 0 at the ground
+  std::span<const Mat3> turning = {};   ///< 1/kg, K of owned and ghost rows, symmetric; beside arms
+  std::span<const Vec3> free_velocity;  ///< m/s: D^T v_free, with the bias b added along n
+  std::span<const double> friction;     ///< mu
   std::span<const double> cohesive_impulse;  ///< N s, >= 0
   const DelassusMatrix* matrix = nullptr;
 
+  bool has_arms() const { return !turning.empty(); }
   Index contacts() const { return static_cast<Index>(i.size()); }
 };
+
+/// 1/kg: the contact's own block D of the Delassus operator with lever arms, u = D p in the world's
+/// frame.
+Mat3 delassus_block(const ContactProblem& problem, Index c);
 
 /// apgd and barzilai_borwein minimise: convex friction only. See solver/methods.hpp.
 enum class SolverMethod { accelerated, apgd, barzilai_borwein, sor };

@@ -25,6 +25,13 @@ void check_shapes(const ContactProblem& problem, const Ghosts& ghosts,
                               problem.matrix->owned == static_cast<Index>(rows)),
           "contact problem has {} contacts and {} rows for a matrix of {} contacts", n, rows,
           problem.matrix ? problem.matrix->owned : 0);
+  require(!problem.has_arms() ||
+              (problem.dimension == 3 && !problem.matrix && problem.turning.size() == rows &&
+               problem.arm_i.size() == n && problem.arm_j.size() == n),
+          "contact problem's lever arms need dimension 3, an arm a contact and a turning factor a "
+          "body");
+  require(!problem.has_arms() || settings.method != SolverMethod::sor,
+          "solver method sor knows contacts of spheres alone: no lever arms");
   require(problem.dimension == 1 || problem.dimension == 3, "contact dimension is {}, not 1 or 3",
           problem.dimension);
   require(settings.tolerance > 0, "solver tolerance is {}, must be positive", settings.tolerance);
@@ -43,6 +50,9 @@ void check_shapes(const ContactProblem& problem, const Ghosts& ghosts,
 std::int64_t count_bad(const ContactProblem& problem, const std::vector<Vec3>& impulse) {
   std::int64_t bad = 0;
   for (double w : problem.inverse_mass) bad += !(w >= 0 && w < infinity);
+  for (const Mat3& factor : problem.turning) bad += !factor.allFinite();
+  for (const auto arms : {problem.arm_i, problem.arm_j})
+    for (const Vec3& arm : arms) bad += !arm.allFinite();
   for (Index c = 0; c < problem.contacts(); ++c) {
     const double mu = problem.friction[c], s = problem.cohesive_impulse[c];
     bad += !(problem.normal[c].allFinite() && problem.free_velocity[c].allFinite() &&
@@ -63,7 +73,8 @@ Candidate<dimension> run_method(ContactSystem<dimension>& system, const SolverSe
     case SolverMethod::barzilai_borwein:
       return spectral_gradient(system, settings, std::move(start), report);
     case SolverMethod::sor:
-      return gauss_seidel(system, settings, std::move(start), report);
+      if constexpr (dimension != levers)
+        return gauss_seidel(system, settings, std::move(start), report);
   }
   throw Error("unknown solver method");
 }
@@ -86,7 +97,7 @@ Candidate<dimension> warm_start(const ContactSystem<dimension>& system,
     const auto& block = system.contacts.blocks[at];
     const Lanes* p = warm.impulse[at].at;
     const Lanes weight = convert<double>(counted(block, system.contacts.owned));
-    Lanes change[dimension];
+    Lanes change[components<dimension>];
     scaled_velocity(block, warm.velocity.data(), change);
     curvature += weight * metric_product(block, p, change);
     slope += weight * metric_product(block, p, block.free_impulse);
@@ -178,7 +189,7 @@ SolverResult solve_packed(const ContactProblem& problem, const Ghosts& ghosts,
   for (std::size_t b = 0; b < result.change.size(); ++b)
     for (int d = 0; d < 3; ++d) {
       result.change[b].linear[d] = units.velocity * best.velocity[b].at[d];
-      if constexpr (dimension == 3)
+      if constexpr (dimension != 1)
         result.change[b].angular[d] = units.velocity * best.velocity[b].at[4 + d];
     }
   return result;
@@ -205,6 +216,7 @@ SPALL_KERNEL(SolverReport, evaluate,
              (problem, ghosts, friction, impulse)) {
   const std::int64_t count = checked_count(problem, ghosts, {.friction = friction}, impulse);
   if (count == 0) return {};
+  if (problem.has_arms()) return evaluate_packed<levers>(problem, ghosts, friction, count, impulse);
   return problem.dimension == 1 ? evaluate_packed<1>(problem, ghosts, friction, count, impulse)
                                 : evaluate_packed<3>(problem, ghosts, friction, count, impulse);
 }
@@ -219,6 +231,8 @@ SPALL_KERNEL(SolverResult, solve,
   SolverResult result;
   if (count == 0)
     result.change.resize(problem.inverse_mass.size());
+  else if (problem.has_arms())
+    result = solve_packed<levers>(problem, ghosts, settings, count, impulse);
   else if (problem.dimension == 1)
     result = solve_packed<1>(problem, ghosts, settings, count, impulse);
   else

@@ -35,9 +35,9 @@ Candidate<dimension> spectral_gradient(const ContactSystem<dimension>& system,
     Impulses<dimension, double> direction = p;
     add_scaled(direction, -step, gradient);
     for (std::size_t at = 0; at < p.size(); ++at) {
-      Lanes to[dimension];
+      Lanes to[components<dimension>];
       project<FrictionModel::convex>(system.contacts.blocks[at], direction[at].at, to);
-      for (int d = 0; d < dimension; ++d) direction[at].at[d] = to[d] - p[at].at[d];
+      for (int d = 0; d < components<dimension>; ++d) direction[at].at[d] = to[d] - p[at].at[d];
     }
     const auto change = system.gradient_change(system.product(direction));
     const double slope = system.metric_product(direction, gradient);
@@ -72,5 +72,7 @@ template Candidate<1> spectral_gradient(const ContactSystem<1>&, const SolverSet
                                         Candidate<1>, SolverReport&);
 template Candidate<3> spectral_gradient(const ContactSystem<3>&, const SolverSettings&,
                                         Candidate<3>, SolverReport&);
+template Candidate<levers> spectral_gradient(const ContactSystem<levers>&, const SolverSettings&,
+                                             Candidate<levers>, SolverReport&);
 
 }  // namespace spall
