@@ -3,6 +3,7 @@
 #include "domain/migration.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <numeric>
 #include <unordered_map>
@@ -43,9 +44,9 @@ std::unordered_map<BodyId, int> find_owners(const Comm& comm, const Bodies& bodi
   return owners;
 }
 
-/// What goes to each rank: to those of both bodies.
+/// What goes to each rank: to those of both bodies. `named`: entries tell which spheres touch.
 ByRank<double> pack_memory(const Comm& comm, const Bodies& bodies, const ContactMemory& memory,
-                           const std::vector<int>& owner) {
+                           const std::vector<int>& owner, bool named) {
   const RowsOfIds rows(bodies, static_cast<Index>(owner.size()));
   std::vector<BodyId> unknown;
   for (const auto* ids : {&memory.i, &memory.j})
@@ -69,18 +70,21 @@ ByRank<double> pack_memory(const Comm& comm, const Bodies& bodies, const Contact
       row.push_back(std::bit_cast<double>(memory.j[c]));
       for (const Vec3& v : {memory.impulse[c], memory.rolling_of(c)})
         row.insert(row.end(), v.data(), v.data() + 3);
+      if (named) row.push_back(std::bit_cast<double>(memory.spheres_of(c)));
       if (second == first) break;
     }
   }
   return outgoing;
 }
 
-ContactMemory unpack_memory(const ByRank<double>& incoming) {
+ContactMemory unpack_memory(const ByRank<double>& incoming, bool named) {
   ContactMemory memory;
   for (const auto& [rank, row] : incoming)
-    for (std::size_t k = 0; k < row.size(); k += 8)
+    for (std::size_t k = 0; k < row.size(); k += named ? 9 : 8) {
       memory.add(std::bit_cast<BodyId>(row[k]), std::bit_cast<BodyId>(row[k + 1]),
                  {row[k + 2], row[k + 3], row[k + 4]}, {row[k + 5], row[k + 6], row[k + 7]});
+      if (named) memory.name_spheres(std::bit_cast<std::array<std::int32_t, 2>>(row[k + 8]));
+    }
   return memory;
 }
 
@@ -108,9 +112,10 @@ void sort_bodies(const Comm& comm, Bodies& bodies) {
 
 void migrate(const Comm& comm, Bodies& bodies, ContactMemory& memory,
              const std::vector<int>& owner) {
-  ByRank<double> remembered = pack_memory(comm, bodies, memory, owner);
+  const bool named = bodies.has(Field::shape) && comm.any(!memory.spheres.empty());
+  ByRank<double> remembered = pack_memory(comm, bodies, memory, owner, named);
   memory = {};
-  memory = unpack_memory(comm.exchange(std::move(remembered)));
+  memory = unpack_memory(comm.exchange(std::move(remembered)), named);
   // Most bodies stay: only those that leave are packed. They may be half of all: nothing here grows
   // by more than it needs.
   const std::size_t width = packed_row_width(bodies, trait::migrated);

@@ -134,6 +134,8 @@ RestartState read_state(const Comm& comm, const std::string& path) {
   for_each_contact_field(state.contacts, [&]<class T>(const char* name, std::vector<T>& field) {
     field = file.read<T>(place_of_contacts(name), rows);
   });
+  if (const std::string spheres = place_of_contacts("spheres"); file.exists(spheres))
+    state.contacts.spheres = file.read<std::array<std::int32_t, 2>>(spheres, rows);
   state.bonds = read_bonds(file, comm, state.bodies.owned);
   return state;
 }
@@ -184,6 +186,10 @@ void write_restart(const Comm& comm, const std::string& path, const RestartState
   for_each_contact_field(contacts, [&]<class T>(const char* name, const std::vector<T>& field) {
     file.write<T>(place_of_contacts(name), field, rows);
   });
+  if (comm.any(!contacts.spheres.empty())) {
+    contacts.spheres.resize(contacts.size());
+    file.write<std::array<std::int32_t, 2>>(place_of_contacts("spheres"), contacts.spheres, rows);
+  }
   if (state.bonds) write_bonds(file, comm, *state.bonds, state.bodies.owned);
   file.close();
   check_mpi(MPI_Barrier(comm.raw), "MPI_Barrier");  // every rank has closed the file

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pairs/broad_phase.hpp"
 
+#include <algorithm>
 #include <array>
 
 #include "pairs/grid.hpp"
@@ -48,24 +49,44 @@ ContactMemory remember(const Bodies& bodies, const Pairs& pairs, bool once) {
   const auto is_kept = [&](Index p) {
     return !pairs.impulse[p].isZero(0) && !(once && pairs.i[p] >= bodies.owned);
   };
+  const auto other = [&](Index p) {
+    return pairs.j[p] == ground ? -1 - pairs.plane[p] : bodies.id[pairs.j[p]];
+  };
   std::size_t count = 0;
   for (Index p = 0; p < pairs.size(); ++p) count += is_kept(p);
   ContactMemory memory;
   memory.reserve(count);
   for (Index p = 0; p < pairs.size(); ++p)
-    if (is_kept(p))
-      memory.add(bodies.id[pairs.i[p]],
-                 pairs.j[p] == ground ? -1 - pairs.plane[p] : bodies.id[pairs.j[p]],
-                 pairs.impulse[p]);
+    if (is_kept(p)) memory.add(bodies.id[pairs.i[p]], other(p), pairs.impulse[p]);
+  for (const SphereImpulse& s : pairs.of_spheres) {
+    if (s.impulse.isZero(0) || (once && pairs.i[s.pair] >= bodies.owned)) continue;
+    memory.add(bodies.id[pairs.i[s.pair]], other(s.pair), s.impulse);
+    memory.name_spheres({s.of_i, s.of_j});
+  }
   return memory;
 }
 
 void recall(const Bodies& bodies, const ContactMemory& memory, Pairs& pairs) {
   const Recall kept(bodies, memory);
   for (Index p = 0; p < pairs.size(); ++p) {
-    const Index m = pairs.j[p] == ground ? kept.of_wall(pairs.i[p], pairs.plane[p])
-                                         : kept.of_pair(pairs.i[p], pairs.j[p]);
-    if (m >= 0) pairs.impulse[p] = memory.impulse[m];
+    const bool wall = pairs.j[p] == ground;
+    if (memory.spheres.empty()) {
+      const Index m =
+          wall ? kept.of_wall(pairs.i[p], pairs.plane[p]) : kept.of_pair(pairs.i[p], pairs.j[p]);
+      if (m >= 0) pairs.impulse[p] = memory.impulse[m];
+      continue;
+    }
+    const auto found = wall ? kept.all_of_wall(pairs.i[p], pairs.plane[p])
+                            : kept.all_of_pair(pairs.i[p], pairs.j[p]);
+    const auto first = static_cast<std::ptrdiff_t>(pairs.of_spheres.size());
+    for (const Recall::Entry& entry : found) {
+      const auto [of_i, of_j] = memory.spheres[entry.at];
+      // A restart may tell of a contact on both of its ranks.
+      const bool known =
+          std::any_of(pairs.of_spheres.begin() + first, pairs.of_spheres.end(),
+                      [&](const SphereImpulse& s) { return s.of_i == of_i && s.of_j == of_j; });
+      if (!known) pairs.of_spheres.push_back({p, of_i, of_j, memory.impulse[entry.at]});
+    }
   }
 }
 

@@ -11,6 +11,13 @@
 
 namespace spall {
 
+/// What a contact of two bodies with shapes carried.
+struct SphereImpulse {
+  Index pair;
+  std::int32_t of_i, of_j;  ///< its spheres, places in the shapes' lists
+  Vec3 impulse;             ///< N s
+};
+
 /// Pairs of rows (or a row and a plane) with at least one owned body, each once: first the
 /// `boundary` pairs with a ghost, then the interior ones, each part in the order of the rows.
 struct Pairs {
@@ -18,6 +25,8 @@ struct Pairs {
   std::vector<Index> i, j;          ///< id(i) < id(j); j is `ground` at a plane
   std::vector<std::int32_t> plane;  ///< -1 between spheres
   std::vector<Vec3> impulse;        ///< N s: what the pair's last contact carried; 0 without one
+  /// In place of `impulse` where bodies have shapes, in the order of the pairs.
+  std::vector<SphereImpulse> of_spheres;
 
   Index size() const { return static_cast<Index>(i.size()); }
 };

@@ -28,11 +28,11 @@ Recall::Recall(const Bodies& bodies, const ContactMemory& memory)
               });
 }
 
-Index Recall::find(Index row, BodyId other) const {
-  const auto end = entries_.begin() + start_[row + 1];
-  const auto at = std::lower_bound(entries_.begin() + start_[row], end, other,
-                                   [](const Entry& e, BodyId id) { return e.other < id; });
-  return at != end && at->other == other ? at->at : -1;
+std::span<const Recall::Entry> Recall::find(Index row, BodyId other) const {
+  const std::span<const Entry> all(entries_.data() + start_[row],
+                                   static_cast<std::size_t>(start_[row + 1] - start_[row]));
+  const auto found = std::ranges::equal_range(all, other, {}, &Entry::other);
+  return {found.begin(), found.end()};
 }
 
 }  // namespace spall

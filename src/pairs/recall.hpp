@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "spall/bodies.hpp"
@@ -17,24 +18,29 @@ class Recall {
 
   /// Of a pair of rows, at least one of them owned; -1: there is none. Where there are several it
   /// is the first.
-  Index of_pair(Index i, Index j) const {
+  Index of_pair(Index i, Index j) const { return first(all_of_pair(i, j)); }
+  /// Of an owned row and a wall or plane.
+  Index of_wall(Index row, Index wall) const { return first(all_of_wall(row, wall)); }
+
+  struct Entry {
+    BodyId other;
+    Index at;  ///< in the memory
+  };
+  /// The same, all of them, in the order of the memory.
+  std::span<const Entry> all_of_pair(Index i, Index j) const {
     if (bodies_.id[i] > bodies_.id[j]) std::swap(i, j);
     // A ghost may be the image of a body that this rank owns.
     const Index lower = i < bodies_.owned ? i : rows_.find(bodies_.id[i]);
     return lower >= 0 ? find(lower, bodies_.id[j]) : find(j, bodies_.id[i]);
   }
-  /// Of an owned row and a wall or plane.
-  Index of_wall(Index row, Index wall) const { return find(row, -1 - wall); }
+  std::span<const Entry> all_of_wall(Index row, Index wall) const { return find(row, -1 - wall); }
 
  private:
-  Index find(Index row, BodyId other) const;
+  std::span<const Entry> find(Index row, BodyId other) const;
+  static Index first(std::span<const Entry> found) { return found.empty() ? -1 : found[0].at; }
 
   const Bodies& bodies_;
   RowsOfIds rows_;
-  struct Entry {
-    BodyId other;
-    Index at;  // in the memory
-  };
   // Row b's lie at [start[b], start[b + 1]): of the lower id, or of the other where that is owned
   // by another rank.
   std::vector<Index> start_;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "spall/types.hpp"
@@ -15,8 +16,14 @@ struct ContactMemory {
   std::vector<BodyId> j;      ///< the other id, or -1 - plane
   std::vector<Vec3> impulse;  ///< N s, acts on j; penalty contact: m, sliding of j against i
   std::vector<Vec3> rolling;  ///< m, the same from either side; empty where nothing resists rolling
+  /// Of bodies with shapes: which of their spheres touch, of i and of j. Empty where all are
+  /// spheres.
+  std::vector<std::array<std::int32_t, 2>> spheres;
 
   std::size_t size() const { return i.size(); }
+  std::array<std::int32_t, 2> spheres_of(std::size_t m) const {
+    return spheres.empty() ? std::array<std::int32_t, 2>{} : spheres[m];
+  }
   Vec3 rolling_of(std::size_t m) const { return rolling.empty() ? Vec3(Vec3::Zero()) : rolling[m]; }
 
   void reserve(std::size_t count) {
@@ -30,10 +37,18 @@ struct ContactMemory {
     j.push_back(other);
     impulse.push_back(first);
     if (!rolling.empty() || !second.isZero(0)) rolling.push_back(second);
+    if (!spheres.empty()) spheres.push_back({});
+  }
+  /// Of the entry that was added last.
+  void name_spheres(const std::array<std::int32_t, 2>& touching) {
+    spheres.resize(size());
+    spheres.back() = touching;
   }
   void add(const ContactMemory& more) {
-    for (std::size_t m = 0; m < more.size(); ++m)
+    for (std::size_t m = 0; m < more.size(); ++m) {
       add(more.i[m], more.j[m], more.impulse[m], more.rolling_of(m));
+      if (!more.spheres.empty()) name_spheres(more.spheres[m]);
+    }
   }
 };
 
