@@ -403,7 +403,7 @@ int fly(const Vec3& faster) {
   for (int step = 0; step < 60; ++step) {
     update_neighbours(comm, mine, {}, h, 0.0, neighbours);
     searches += neighbours.drifted == h * neighbours.drift;
-    const Contacts contacts = find_contacts(mine, {}, neighbours.pairs, h, ContactLaw{});
+    const Contacts contacts = find_contacts(mine, {}, {}, neighbours.pairs, h, ContactLaw{});
     // All bodies, in the order of ids, on every rank.
     std::vector<double> row;
     for (Index b = 0; b < mine.owned; ++b)

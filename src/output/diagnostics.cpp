@@ -26,6 +26,12 @@ Diagnostics diagnose(const World& world) {
     d.angular_momentum_scale += m * x.norm() * v.norm();
     translation += m * v.squaredNorm() / 2;
     if (!bodies.has(Field::angular_velocity)) continue;
+    if (!world.shapes.empty()) {
+      const Vec3 spin = spin_momentum(world.shapes, bodies, b);
+      d.angular_momentum += spin;
+      rotation += spin.dot(bodies.angular_velocity[b]) / 2;
+      continue;
+    }
     const double inertia = moment_of_inertia(m, bodies.radius[b]);
     d.angular_momentum += inertia * bodies.angular_velocity[b];
     rotation += inertia * bodies.angular_velocity[b].squaredNorm() / 2;

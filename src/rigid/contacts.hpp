@@ -8,6 +8,13 @@
 
 namespace spall {
 
+/// Where two spheres of bodies with shapes touch.
+struct SphereContact {
+  Vec3 arm_i, arm_j;            ///< m, from the centres of both bodies to one common point
+  double radius;                ///< m, of the smaller sphere
+  std::int32_t of_i, of_j = 0;  ///< places in the lists of spheres of the shapes; at a plane 0
+};
+
 /// Every pair with at least one owned body, each once on this rank; a pair with one ghost is on
 /// both ranks, evaluated by both from the same bits. First the `boundary` contacts that have a
 /// ghost, then the interior ones; inside each part along a space-filling curve. `id(i) < id(j)`.
@@ -22,6 +29,9 @@ struct Contacts {
   std::vector<double> kappa;        ///< distance of the centres over the sum of radii; 1 at a plane
   std::vector<Vec3> impulse;        ///< N s, world frame, acts on j (and with opposite sign on i)
   std::vector<Index> pair;          ///< the pair that this contact came from
+
+  /// Where bodies have shapes, else empty. Spheres of the two shapes touch, several of them a pair.
+  std::vector<SphereContact> spheres;
 
   Index size() const { return static_cast<Index>(i.size()); }
 };

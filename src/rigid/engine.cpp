@@ -40,8 +40,8 @@ struct Found {
     for (Index b = 0; b < bodies.owned; ++b)
       reach[b] = std::max(near_contact * bodies.radius[b], longest_range(world.contact) / 2);
     ghosts = make_halo(world.comm, bodies, reach);
-    contacts = find_contacts(bodies, world.planes, find_pairs(bodies, reach, world.planes), 0,
-                             world.contact);
+    contacts = find_contacts(bodies, world.shapes, world.planes,
+                             find_pairs(bodies, reach, world.planes), 0, world.contact);
   }
 };
 
@@ -88,6 +88,8 @@ LinkedBodies Rigid::links(const World& world) const {
   const Contacts& contacts = found.contacts;
   for (Index c = 0; c < contacts.size(); ++c) {
     if (contacts.j[c] == ground) continue;
+    // Several spheres of a pair may touch: their contacts follow each other.
+    if (c > 0 && contacts.pair[c] == contacts.pair[c - 1]) continue;
     linked.links.i.push_back(contacts.i[c]);
     linked.links.j.push_back(contacts.j[c]);
   }

@@ -58,10 +58,14 @@ void check(const Surroundings& around, std::span<const MaterialUse>, const Engin
       "{}: solver.method = \"apgd\" and \"bb\" minimise: with friction between bodies they need "
       "solver.friction = \"convex\"",
       phase.place);
+  require(around.shapes.empty() || solver.method != SolverMethod::sor,
+          "{}: solver.method = \"sor\" knows contacts of spheres alone, no [shapes]", phase.place);
 }
 
-FieldSet fields(const Surroundings&, const EngineSettings&) {
-  return {Field::angular_velocity, Field::acceleration};
+FieldSet fields(const Surroundings& around, const EngineSettings&) {
+  FieldSet fields{Field::angular_velocity, Field::acceleration};
+  if (!around.shapes.empty()) fields |= {Field::shape, Field::orientation};
+  return fields;
 }
 
 std::string describe(const Surroundings& around, std::span<const MaterialUse>,
@@ -80,6 +84,7 @@ const EngineType rigid_engine{
     .help = "rigid bodies with impacts, Coulomb friction and cohesion; impulses solved for",
     .deflects = true,
     .solves = true,
+    .has_shapes = true,
     .moves_groups = true,
     .tables = {"contact", "solver"},
     .read = read,

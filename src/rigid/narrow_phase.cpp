@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rigid/narrow_phase.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "engine/prescribed.hpp"
 
@@ -21,7 +23,16 @@ Separation separation(const Bodies& bodies, const std::vector<Plane>& planes, In
   return {apart / distance, distance - radii, distance / radii};
 }
 
-Vec3 contact_velocity(const Bodies& bodies, Index i, Index j, double kappa, const Vec3& normal) {
+Vec3 contact_velocity(const Bodies& bodies, const Contacts& contacts, Index c) {
+  const Index i = contacts.i[c], j = contacts.j[c];
+  if (!contacts.spheres.empty()) {
+    const SphereContact& at = contacts.spheres[c];
+    Vec3 between = -bodies.velocity[i] - bodies.angular_velocity[i].cross(at.arm_i);
+    if (j != ground) between += bodies.velocity[j] + bodies.angular_velocity[j].cross(at.arm_j);
+    return between;
+  }
+  const double kappa = contacts.kappa[c];
+  const Vec3& normal = contacts.normal[c];
   Vec3 u = -bodies.velocity[i];
   Vec3 surface = bodies.radius[i] * bodies.angular_velocity[i];
   if (j != ground) {
@@ -45,10 +56,115 @@ double narrowest_gap(const Bodies& bodies, Index i, Index j, const Separation& s
   return (apart + nearest * u).norm() - bodies.radius[i] - bodies.radius[j];
 }
 
+/// The spheres of all rows as bodies lie now, row after row.
+struct PlacedSpheres {
+  struct Sphere {
+    Vec3 offset;    ///< m, from the body's centre
+    Vec3 velocity;  ///< m/s
+    double radius;  ///< m
+  };
+  std::vector<std::size_t> start = {0};  ///< row b's are [start[b], start[b + 1])
+  std::vector<Sphere> spheres;
+
+  PlacedSpheres(const Bodies& bodies, const BodyShapes& shapes) {
+    for (Index b = 0; b < bodies.size(); ++b) {
+      const double r = bodies.radius[b];
+      const Mat3 turn = bodies.orientation[b].toRotationMatrix();
+      for (const ShapeSphere& sphere : shape_of(shapes, bodies, b).spheres) {
+        const Vec3 offset = r * (turn * sphere.at);
+        spheres.push_back({offset, bodies.velocity[b] + bodies.angular_velocity[b].cross(offset),
+                           r * sphere.radius});
+      }
+      start.push_back(spheres.size());
+    }
+  }
+  std::span<const Sphere> of(Index b) const {
+    return {spheres.data() + start[b], start[b + 1] - start[b]};
+  }
+};
+
+/// The narrowest gap of two spheres `apart` (m, between their centres) that move on at `u` (m/s).
+double narrowest_gap(const Vec3& apart, const Vec3& u, double radii, double h) {
+  const double approach = -apart.dot(u);
+  if (approach <= 0) return apart.norm() - radii;
+  return (apart + std::min(h, approach / u.squaredNorm()) * u).norm() - radii;
+}
+
+/// A pair is the pairs of its spheres. That a sphere goes in a circle, not straight on, brings two
+/// of them nearer by omega^2 |offset| h^2 / 2 each.
+Contacts find_shape_contacts(const Bodies& bodies, const BodyShapes& shapes,
+                             const std::vector<Plane>& planes, const Pairs& pairs, double h,
+                             const ByPair<ContactLaw>& laws) {
+  const PlacedSpheres placed(bodies, shapes);
+  Contacts contacts;
+  auto remembered = pairs.of_spheres.begin();
+  const auto bend = [&](Index b) {
+    return h * h / 2 * bodies.angular_velocity[b].squaredNorm() * bodies.radius[b];
+  };
+  for (Index p = 0; p < pairs.size(); ++p) {
+    const Index i = pairs.i[p], j = pairs.j[p];
+    const auto first = remembered;
+    while (remembered != pairs.of_spheres.end() && remembered->pair == p) ++remembered;
+    if (is_held(bodies, i) && (j == ground || is_held(bodies, j))) continue;
+    const double range = law_of(laws, bodies, planes, i, j, pairs.plane[p]).cohesion_range;
+    const double bent = bend(i) + (j == ground ? 0 : bend(j));
+    const auto add = [&](std::size_t a, std::size_t b, const Vec3& normal, double gap, double kappa,
+                         double small, const Vec3& arm_i, const Vec3& arm_j) {
+      contacts.i.push_back(i);
+      contacts.j.push_back(j);
+      contacts.plane.push_back(pairs.plane[p]);
+      contacts.normal.push_back(normal);
+      contacts.gap.push_back(gap);
+      contacts.kappa.push_back(kappa);
+      contacts.pair.push_back(p);
+      contacts.spheres.push_back(
+          {arm_i, arm_j, small, static_cast<std::int32_t>(a), static_cast<std::int32_t>(b)});
+      const auto& last = contacts.spheres.back();
+      const auto known = std::find_if(first, remembered, [&](const SphereImpulse& s) {
+        return s.of_i == last.of_i && s.of_j == last.of_j;
+      });
+      contacts.impulse.push_back(known == remembered ? Vec3(Vec3::Zero()) : known->impulse);
+      if (p < pairs.boundary) ++contacts.boundary;
+    };
+    const auto of_i = placed.of(i);
+    if (j == ground) {
+      const Plane& wall = planes[pairs.plane[p]];
+      for (std::size_t a = 0; a < of_i.size(); ++a) {
+        const auto& [offset, velocity, radius] = of_i[a];
+        const double gap = wall.normal.dot(bodies.position[i] + offset - wall.point) - radius;
+        const double nearest = gap + h * std::min(0.0, wall.normal.dot(velocity)) - bent;
+        if (nearest > std::max(near_contact * radius, range)) continue;
+        add(a, 0, -wall.normal, gap, 1, radius, offset - radius * wall.normal, Vec3::Zero());
+      }
+      continue;
+    }
+    const auto of_j = placed.of(j);
+    const Vec3 centres = bodies.position[j] - bodies.position[i];
+    for (std::size_t a = 0; a < of_i.size(); ++a)
+      for (std::size_t b = 0; b < of_j.size(); ++b) {
+        const auto &one = of_i[a], &other = of_j[b];
+        const double radii = one.radius + other.radius;
+        const double small = std::min(one.radius, other.radius);
+        const Vec3 apart = centres + other.offset - one.offset;
+        const Vec3 u = other.velocity - one.velocity;
+        if (narrowest_gap(apart, u, radii, h) - bent > std::max(near_contact * small, range))
+          continue;
+        const double distance = apart.norm();
+        const Vec3 normal = distance > 0 ? Vec3(apart / distance) : Vec3(Vec3::UnitX());
+        const double kappa = distance / radii;
+        add(a, b, normal, distance - radii, kappa, small, one.offset + kappa * one.radius * normal,
+            other.offset - kappa * other.radius * normal);
+      }
+  }
+  return contacts;
+}
+
 }  // namespace
 
-Contacts find_contacts(const Bodies& bodies, const std::vector<Plane>& planes, const Pairs& pairs,
-                       double h, const ByPair<ContactLaw>& laws) {
+Contacts find_contacts(const Bodies& bodies, const BodyShapes& shapes,
+                       const std::vector<Plane>& planes, const Pairs& pairs, double h,
+                       const ByPair<ContactLaw>& laws) {
+  if (!shapes.empty()) return find_shape_contacts(bodies, shapes, planes, pairs, h, laws);
   const auto separation_of = [&](Index p) {
     return separation(bodies, planes, pairs.i[p], pairs.j[p], pairs.plane[p]);
   };
@@ -83,6 +199,22 @@ Contacts find_contacts(const Bodies& bodies, const std::vector<Plane>& planes, c
     contacts.impulse.push_back(pairs.impulse[p]);
   }
   return contacts;
+}
+
+LeverArms lever_arms(const World& world, const Contacts& contacts) {
+  LeverArms levers;
+  if (world.shapes.empty()) return levers;
+  const Bodies& bodies = world.bodies;
+  for (Index b = 0; b < bodies.size(); ++b)
+    levers.turning.push_back(inverse_mass(bodies, b) *
+                             inverse_inertia_factor(world.shapes, bodies, b));
+  for (Index c = 0; c < contacts.size(); ++c) {
+    const Index i = contacts.i[c], j = contacts.j[c];
+    levers.arm_i.push_back(contacts.spheres[c].arm_i / bodies.radius[i]);
+    levers.arm_j.push_back(j == ground ? Vec3(Vec3::Zero())
+                                       : Vec3(contacts.spheres[c].arm_j / bodies.radius[j]));
+  }
+  return levers;
 }
 
 double longest_range(const ByPair<ContactLaw>& laws) {

@@ -32,15 +32,30 @@ inline double smaller_radius(const Bodies& bodies, Index i, Index j) {
   return j == ground ? bodies.radius[i] : std::min(bodies.radius[i], bodies.radius[j]);
 }
 
-/// Relative velocity of j against i at the contact, u = v_j - v_i - kappa (r_i omega_i + r_j
-/// omega_j) x n, m/s.
-Vec3 contact_velocity(const Bodies& bodies, Index i, Index j, double kappa, const Vec3& normal);
+/// Relative velocity of j against i at the contact, m/s: u = v_j - v_i - kappa (r_i omega_i + r_j
+/// omega_j) x n between spheres, with lever arms u = v_j + omega_j x a_j - v_i - omega_i x a_i.
+Vec3 contact_velocity(const Bodies& bodies, const Contacts& contacts, Index c);
+
+/// m: of the smaller one of the two spheres that touch; a plane has none.
+inline double smaller_radius(const Bodies& bodies, const Contacts& contacts, Index c) {
+  return contacts.spheres.empty() ? smaller_radius(bodies, contacts.i[c], contacts.j[c])
+                                  : contacts.spheres[c].radius;
+}
+
+/// What a contact problem has in place of kappa where bodies have shapes; else empty.
+struct LeverArms {
+  std::vector<Vec3> arm_i, arm_j;  ///< over the radius
+  std::vector<Mat3> turning;       ///< 1/kg, r^2 J^-1 of all rows; 0: never turns
+};
+LeverArms lever_arms(const World& world, const Contacts& contacts);
 
 /// All pairs whose gap becomes, within a step `h` (s) of flight at their present velocities, no
 /// wider than the range of cohesion or than `near_contact`. Impulses are the pairs'. What is held
-/// does nothing to what is held.
-Contacts find_contacts(const Bodies& bodies, const std::vector<Plane>& planes, const Pairs& pairs,
-                       double h, const ByPair<ContactLaw>& laws);
+/// does nothing to what is held. Bodies with shapes touch by their spheres, each pair in the order
+/// of their lists.
+Contacts find_contacts(const Bodies& bodies, const BodyShapes& shapes,
+                       const std::vector<Plane>& planes, const Pairs& pairs, double h,
+                       const ByPair<ContactLaw>& laws);
 
 /// The law of a pair of bodies, or of a body and a plane, which may be of the body's own material.
 inline const ContactLaw& law_of(const ByPair<ContactLaw>& laws, const Bodies& bodies,

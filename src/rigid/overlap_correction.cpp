@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 #include <utility>
 
 #include "engine/prescribed.hpp"
+#include "rigid/free_turn.hpp"
 #include "rigid/narrow_phase.hpp"
 #include "solver/problem.hpp"
 
@@ -22,24 +24,48 @@ constexpr double most_correction = 0.1;  // of the smaller radius, in a step
 // the distance, and what it closes is the next step's to open.
 constexpr int rings = 6;
 
+/// How all rows turn by their own angular momentum alone until the end of a step `h`; those of held
+/// bodies turn as they do. Empty where all bodies are spheres.
+std::vector<Turn> turns_at_end(const World& world, double h) {
+  const Bodies& bodies = world.bodies;
+  std::vector<Turn> turns;
+  if (world.shapes.empty()) return turns;
+  for (Index b = 0; b < bodies.size(); ++b) {
+    const Turn now{bodies.orientation[b], bodies.angular_velocity[b]};
+    if (bodies.shape[b] == 0 || is_held(bodies, b))
+      turns.push_back({turned_by(h * now.angular_velocity, now.orientation), now.angular_velocity});
+    else
+      turns.push_back(turn_freely(shape_of(world.shapes, bodies, b).inertia, now, h));
+  }
+  return turns;
+}
+
 /// Per contact: how far (m) the bodies may come nearer until the overlap at the end of a step `h`
 /// is the tolerated one.
-std::vector<double> slack_at_end(const World& world, const Contacts& contacts, double h,
-                                 DriftReport& report) {
+std::vector<double> slack_at_end(const World& world, const Contacts& contacts,
+                                 std::span<const Turn> turns, double h, DriftReport& report) {
   const Bodies& bodies = world.bodies;
+  // m: where a body's sphere is at the end, and its radius.
+  const auto sphere_at_end = [&](Index b, std::int32_t of) -> std::pair<Vec3, double> {
+    const Vec3 end = bodies.position[b] + h * bodies.velocity[b];
+    if (turns.empty()) return {end, bodies.radius[b]};
+    const ShapeSphere& sphere = shape_of(world.shapes, bodies, b).spheres[of];
+    return {end + bodies.radius[b] * (turns[b].orientation * sphere.at),
+            bodies.radius[b] * sphere.radius};
+  };
   std::vector<double> slack(contacts.size());
   for (Index c = 0; c < contacts.size(); ++c) {
     const Index i = contacts.i[c], j = contacts.j[c];
-    const Vec3 end_i = bodies.position[i] + h * bodies.velocity[i];
+    const auto [end_i, radius_i] = sphere_at_end(i, turns.empty() ? 0 : contacts.spheres[c].of_i);
     double gap;
     if (j == ground) {
       const Plane& plane = world.planes[contacts.plane[c]];
-      gap = plane.normal.dot(end_i - plane.point) - bodies.radius[i];
+      gap = plane.normal.dot(end_i - plane.point) - radius_i;
     } else {
-      gap = (bodies.position[j] + h * bodies.velocity[j] - end_i).norm() - bodies.radius[i] -
-            bodies.radius[j];
+      const auto [end_j, radius_j] = sphere_at_end(j, turns.empty() ? 0 : contacts.spheres[c].of_j);
+      gap = (end_j - end_i).norm() - radius_i - radius_j;
     }
-    const double small = smaller_radius(bodies, i, j);
+    const double small = smaller_radius(bodies, contacts, c);
     report.overlap = std::max(report.overlap, -gap / small);
     slack[c] = std::max(gap + tolerated_overlap * small, -most_correction * small);
   }
@@ -76,9 +102,9 @@ struct Correction {
 };
 
 Correction correct_overlaps(const World& world, const Ghosts& all, const Contacts& contacts,
-                            double h, DriftReport& report) {
+                            std::span<const Turn> turns, double h, DriftReport& report) {
   Correction correction;
-  const std::vector<double> slack = slack_at_end(world, contacts, h, report);
+  const std::vector<double> slack = slack_at_end(world, contacts, turns, h, report);
   if (!world.comm.any(report.overlap > 2 * tolerated_overlap)) return correction;
 
   // Rows near overlaps, numbered anew here and, for ghosts, where they are owned.
@@ -107,6 +133,8 @@ Correction correct_overlaps(const World& world, const Ghosts& all, const Contact
   Index boundary = 0;
   std::vector<Index> i, j;
   std::vector<Vec3> normal, free_velocity;
+  const LeverArms all_levers = lever_arms(world, contacts);
+  LeverArms levers;
   for (Index c = 0; c < contacts.size(); ++c) {
     const Index a = number[contacts.i[c]];
     const Index b = contacts.j[c] == ground ? ground : number[contacts.j[c]];
@@ -116,26 +144,39 @@ Correction correct_overlaps(const World& world, const Ghosts& all, const Contact
     j.push_back(b);
     normal.push_back(contacts.normal[c]);
     free_velocity.push_back(slack[c] / h * contacts.normal[c]);
+    if (!turns.empty()) {
+      levers.arm_i.push_back(all_levers.arm_i[c]);
+      levers.arm_j.push_back(all_levers.arm_j[c]);
+    }
     if (c < contacts.boundary) boundary = static_cast<Index>(i.size());
   }
   std::vector<double> inverse_masses;
-  for (Index b : correction.row) inverse_masses.push_back(inverse_mass(bodies, b));
+  for (Index b : correction.row) {
+    inverse_masses.push_back(inverse_mass(bodies, b));
+    if (!turns.empty()) levers.turning.push_back(all_levers.turning[b]);
+  }
   const std::vector<double> none(i.size(), 0), touching(i.size(), 1);
   correction.impulse.assign(i.size(), Vec3::Zero());
-  auto result =
-      solve({.dimension = 1,
-             .boundary = boundary,
-             .inverse_mass = inverse_masses,
-             .i = i,
-             .j = j,
-             .normal = normal,
-             .kappa = touching,
-             .free_velocity = free_velocity,
-             .friction = none,
-             .cohesive_impulse = none},
-            ghosts,
-            {.friction = FrictionModel::convex, .tolerance = 0.1, .max_iterations = 50, .prox = 0},
-            correction.impulse);
+  const bool spheres = world.shapes.empty();  // as on ranks without bodies, too
+  auto result = solve({.dimension = spheres ? 1 : 3,
+                       .boundary = boundary,
+                       .inverse_mass = inverse_masses,
+                       .i = i,
+                       .j = j,
+                       .normal = normal,
+                       .kappa = touching,
+                       .arm_i = levers.arm_i,
+                       .arm_j = levers.arm_j,
+                       .turning = levers.turning,
+                       .free_velocity = free_velocity,
+                       .friction = none,
+                       .cohesive_impulse = none},
+                      ghosts,
+                      {.friction = spheres ? FrictionModel::convex : FrictionModel::coulomb,
+                       .tolerance = 0.1,
+                       .max_iterations = 50,
+                       .prox = 0},
+                      correction.impulse);
   report.products = result.report.products;
   correction.change = std::move(result.change);
   return correction;
@@ -164,8 +205,15 @@ void keep_angular_momentum(World& world, const Contacts& contacts, const Correct
     const Vec3 u = bodies.velocity[j] - bodies.velocity[i];
     const Vec3 torque = -h * correction.impulse[k].cross(u);
     const Vec3 apart = bodies.position[j] - bodies.position[i];
-    const Vec3 q = torque.cross(apart) / apart.squaredNorm();
-    const Vec3 rest = apart.dot(torque) / apart.squaredNorm() * apart;
+    Vec3 q = torque.cross(apart) / apart.squaredNorm();
+    Vec3 rest = apart.dot(torque) / apart.squaredNorm() * apart;
+    // Clumps may embrace each other: then there is no arm for a pair of impulses.
+    constexpr double shortest_arm = 1e-3;
+    if (!world.shapes.empty() &&
+        apart.norm() < shortest_arm * (bodies.radius[i] + bodies.radius[j])) {
+      q.setZero();
+      rest = torque;
+    }
     for (const auto& [b, sign] : {std::pair(i, -1.0), std::pair(j, 1.0)}) {
       if (moves(b)) {
         impulse[b] += sign * q;
@@ -180,7 +228,10 @@ void keep_angular_momentum(World& world, const Contacts& contacts, const Correct
   for (Index b = 0; b < bodies.owned; ++b) {
     if (!moves(b)) continue;
     const Vec3 dv = impulse[b] / bodies.mass[b];
-    const Vec3 dw = turn[b] / moment_of_inertia(bodies.mass[b], bodies.radius[b]);
+    const double r = bodies.radius[b];
+    const Vec3 dw = world.shapes.empty() ? Vec3(turn[b] / moment_of_inertia(bodies.mass[b], r))
+                                         : Vec3(inverse_inertia_factor(world.shapes, bodies, b) *
+                                                turn[b] / (bodies.mass[b] * r * r));
     gained += impulse[b].dot(bodies.velocity[b] + dv / 2) +
               turn[b].dot(bodies.angular_velocity[b] + dw / 2);
     bodies.velocity[b] += dv;
@@ -189,15 +240,42 @@ void keep_angular_momentum(World& world, const Contacts& contacts, const Correct
   world.ledger.corrections += gained;
 }
 
+/// A body that is turned out of the others keeps its angular momentum; with its axes it has another
+/// energy then, which is booked.
+void turn_apart(World& world, const Correction& correction, double h) {
+  Bodies& bodies = world.bodies;
+  for (std::size_t k = 0; k < correction.row.size(); ++k) {
+    const Index b = correction.row[k];
+    const Vec3 turn = h * Eigen::Map<const Vec3>(correction.change[k].angular) / bodies.radius[b];
+    if (turn.isZero(0)) continue;
+    const bool round = bodies.shape[b] == 0;
+    const Vec3 momentum = spin_momentum(world.shapes, bodies, b);
+    bodies.orientation[b] = turned_by(turn, bodies.orientation[b]);
+    if (round) continue;
+    const double r = bodies.radius[b];
+    const Vec3 omega =
+        inverse_inertia_factor(world.shapes, bodies, b) * momentum / (bodies.mass[b] * r * r);
+    if (b < bodies.owned)
+      world.ledger.corrections += momentum.dot(omega - bodies.angular_velocity[b]) / 2;
+    bodies.angular_velocity[b] = omega;
+  }
+}
+
 }  // namespace
 
 DriftReport drift_apart(World& world, const Ghosts& ghosts, const Contacts& contacts, double h) {
   DriftReport report;
   Bodies& bodies = world.bodies;
-  const Correction correction = correct_overlaps(world, ghosts, contacts, h, report);
+  const std::vector<Turn> turns = turns_at_end(world, h);
+  const Correction correction = correct_overlaps(world, ghosts, contacts, turns, h, report);
   for (Index b = 0; b < bodies.size(); ++b) bodies.position[b] += h * bodies.velocity[b];
   for (std::size_t k = 0; k < correction.row.size(); ++k)
     bodies.position[correction.row[k]] += h * Eigen::Map<const Vec3>(correction.change[k].linear);
+  for (std::size_t b = 0; b < turns.size(); ++b) {
+    bodies.orientation[b] = turns[b].orientation;
+    bodies.angular_velocity[b] = turns[b].angular_velocity;
+  }
+  if (!turns.empty()) turn_apart(world, correction, h);
   keep_angular_momentum(world, contacts, correction, h);
   return report;
 }

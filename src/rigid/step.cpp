@@ -32,6 +32,7 @@ struct ProblemData {
   std::vector<double> inverse_mass;
   std::vector<Vec3> free_velocity;
   std::vector<double> friction, cohesive_impulse;
+  LeverArms levers;
   bool impact = false;  ///< a pair meets faster than what drives resting contacts makes it
 
   ContactProblem view(const Contacts& contacts, int dimension) const {
@@ -42,6 +43,9 @@ struct ProblemData {
             .j = contacts.j,
             .normal = contacts.normal,
             .kappa = contacts.kappa,
+            .arm_i = levers.arm_i,
+            .arm_j = levers.arm_j,
+            .turning = levers.turning,
             .free_velocity = free_velocity,
             .friction = friction,
             .cohesive_impulse = cohesive_impulse};
@@ -80,6 +84,7 @@ ProblemData pose(const World& world, const Contacts& contacts, double h, double 
   data.free_velocity.resize(contacts.size());
   data.friction.resize(contacts.size());
   data.cohesive_impulse.assign(contacts.size(), 0);
+  data.levers = lever_arms(world, contacts);
   const GravityKick& kick = world.kick;
   const double by_gravity = world.has_gravity() ? kick.interval * kick.largest : 0;
   const double driven = 2 * (by_gravity + h * acceleration);
@@ -90,9 +95,11 @@ ProblemData pose(const World& world, const Contacts& contacts, double h, double 
     data.friction[c] = law.friction;
     const Vec3& n = contacts.normal[c];
     const double gap = contacts.gap[c];
-    const Vec3 u = contact_velocity(bodies, i, j, contacts.kappa[c], n);
+    const Vec3 u = contact_velocity(bodies, contacts, c);
     const double closing = u.dot(n);
-    const double w = data.inverse_mass[i] + (j == ground ? 0 : data.inverse_mass[j]);
+    const double w = contacts.spheres.empty()
+                         ? data.inverse_mass[i] + (j == ground ? 0 : data.inverse_mass[j])
+                         : n.dot(delassus_block(data.view(contacts, 3), c) * n);
     double& cohesive = data.cohesive_impulse[c];
     if (law.cohesion > 0)
       cohesive = law.cohesion_is_impulse
@@ -123,12 +130,18 @@ double book_reactions(World& world, const Contacts& contacts) {
     if (push.isZero(0)) continue;
     const Index i = contacts.i[c], j = contacts.j[c];
     const Vec3& n = contacts.normal[c];
+    const bool shapes = !contacts.spheres.empty();
     const auto turn = [&](Index b) -> Vec3 {
+      if (shapes)
+        return b == i ? Vec3(-contacts.spheres[c].arm_i.cross(push))
+                      : Vec3(contacts.spheres[c].arm_j.cross(push));
       return -contacts.kappa[c] * bodies.radius[b] * n.cross(push);
     };
     if (j == ground)
       Reactions::at(world.reactions.of_walls, contacts.plane[c])
-          .add(bodies.position[i] + bodies.radius[i] * n, push);
+          .add(bodies.position[i] +
+                   (shapes ? contacts.spheres[c].arm_i : Vec3(bodies.radius[i] * n)),
+               push);
     else if (j < bodies.owned && is_held(bodies, j))
       book_held(world, j, bodies.position[j], push, turn(j));
     if (i < bodies.owned && is_held(bodies, i))
@@ -152,6 +165,8 @@ void kick_by_impulses(World& world, const Contacts& contacts, const ProblemData&
   std::vector<double> closing_before;
   const bool cohesive = has_cohesion(world);
   auto closing = [&](Index c) {
+    if (!contacts.spheres.empty())
+      return contacts.normal[c].dot(contact_velocity(bodies, contacts, c));
     const Index i = contacts.i[c], j = contacts.j[c];
     Vec3 v = -bodies.velocity[i];
     if (j != ground) v += bodies.velocity[j];
@@ -172,7 +187,10 @@ void kick_by_impulses(World& world, const Contacts& contacts, const ProblemData&
       const Vec3 s = bodies.radius[b] * bodies.angular_velocity[b];
       const Vec3 kick = load * bodies.acceleration[b];
       const Vec3 mean = bodies.velocity[b] + (dv - kick) / 2;
-      by_impulses += bodies.mass[b] * (dv.dot(mean) + sphere_inertia * ds.dot(s + ds / 2));
+      const double by_turn = world.shapes.empty()
+                                 ? sphere_inertia * ds.dot(s + ds / 2)
+                                 : (inertia_factor(world.shapes, bodies, b) * ds).dot(s + ds / 2);
+      by_impulses += bodies.mass[b] * (dv.dot(mean) + by_turn);
       by_gravity += bodies.mass[b] * kick.dot(mean);
     }
     bodies.velocity[b] += dv;
@@ -188,6 +206,20 @@ void kick_by_impulses(World& world, const Contacts& contacts, const ProblemData&
   world.ledger.cohesion_work += by_cohesion;
   world.ledger.dissipated -= by_impulses - by_cohesion - by_held;
   report.gravity_work = by_gravity;
+}
+
+/// What the contacts carried, with their pairs.
+void keep_impulses(const Contacts& contacts, Pairs& pairs) {
+  pairs.of_spheres.clear();
+  if (!contacts.spheres.empty()) {
+    for (Index c = 0; c < contacts.size(); ++c)
+      if (!contacts.impulse[c].isZero(0))
+        pairs.of_spheres.push_back({contacts.pair[c], contacts.spheres[c].of_i,
+                                    contacts.spheres[c].of_j, contacts.impulse[c]});
+    return;
+  }
+  std::fill(pairs.impulse.begin(), pairs.impulse.end(), Vec3::Zero());
+  for (Index c = 0; c < contacts.size(); ++c) pairs.impulse[contacts.pair[c]] = contacts.impulse[c];
 }
 
 }  // namespace
@@ -218,7 +250,7 @@ StepReport nonsmooth_step(World& world, Rigid& rigid, const StepRequest& request
   Pairs& pairs = rigid.neighbours.pairs;
   {
     StageTimer timer(world.stages, "contacts");
-    contacts = find_contacts(bodies, world.planes, pairs, h, world.contact);
+    contacts = find_contacts(bodies, world.shapes, world.planes, pairs, h, world.contact);
   }
   report.energy = energy_of_bonds(world, contacts);
   report.contacts = std::count_if(contacts.i.begin(), contacts.i.end(),
@@ -230,7 +262,7 @@ StepReport nonsmooth_step(World& world, Rigid& rigid, const StepRequest& request
     const double scale = kick.remembered_load > 0 ? kick.load / kick.remembered_load : 0;
     for (Vec3& impulse : contacts.impulse) impulse *= scale;
     const ProblemData data = pose(world, contacts, h, largest_prescribed_acceleration(world));
-    const int dimension = has_friction(world) ? 3 : 1;
+    const int dimension = has_friction(world) || !world.shapes.empty() ? 3 : 1;
     SolverSettings settings = rigid.solver;
     // A kick's step has impulses of the last one to be judged by; between kicks there are none.
     const bool met = world.comm.any(data.impact);
@@ -241,9 +273,7 @@ StepReport nonsmooth_step(World& world, Rigid& rigid, const StepRequest& request
     report.solver = result.report;
     kick_by_impulses(world, contacts, data, result.change, report);
     if (kick.load > 0) {
-      std::fill(pairs.impulse.begin(), pairs.impulse.end(), Vec3::Zero());
-      for (Index c = 0; c < contacts.size(); ++c)
-        pairs.impulse[contacts.pair[c]] = contacts.impulse[c];
+      keep_impulses(contacts, pairs);
       kick.remembered_load = kick.load;
       kick.remembered_scale = met ? 0 : result.report.scale;
     }
