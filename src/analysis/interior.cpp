@@ -45,7 +45,12 @@ double shared_volume(double radius_a, double radius_b, double distance) {
           small_cap * small_cap * (3 * small - small_cap));
 }
 
-Interior measure_interior(const Comm& comm, const Bodies& bodies, std::span<const char> chosen) {
+Interior measure_interior(const Comm& comm, const Bodies& bodies, std::span<const char> chosen,
+                          const BodyShapes& shapes) {
+  std::vector<double> radius = bodies.radius;
+  if (!shapes.empty())
+    for (Index b = 0; b < bodies.owned; ++b)
+      radius[b] *= std::cbrt(shape_of(shapes, bodies, b).volume / volume(1));
   std::vector<Index> rows;
   for (Index b = 0; b < bodies.owned; ++b)
     if (chosen[b] && std::isfinite(bodies.mass[b])) rows.push_back(b);
@@ -64,7 +69,7 @@ Interior measure_interior(const Comm& comm, const Bodies& bodies, std::span<cons
   double reach = 0;
   for (Index b : rows) {
     const Vec3 x = bodies.position[b] - pile.center;
-    const double r = bodies.radius[b];
+    const double r = radius[b];
     second += bodies.mass[b] * (x * x.transpose() + r * r / 5 * Eigen::Matrix3d::Identity());
     reach = std::max(reach, x.norm() + r);
   }
@@ -80,7 +85,7 @@ Interior measure_interior(const Comm& comm, const Bodies& bodies, std::span<cons
   const auto inside = [&](double R) {
     std::array<double, 2> sums{};
     for (Index b : rows) {
-      const double r = bodies.radius[b];
+      const double r = radius[b];
       const double part = shared_volume(R, r, (bodies.position[b] - pile.center).norm());
       sums[0] += bodies.mass[b] * (part / volume(r));
       sums[1] += part;
@@ -106,7 +111,7 @@ Interior measure_interior(const Comm& comm, const Bodies& bodies, std::span<cons
     double largest = 0;
     for (Index b : group) {
       box.extend(bodies.position[b] - pile.center);
-      largest = std::max(largest, bodies.radius[b]);
+      largest = std::max(largest, radius[b]);
     }
     const Vec3 middle = box.center(), half = box.sizes() / 2;
     for (std::size_t k = 0; k < spread.size(); ++k) {
@@ -114,8 +119,8 @@ Interior measure_interior(const Comm& comm, const Bodies& bodies, std::span<cons
       if (along + more <= ends[2 * k] && more - along <= ends[2 * k + 1]) continue;
       for (Index b : group) {
         const double x = spread[k].dot(bodies.position[b] - pile.center);
-        ends[2 * k] = std::max(ends[2 * k], x + bodies.radius[b]);
-        ends[2 * k + 1] = std::max(ends[2 * k + 1], bodies.radius[b] - x);
+        ends[2 * k] = std::max(ends[2 * k], x + radius[b]);
+        ends[2 * k + 1] = std::max(ends[2 * k + 1], radius[b] - x);
       }
     }
   }

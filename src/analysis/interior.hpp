@@ -6,6 +6,7 @@
 
 #include "spall/bodies.hpp"
 #include "spall/comm.hpp"
+#include "state/body_shape.hpp"
 
 namespace spall {
 
@@ -27,7 +28,8 @@ struct Interior {
 
 /// Of the owned bodies with `chosen[b]` and finite mass, over all ranks. Overlaps count twice.
 /// Extent and mean diameter are taken over 2000 directions (error of the extent below 0.1 %).
-/// Collective.
-Interior measure_interior(const Comm& comm, const Bodies& bodies, std::span<const char> chosen);
+/// Bodies with a shape count as balls of its volume. Collective.
+Interior measure_interior(const Comm& comm, const Bodies& bodies, std::span<const char> chosen,
+                          const BodyShapes& shapes = {});
 
 }  // namespace spall

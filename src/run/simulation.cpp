@@ -38,10 +38,13 @@ std::shared_ptr<const Case> whole_case(const Comm& comm, const Scene& scene) {
 void check_changed(const World& world, const Bodies& former) {
   constexpr std::array what{"a radius that is not more than 0",
                             "a mass that is not more than 0 or finite as before",
-                            "a material that is not in [materials]", "another group",
-                            "a place, velocity or spin that is not finite"};
+                            "a material that is not in [materials]",
+                            "another group",
+                            "a place, velocity or spin that is not finite",
+                            "another shape, or an orientation whose length is not 1"};
   std::array<double, what.size()> wrong;  // ids
   wrong.fill(-1);
+  constexpr double round_off = 1e-12;  // what a step leaves is much less
   const Bodies& bodies = world.bodies;
   for (Index b = 0; b < bodies.owned; ++b) {
     const bool held = is_held(former, b);
@@ -51,7 +54,10 @@ void check_changed(const World& world, const Bodies& former) {
         bodies.material[b] >= 0 && bodies.material[b] < std::ssize(world.materials),
         bodies.group[b] == former.group[b],
         bodies.position[b].allFinite() && bodies.velocity[b].allFinite() &&
-            (!bodies.has(Field::angular_velocity) || bodies.angular_velocity[b].allFinite())};
+            (!bodies.has(Field::angular_velocity) || bodies.angular_velocity[b].allFinite()),
+        !bodies.has(Field::shape) ||
+            (bodies.shape[b] == former.shape[b] &&
+             std::abs(bodies.orientation[b].squaredNorm() - 1) <= round_off)};
     for (std::size_t k = 0; k < right.size(); ++k)
       if (!right[k]) wrong[k] = static_cast<double>(bodies.id[b]);
   }

@@ -11,7 +11,8 @@
 namespace spall {
 
 void Verdict::look_at_pile(const World& world) {
-  pile_ = measure_interior(world.comm, world.bodies, std::vector<char>(world.bodies.owned, 1));
+  pile_ = measure_interior(world.comm, world.bodies, std::vector<char>(world.bodies.owned, 1),
+                           world.shapes);
 }
 
 std::string Verdict::impactor_added(const World& world, BodyId impactor, double restitution,

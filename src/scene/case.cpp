@@ -16,6 +16,7 @@
 #include "scene/materials.hpp"
 #include "scene/read_group.hpp"
 #include "scene/read_motion.hpp"
+#include "scene/read_shapes.hpp"
 #include "scene/read_walls.hpp"
 #include "scene/resolved_case.hpp"
 #include "scene/shape.hpp"
@@ -161,6 +162,14 @@ void read_case_keys(Section& in, Case& scene) {
     Material& material = scene.materials.emplace_back();
     material.name = name;
     read_material(s, material);
+  });
+  in.named_tables("shapes", "[shapes.NAME]", [&](Section& s, const std::string& name) {
+    ListedShape& shape = scene.listed_shapes.emplace_back();
+    shape.name = name;
+    read_shape(s, shape);
+    s.check(
+        "", name != "sphere" && name.find('/') == std::string::npos && name[0] != '.',
+        "cannot be the name of a shape: neither sphere, nor with a dot at its beginning or a /");
   });
   in.table("contact", "where two bodies meet", [&](Section& s) { read_contact(s, scene); });
   for (const EngineType* type : all_engines()) type->read(in, scene.engines);
@@ -313,6 +322,12 @@ std::vector<std::string> unused_parts(const toml::table& root, const Case& scene
     if (root.contains(table))
       unused.push_back(fmt::format("[{}] is not used: no phase has method = {}", table,
                                    fmt::join(names, " or ")));
+  for (const ListedShape& shape : scene.listed_shapes)
+    if (std::ranges::none_of(scene.groups, [&](const Group& group) {
+          return group.packing.shape_name == shape.name;
+        }))
+      unused.push_back(
+          fmt::format("[shapes.{}] is not used: no packing of a group names it", shape.name));
   for (const char* key : {"accuracy", "refresh"})
     if (root["gravity"][key] && scene.gravity.method == GravityMethod::none)
       unused.push_back(fmt::format("gravity.{} is not used: no gravity.method is named", key));
@@ -355,6 +370,7 @@ Case parse_case(const std::string& text, const std::string& file,
       root, file, [&](Section& in) { read_case_keys(in, scene); }, all_keys());
   scene.unused = unused_parts(root, scene);
   draw_orientations(scene);
+  gather_shapes(scene);
   const auto hit =
       std::ranges::find_if(scene.phases, [](const Phase& p) { return p.impactor.has_value(); });
   if (hit != scene.phases.end()) find_material_of(*hit->impactor, scene.materials);

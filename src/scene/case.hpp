@@ -61,7 +61,16 @@ struct Packing {
   std::string file = {};                             ///< of file: a restart file of an earlier run
   std::vector<StoredBody> stored = {};               ///< of file: with_stored_bodies puts them here
   StoredMotion stored_motion = StoredMotion::kept;   ///< of file: none: bodies are at rest
+  std::string shape_name = {};                       ///< of its bodies; empty: spheres
+  std::int32_t shape = 0;                            ///< place in the case's shapes; 0: the sphere
   std::any own = {};                                 ///< what its type alone knows
+};
+
+/// A shape as a case tells it, in any unit.
+struct ListedShape {
+  std::string name;
+  std::string place;  ///< where the case asks for it, for messages
+  std::vector<ShapeSphere> spheres = {};
 };
 
 /// Random velocities, as molecules have them.
@@ -174,6 +183,7 @@ struct Case : Surroundings {
   std::string contact_of_place;  ///< where the case asks for it, for messages
   std::vector<Between<ContactLaw>> contact_between;
   double allowed_overlap = 1e-3;  ///< of two bodies at the start, in units of the smaller radius
+  std::vector<ListedShape> listed_shapes;
   std::vector<Group> groups;
   std::optional<Grid> gravity_map;  ///< where snapshots have gravity's field
   EngineSettings engines;           ///< what the case tells them

@@ -201,7 +201,7 @@ void place_stored(const PackingRequest& request) {
 extern const PackingType random_packing, simple_cubic_packing, fcc_packing, hcp_packing;
 extern const PackingType file_packing;
 const PackingType single_packing{
-    .name = "single", .sized = false, .read = read_nothing, .place = place_single};
+    .name = "single", .sized = false, .turns = true, .read = read_nothing, .place = place_single};
 const PackingType random_packing{.name = "random",
                                  .keeps_clear = true,
                                  .read = read_random,

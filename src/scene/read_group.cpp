@@ -62,7 +62,13 @@ void read_packing(Section& in, Packing& packing) {
         in.reads((*type)->read == packing.type->read))
       (*type)->read(in, packing);
   if (in.reads(packing.type->turns))
-    in.take("rotation", "of lattices, file: rotation vector", packing.rotation, any(number));
+    in.take("rotation", "of lattices, file, and a single body with a shape: rotation vector",
+            packing.rotation, any(number));
+  in.take("shape", "of the bodies, one of [shapes]; radius is that of the sphere around it",
+          packing.shape_name);
+  in.check("rotation",
+           packing.type != &single_packing || !packing.shape_name.empty() || !in.has("rotation"),
+           "is that of a sphere, which looks the same from all sides; or give it a shape");
 }
 
 /// As LAMMPS's `velocity create`: without a drift, and of exactly the rms that is asked for.

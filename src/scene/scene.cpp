@@ -25,12 +25,19 @@ std::uint64_t stream_of(const Case& scene, std::size_t g) {
   return scene.seed * 0x9E3779B97F4A7C15u + g;
 }
 
-/// kg, of a sphere: one of a solid's lattice stands for its cell.
-double mass_of_sphere(const Case& scene, const Group& group, double radius) {
+/// m^3, of a body of this group with this radius.
+double volume_of_body(const Case& scene, const Group& group, double radius) {
+  if (group.packing.shape == 0) return ball_volume(radius);
+  return scene.shapes[group.packing.shape].volume * radius * radius * radius;
+}
+
+/// kg, of a body: a sphere of a solid's lattice stands for its cell.
+double mass_of_body(const Case& scene, const Group& group, double radius) {
   const Material& material = scene.materials[group.material];
   const Lattice lattice = lattice_of(group.packing);
-  return material.solid && lattice.neighbours > 0 ? sphere_mass(*material.solid, lattice)
-                                                  : material.density * ball_volume(radius);
+  return material.solid && lattice.neighbours > 0
+             ? sphere_mass(*material.solid, lattice)
+             : material.density * volume_of_body(scene, group, radius);
 }
 
 /// Calls `place` with every body of group `g`; those that keep clear are where `is_free`.
@@ -44,7 +51,7 @@ void place_group(const Case& scene, std::size_t g, const IsFree& is_free, const 
        .place = group.place,
        .is_free = is_free,
        .put = [&](const PackedSphere& sphere) {
-         place(sphere, sphere.mass ? *sphere.mass : mass_of_sphere(scene, group, sphere.radius));
+         place(sphere, sphere.mass ? *sphere.mass : mass_of_body(scene, group, sphere.radius));
        }});
 }
 
@@ -123,15 +130,37 @@ std::string words(const Vec3& v) {
   return fmt::format("({:.6g}, {:.6g}, {:.6g}) m", v.x(), v.y(), v.z());
 }
 
+/// How the axes of a body lie, which is the `k`-th of group `g`: a single one as the case says,
+/// others at random; the same on any number of ranks.
+Quaternion orientation_of(const Case& scene, std::size_t g, BodyId k) {
+  const Packing& packing = scene.groups[g].packing;
+  if (packing.shape == 0) return Quaternion::Identity();
+  const std::uint64_t stream = mix(stream_of(scene, g) ^ 0x5455524e);  // another than of places
+  const Vec3 turn = packing.type == &single_packing
+                        ? packing.rotation
+                        : random_rotation(mix(stream + static_cast<std::uint64_t>(k)));
+  const Quaternion turned(Eigen::AngleAxisd(turn.norm(), turn.stableNormalized()));
+  return (turned * scene.shapes[packing.shape].as_listed).normalized();
+}
+
 /// Throws unless `sphere`, body `id` of group `g`, which `place` asks for, is clear of walls and of
 /// `placed`.
 void check_clear(const Case& scene, const std::string& place, std::size_t g,
-                 const std::vector<Placed>& placed, BodyId id, const PackedSphere& sphere) {
+                 const std::vector<Placed>& placed, BodyId id, const PackedSphere& sphere,
+                 BodyId place_in_group = 0) {
   const Vec3& center = sphere.center;
   const double radius = sphere.radius;
   const Walls walls = scene.walls();
   for (std::size_t w = 0; w < walls.size(); ++w) {
-    const double gap = face_of(walls, w, center).height - radius;
+    double gap = face_of(walls, w, center).height - radius;
+    if (gap < 0 && g < scene.groups.size() && scene.groups[g].packing.shape > 0) {
+      // Some of the sphere around a shape is empty.
+      gap = infinity;
+      const Quaternion turn = orientation_of(scene, g, place_in_group);
+      for (const ShapeSphere& one : scene.shapes[scene.groups[g].packing.shape].spheres)
+        gap = std::min(
+            gap, face_of(walls, w, center + radius * (turn * one.at)).height - radius * one.radius);
+    }
     require(gap >= -scene.allowed_overlap * radius,
             "{}: body {} at {} lies {:.3g} m deep in the wall {}; allowed_overlap = {} of its "
             "radius, {} m",
@@ -173,7 +202,7 @@ std::vector<GroupContent> measure_groups(const Case& scene) {
     GroupContent content;
     const auto count = [&](double radius, double mass, bool fixed) {
       ++content.count;
-      content.volume += ball_volume(radius);
+      content.volume += volume_of_body(scene, group, radius);
       content.smallest = std::min(content.smallest, radius);
       content.largest = std::max(content.largest, radius);
       if (fixed) return;
@@ -183,7 +212,7 @@ std::vector<GroupContent> measure_groups(const Case& scene) {
     };
     if (const auto radii_of = group.packing.type->radii) {
       for (double radius : radii_of(group.packing, stream_of(scene, g)))
-        count(radius, mass_of_sphere(scene, group, radius), false);
+        count(radius, mass_of_body(scene, group, radius), false);
     } else {
       place_group(scene, g, {}, [&](const PackedSphere& sphere, double mass) {
         count(sphere.radius, mass, sphere.fixed);
@@ -263,7 +292,8 @@ Bodies make_bodies(const Case& scene, const Comm& comm) {
       const Vec3& center = sphere.center;
       const bool held = group.held() || sphere.fixed;
       const double mass = held ? infinity : factor * nominal;
-      if (!group.packing.type->keeps_clear) check_clear(scene, group.place, g, placed, id, sphere);
+      if (!group.packing.type->keeps_clear)
+        check_clear(scene, group.place, g, placed, id, sphere, id - first);
       if (keeps_spheres) placed.back().add(center, sphere.radius);
       if (group.thermal) masses.push_back(mass);
       if (id >= first_owned && id < end_owned) {
@@ -277,6 +307,10 @@ Bodies make_bodies(const Case& scene, const Comm& comm) {
         if (bodies.has(Field::anchor)) bodies.anchor[row] = center;
         bodies.velocity[row] = group.velocity + group.spin.cross(center - group.volume.center);
         if (!held) bodies.velocity[row] += sphere.velocity;
+        if (bodies.has(Field::shape)) {
+          bodies.shape[row] = group.packing.shape;
+          bodies.orientation[row] = orientation_of(scene, g, id - first);
+        }
         if (bodies.has(Field::angular_velocity))
           bodies.angular_velocity[row] = held ? group.spin : Vec3(group.spin + sphere.spin);
       }

@@ -15,7 +15,7 @@ namespace spall {
 struct GroupContent {
   std::int64_t count = 0;                   ///< bodies
   std::int64_t movable = 0;                 ///< of them, unless the whole group is fixed
-  double volume = 0;                        ///< m^3, of the spheres
+  double volume = 0;                        ///< m^3, of the bodies
   double mass = 0;                          ///< kg, of the movable, before it is scaled
   double lightest = infinity;               ///< kg, of the movable, before it is scaled
   double smallest = infinity, largest = 0;  ///< m, radii
