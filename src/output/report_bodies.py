@@ -14,13 +14,15 @@ import zlib
 import h5py
 import numpy as np
 
+from report_clumps import Shapes, shape_of, turned
+
 PARTS_OF_RADIUS = 64  # places are rounded to the smallest radius over this
 MOST_BODIES = 100_000
 MOST_PLACES = 1_000_000  # bodies times instants
 MOST_ROWS = 4000  # of the series
 ABSENT = -2**31  # the place of a body that is not there
 FIXED = ("radius", "mass", "group", "material")
-HIDDEN = ("position", "id", "species")
+HIDDEN = ("position", "id", "species", "orientation")
 NAMES = {"velocity": "speed", "angular_velocity": "spin", "kick": "kick by potentials"}
 
 
@@ -66,8 +68,13 @@ class Bodies:
         with newest_snapshot(run) as file:
             bodies = file["particles/all"]
             self.count = len(bodies["radius"])
-            self.rows = spread(self.count, MOST_BODIES)
-            radius = bodies["radius"][:][self.rows]
+            rows = spread(self.count, MOST_BODIES)
+            # A body with a shape is shown by its spheres: each of them has the body's row.
+            of, self.centers, radii = Shapes(file).spheres(shape_of(bodies, rows))
+            self.rows = rows[of]
+            self.has_shapes = len(of) > len(rows)
+            self.centers *= bodies["radius"][:][self.rows][:, None]
+            radius = bodies["radius"][:][self.rows] * radii
             place = bodies["position/value"][0]
             self.low = np.floor(np.nanmin(place, axis=0))
             extent = np.nanmax(place) - self.low.min()
@@ -103,6 +110,8 @@ class Bodies:
                 bodies = file["particles/all"]
                 rows = self.rows[self.rows < len(bodies["radius"])]
                 place = bodies["position/value"][0][rows]
+                if self.has_shapes:
+                    place = place + turned(bodies["orientation/value"][0][rows], self.centers[:len(rows)])
                 there = np.isfinite(place).all(axis=1)
                 steps = np.rint((place[there] - self.low) / self.step)
                 places = np.full((len(self.rows), 3), ABSENT)

@@ -69,7 +69,8 @@ def before_and_after(run):
         center = np.median(frame.position, axis=0)
         camera = Camera(toward, up, center, 1.42 * size, 1.42 * size, 760)
         color = rock(len(frame.radius))
-        show(panel, camera, render(camera, frame.position, frame.radius, color, SKY))
+        of, places, radii = frame.spheres
+        show(panel, camera, render(camera, places, radii, color[of], SKY))
         scale_bar(panel, camera)
         panel.set_title(run.name_of(frame), color="white", fontsize=12, pad=4, loc="center")
         if run.has_impact and frame is run.before:
@@ -107,7 +108,9 @@ def velocities(run):
     across = (frame.position - center) @ camera.toward
     behind = across <= 0
     rgb = colors(norm(np.maximum(speed, low)))[:, :3]
-    image = render(camera, frame.position[behind], frame.radius[behind], rgb[behind], SKY, soft=True)
+    of, places, radii = frame.spheres
+    drawn = behind[of]
+    image = render(camera, places[drawn], radii[drawn], rgb[of[drawn]], SKY, soft=True)
     show(panel, camera, image)
     scale_bar(panel, camera)
     near = np.flatnonzero(behind & (across > -1.2 * frame.radius))

@@ -10,6 +10,8 @@ import tomllib
 import h5py
 import numpy as np
 
+from report_clumps import Shapes, shape_of, turned
+
 GRAVITY = 6.67430e-11
 
 
@@ -25,14 +27,19 @@ def readable_time(seconds):
 class Frame:
     """The bodies that are there at one time."""
 
-    def __init__(self, time, position, velocity, radius, mass):
+    def __init__(self, time, position, velocity, radius, mass, spheres=None):
         self.time, self.position, self.velocity = time, position, velocity
         self.radius, self.mass = radius, mass
+        # Of each sphere that is drawn: its body, place and radius.
+        self.spheres = spheres or (np.arange(len(radius)), position, radius)
 
     def without(self, body):
         keep = np.arange(len(self.radius)) != body
+        number = np.cumsum(keep) - 1
+        of, position, radius = self.spheres
+        drawn = of != body
         return Frame(self.time, self.position[keep], self.velocity[keep], self.radius[keep],
-                     self.mass[keep])
+                     self.mass[keep], (number[of[drawn]], position[drawn], radius[drawn]))
 
 
 class GravityMap:
@@ -80,7 +87,7 @@ class Run:
         self.folder, self.program = folder, program
         self.file("trajectory.h5")
         with h5py.File(os.path.join(folder, "snapshots", self.snapshots()[0])) as file:
-            self.origin = {key: self.told(value) for key, value in file["parameters"].items()}
+            self.origin = {key: self.told(value) for key, value in file["parameters"].items() if isinstance(value, h5py.Dataset)}
         self.case_text = self.origin.pop("case")
         self.case = tomllib.loads(self.case_text)
         self.flight = np.array([1.0, 0, 0])
@@ -132,14 +139,14 @@ class Run:
     def frames(self):
         """The first one, the last before the impact, and the last; and the row of the impactor, or -1."""
         with h5py.File(self.file("trajectory.h5")) as file:
-            all_bodies = file["particles/all"]
+            all_bodies, shapes = file["particles/all"], Shapes(file)
             time = all_bodies["position/time"][:]
-            before, after = self.frame(all_bodies, 0, time), self.frame(all_bodies, len(time) - 1, time)
+            before, after = (self.frame(all_bodies, k, time, shapes) for k in (0, len(time) - 1))
             count = len(before.radius)
             impactor = count if len(after.radius) == count + 1 else -1
             if impactor >= 0:
                 there = ~np.isnan(all_bodies["position/value"][:, count, 0])
-                before = self.frame(all_bodies, int(np.argmax(there)) - 1, time)
+                before = self.frame(all_bodies, int(np.argmax(there)) - 1, time, shapes)
         return before, after, impactor
 
     before = property(lambda self: self.frames[0])
@@ -159,11 +166,17 @@ class Run:
             self.before.position - np.median(self.before.position, axis=0), axis=1).max()
 
     @staticmethod
-    def frame(all_bodies, k, time):
+    def frame(all_bodies, k, time, shapes):
         position = all_bodies["position/value"][k]
         there = ~np.isnan(position[:, 0])
-        return Frame(time[k], position[there], all_bodies["velocity/value"][k][there],
-                     all_bodies["radius"][:][there], all_bodies["mass"][:][there])
+        position, radius = position[there], all_bodies["radius"][:][there]
+        of, centers, radii = shapes.spheres(shape_of(all_bodies, np.flatnonzero(there)))
+        places = position[of]
+        if len(of) > len(position):
+            orientation = all_bodies["orientation/value"][k][there]
+            places = places + radius[of, None] * turned(orientation[of], centers)
+        return Frame(time[k], position, all_bodies["velocity/value"][k][there], radius,
+                     all_bodies["mass"][:][there], (of, places, radius[of] * radii))
 
     def read_results(self):
         """Values, and the unit and note that stand behind each of them as a comment."""

@@ -42,6 +42,11 @@ std::vector<StoredBody> read_bodies(const std::string& path) {
   const auto position = file.read<Vec3>("/bodies/position");
   const auto velocity = file.read<Vec3>("/bodies/velocity");
   const auto radius = file.read<double>("/bodies/radius"), mass = file.read<double>("/bodies/mass");
+  if (file.exists("/bodies/shape")) {
+    const auto shape = file.read<std::int32_t>("/bodies/shape");
+    require(std::ranges::all_of(shape, [](std::int32_t s) { return s == 0; }),
+            "its bodies have shapes, which packings of a file do not know");
+  }
   std::vector<Vec3> spin(id.size(), Vec3::Zero());
   if (file.exists("/bodies/angular_velocity")) spin = file.read<Vec3>("/bodies/angular_velocity");
   check_bodies(id, position, velocity, spin, radius, mass);
