@@ -277,12 +277,18 @@ TEST(Levers, one_contact_sticks_or_slips_as_its_block_says_by_every_method) {
           1e-12 * impulse[0].norm());
     }
   for (int k = 0; k < 20; ++k) {  // without friction: along the normal alone
-    const RandomContact contact(random, k % 2 == 0, 0);
+    RandomContact contact(random, k % 2 == 0, 0);
     const Vec3& n = contact.normal[0];
     std::vector<Vec3> impulse{Vec3::Zero()};
     solve(contact.view(), ghosts, solved_exactly(), impulse);
     const double p = -contact.velocity[0].dot(n) / n.dot(delassus_block(contact.view(), 0) * n);
     EXPECT_LE((impulse[0] - p * n).norm(), 1e-9 * p);
+    contact.velocity[0] = n;  // it parts straight
+    for (const FrictionModel model : {FrictionModel::convex, FrictionModel::coulomb}) {
+      impulse[0].setZero();
+      solve(contact.view(), ghosts, {.friction = model}, impulse);
+      EXPECT_TRUE(impulse[0].isZero(0));
+    }
   }
 }
 
@@ -460,6 +466,27 @@ TEST(Clump, clouds_move_alike_on_any_number_of_ranks) {
   }
   EXPECT_GT(hit, 10);
   EXPECT_LT(most, 4e-6);  // the solver's 1e-10, that later hits magnify
+}
+
+TEST(Clump, without_friction_every_method_moves_them_alike) {
+  const BodyShapes shapes = with_sphere({dumbbell(), boulder()});
+  const auto clumps = cloud_of_clumps(20, 7, 2.65, 4);
+  std::vector<std::vector<Sphere>> after;
+  for (const SolverMethod method :
+       {SolverMethod::accelerated, SolverMethod::apgd, SolverMethod::barzilai_borwein}) {
+    Lab world = make_world(testing_world(), shapes, clumps, {.restitution = 0.5});
+    SolverSettings solver = solved_exactly();
+    solver.method = method;
+    advance(world, 0.02, 20, solver);
+    after.push_back(spheres_of(world));
+  }
+  double hit = 0;
+  for (std::size_t k = 0; k < clumps.size(); ++k) {
+    hit += (after[0][k].velocity - clumps[k].velocity).norm() > 0.1 ? 1 : 0;
+    for (int method : {1, 2})
+      EXPECT_LE((after[method][k].velocity - after[0][k].velocity).norm(), 1e-5) << k;
+  }
+  EXPECT_GT(hit, 3);
 }
 
 TEST(Clump, general_contacts_of_spheres_move_them_as_contacts_of_spheres_do) {

@@ -158,25 +158,23 @@ Correction correct_overlaps(const World& world, const Ghosts& all, const Contact
   const std::vector<double> none(i.size(), 0), touching(i.size(), 1);
   correction.impulse.assign(i.size(), Vec3::Zero());
   const bool spheres = world.shapes.empty();  // as on ranks without bodies, too
-  auto result = solve({.dimension = spheres ? 1 : 3,
-                       .boundary = boundary,
-                       .inverse_mass = inverse_masses,
-                       .i = i,
-                       .j = j,
-                       .normal = normal,
-                       .kappa = touching,
-                       .arm_i = levers.arm_i,
-                       .arm_j = levers.arm_j,
-                       .turning = levers.turning,
-                       .free_velocity = free_velocity,
-                       .friction = none,
-                       .cohesive_impulse = none},
-                      ghosts,
-                      {.friction = spheres ? FrictionModel::convex : FrictionModel::coulomb,
-                       .tolerance = 0.1,
-                       .max_iterations = 50,
-                       .prox = 0},
-                      correction.impulse);
+  auto result =
+      solve({.dimension = spheres ? 1 : 3,
+             .boundary = boundary,
+             .inverse_mass = inverse_masses,
+             .i = i,
+             .j = j,
+             .normal = normal,
+             .kappa = touching,
+             .arm_i = levers.arm_i,
+             .arm_j = levers.arm_j,
+             .turning = levers.turning,
+             .free_velocity = free_velocity,
+             .friction = none,
+             .cohesive_impulse = none},
+            ghosts,
+            {.friction = FrictionModel::convex, .tolerance = 0.1, .max_iterations = 50, .prox = 0},
+            correction.impulse);
   report.products = result.report.products;
   correction.change = std::move(result.change);
   return correction;

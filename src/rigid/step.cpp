@@ -264,6 +264,8 @@ StepReport nonsmooth_step(World& world, Rigid& rigid, const StepRequest& request
     const ProblemData data = pose(world, contacts, h, largest_prescribed_acceleration(world));
     const int dimension = has_friction(world) || !world.shapes.empty() ? 3 : 1;
     SolverSettings settings = rigid.solver;
+    // Without friction both laws are one, and methods that minimise want it named so.
+    if (!world.shapes.empty() && !has_friction(world)) settings.friction = FrictionModel::convex;
     // A kick's step has impulses of the last one to be judged by; between kicks there are none.
     const bool met = world.comm.any(data.impact);
     settings.impact = met || kick.load > 0;

@@ -32,8 +32,9 @@ Projected<T> project_cone(T z_n, T tangent, T mu, T s, T theta2) {
   const T surface = (height + polar) / (theta2 * mu * mu + 1);
   const auto inside = tangent <= mu * height;
   const auto apex = polar <= -height;
-  return {select(inside, z_n, select(apex, -s, surface - s)),
-          select(inside, T{} + 1, select(apex, T{}, mu * surface / tangent))};
+  // The apex comes first: without friction what parts straight along the normal is in both.
+  return {select(apex, -s, select(inside, z_n, surface - s)),
+          select(apex, T{}, select(inside, T{} + 1, mu * surface / tangent))};
 }
 
 }  // namespace spall
