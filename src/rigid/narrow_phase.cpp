@@ -202,19 +202,19 @@ Contacts find_contacts(const Bodies& bodies, const BodyShapes& shapes,
 }
 
 LeverArms lever_arms(const World& world, const Contacts& contacts) {
-  LeverArms levers;
-  if (world.shapes.empty()) return levers;
+  LeverArms arms;
+  if (world.shapes.empty()) return arms;
   const Bodies& bodies = world.bodies;
   for (Index b = 0; b < bodies.size(); ++b)
-    levers.turning.push_back(inverse_mass(bodies, b) *
-                             inverse_inertia_factor(world.shapes, bodies, b));
+    arms.turning.push_back(inverse_mass(bodies, b) *
+                           inverse_inertia_factor(world.shapes, bodies, b));
   for (Index c = 0; c < contacts.size(); ++c) {
     const Index i = contacts.i[c], j = contacts.j[c];
-    levers.arm_i.push_back(contacts.spheres[c].arm_i / bodies.radius[i]);
-    levers.arm_j.push_back(j == ground ? Vec3(Vec3::Zero())
-                                       : Vec3(contacts.spheres[c].arm_j / bodies.radius[j]));
+    arms.arm_i.push_back(contacts.spheres[c].arm_i / bodies.radius[i]);
+    arms.arm_j.push_back(j == ground ? Vec3(Vec3::Zero())
+                                     : Vec3(contacts.spheres[c].arm_j / bodies.radius[j]));
   }
-  return levers;
+  return arms;
 }
 
 double longest_range(const ByPair<ContactLaw>& laws) {
