@@ -4,6 +4,7 @@
 #include "solid/step.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <span>
 
@@ -62,6 +63,28 @@ SamePiece same_pieces(const Bodies& bodies, const std::vector<NearWindow>& windo
   return same;
 }
 
+/// How far bodies may act: neighbours of a piece by their spacing, those of two by the sum of their
+/// radii.
+PairReach reach_of(const World& world) {
+  return {.most = neighbour_reach * widest_spacing(world), .radii = neighbour_reach};
+}
+
+/// The skin of the next search. A body in a lattice of the spacing d has as many partners as
+/// (1.7 + skin/d)^3, whatever d.
+double skin_of(const World& world, const NearPairs& near) {
+  std::array<double, 4> sums{};  // of the powers of 1/d
+  for (Index b = 0; b < world.bodies.owned; ++b) {
+    const double inverse = 1 / (2 * world.bodies.radius[b]);
+    const std::array<double, 4> powers{1, inverse, inverse * inverse, inverse * inverse * inverse};
+    for (std::size_t k = 0; k < sums.size(); ++k) sums[k] += powers[k];
+  }
+  world.comm.sum(sums);
+  const double R = neighbour_reach;
+  const Crowd crowd{R * sums[2] / sums[3], R * R * sums[1] / sums[3],
+                    R * R * R * sums[0] / sums[3]};
+  return best_skin(world.comm, world.bodies, near, crowd, 0, skins_of_lattice(sums[0] / sums[1]));
+}
+
 /// Makes pairs and ghosts current at the present places.
 void update_pairs(World& world, Elastoplastic& engine) {
   StageTimer timer(world.stages, "neighbours");
@@ -72,13 +95,10 @@ void update_pairs(World& world, Elastoplastic& engine) {
     near.moved = approach_since_search(world, near);
   }
   if (near.skin == 0 || near.moved > near.skin) {
-    const double spacing = widest_spacing(world);
-    const double reach = neighbour_reach * spacing;
-    const double skin =
-        best_skin(world.comm, world.bodies, near, {}, near.reach, skins_of_lattice(spacing));
+    const double skin = skin_of(world, near);
     take_positions(world, engine);
     wrap_bodies(world);
-    search_near_pairs(world.comm, world.bodies, world.period, reach, skin, {}, near);
+    search_near_pairs(world.comm, world.bodies, world.period, reach_of(world), skin, {}, near);
     engine.same = same_pieces(world.bodies, near.windows);
     engine.contacts = find_contacts(world, near.windows, near.skin);
     fill_rows(world, engine);
@@ -251,8 +271,8 @@ struct Found {
 
   Found(const World& from, const Elastoplastic& of) : world(from), engine(of.laws) {
     resize(world.bodies, world.bodies.owned);
-    find_near_pairs(world.comm, world.bodies, world.period, neighbour_reach * widest_spacing(world),
-                    0, {}, {}, engine.near);
+    find_near_pairs(world.comm, world.bodies, world.period, reach_of(world), 0, {}, {},
+                    engine.near);
     engine.contacts = find_contacts(world, engine.near.windows, 0);
     fill_rows(world, engine);
   }
