@@ -8,7 +8,7 @@
 #include <fstream>
 
 #include "potential/settings.hpp"
-#include "solver/problem.hpp"
+#include "solver/settings.hpp"
 #include "spall/error.hpp"
 #include "testing.hpp"
 

@@ -10,6 +10,7 @@
 #include "engine/prescribed.hpp"
 #include "rigid/narrow_phase.hpp"
 #include "solver/problem.hpp"
+#include "solver/settings.hpp"
 
 namespace spall {
 namespace {

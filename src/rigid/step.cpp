@@ -9,6 +9,7 @@
 #include "gravity/kick.hpp"
 #include "rigid/narrow_phase.hpp"
 #include "rigid/overlap_correction.hpp"
+#include "solver/problem.hpp"
 #include "spall/error.hpp"
 
 namespace spall {
