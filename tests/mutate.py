@@ -19,7 +19,8 @@ argued (a survivor whose line in tests/mutants.md says why it changes nothing th
 A record of JSON lines is kept, so that a run can be stopped and gone on with: the same seed on the
 same code draws the same changes. --again runs the survivors of the record once more, with the tests
 as they are now. A survivor costs all tests: with --tests '_1$' --longest 15 a first turn is short,
-and --again without them judges its survivors by all. --planted takes the changes from a file instead, as tests/planted.jsonl. --report prints the table and runs nothing.
+and --again without them judges its survivors by all. --planted takes the changes from a file
+instead, as tests/planted.jsonl. --report prints the table and runs nothing.
 """
 import argparse
 import hashlib
@@ -216,7 +217,8 @@ class Workshop:
                     self.seconds[name] = kept["seconds"][name]
                 if name in kept["seconds"] or self.longest <= kept["longest"]:
                     continue
-            passed, self.seconds[name] = self.run(name, 4 * self.longest)  # a busy machine is slower
+            # A busy machine is slower.
+            passed, self.seconds[name] = self.run(name, 4 * self.longest)
             print(f"unchanged: {name} {'passes' if passed else 'FAILS or takes too long'}, "
                   f"{self.seconds[name]:.1f} s", flush=True)
             if not passed:  # it can say nothing about a change
