@@ -118,7 +118,7 @@ void check(const Surroundings& around, std::span<const MaterialUse> uses,
       check_pair(around, penalty->laws, use.material, walls.material(w), phase.place);
     }
   }
-  require(!around.contact.common().cohesion_is_impulse,
+  require(around.contact.common().cohesion_law == CohesionLaw::force,
           "{}.method = \"penalty\": contact.cohesion_law = \"impulse\" is for phases of method = "
           "\"nonsmooth\" only",
           phase.place);

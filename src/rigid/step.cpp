@@ -28,6 +28,17 @@ double time_in_range(double g, double u, double h, double range) {
   return std::clamp(std::min(leaves, h) - enters, 0.0, h);
 }
 
+/// N s, of a pair's cohesion in a step `h` (s) that begins at this gap (m) and speed (m/s).
+double cohesive_impulse(const ContactLaw& law, double gap, double closing, double h) {
+  switch (law.cohesion_law) {
+    case CohesionLaw::force:
+      return law.cohesion * time_in_range(gap, closing, h, law.cohesion_range);
+    case CohesionLaw::impulse:
+      return gap <= law.cohesion_range ? law.cohesion : 0;
+  }
+  __builtin_unreachable();
+}
+
 /// The problem's vectors; `ContactProblem` looks at them.
 struct ProblemData {
   std::vector<double> inverse_mass;
@@ -95,10 +106,7 @@ ProblemData pose(const World& world, const Contacts& contacts, double h, double 
     const double closing = u.dot(n);
     const double w = data.inverse_mass[i] + (j == ground ? 0 : data.inverse_mass[j]);
     double& cohesive = data.cohesive_impulse[c];
-    if (law.cohesion > 0)
-      cohesive = law.cohesion_is_impulse
-                     ? (gap <= law.cohesion_range ? law.cohesion : 0)
-                     : law.cohesion * time_in_range(gap, closing, h, law.cohesion_range);
+    if (law.cohesion > 0) cohesive = cohesive_impulse(law, gap, closing, h);
     const double open = std::max(gap, 0.0);
     double bias = open / h;
     const bool meets = gap + h * closing < 0 && -closing > driven + 2 * cohesive * w;
