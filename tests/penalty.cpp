@@ -14,7 +14,7 @@ const PenaltySettings hertz{.model = PenaltyModel::hertz};
 PenaltySettings sticky(Adhesion adhesion) {
   PenaltySettings s = hertz;
   s.adhesion = adhesion;
-  s.work_of_adhesion = 200;
+  s.adhesion_strength = 200;
   return s;
 }
 ContactLaw contact_law(double friction, double restitution) {
@@ -123,7 +123,7 @@ struct Textbook {
 Textbook textbook(const PenaltySettings& s, double overlap, double r) {
   if (s.model == PenaltyModel::hooke)
     return {s.stiffness * overlap, s.stiffness, s.tangential_ratio * s.stiffness, 0};
-  const double nu = soft_rock.poisson_ratio, w = s.work_of_adhesion;
+  const double nu = soft_rock.poisson_ratio, w = s.adhesion_strength;
   const double modulus = soft_rock.youngs_modulus / (2 * (1 - nu * nu));
   const double shear = soft_rock.youngs_modulus / (4 * (2 - nu) * (1 + nu));
   double a = std::sqrt(r * overlap), force = 4 / 3.0 * modulus * a * overlap, attraction = 0;
