@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""Writes the medians of results/NAME.csv, as run_NAME.sh leaves it, into section NAME of README.md and prints them.
+"""Writes the medians of results/NAME.csv, as run_NAME.sh leaves it, into section NAME of README.md
+and prints them.
 
 SPDX-License-Identifier: BSD-3-Clause
 usage: beside_peers.py granular|lennard_jones|untuned
@@ -23,19 +24,26 @@ for row in csv.DictReader(open(here / "results" / f"{name}.csv")):
 median = {key: [statistics.median(v[k]) for k in range(3)] for key, v in values.items()}
 
 text = [
-    origin(2) + "; wall time and, in brackets, processor time; medians, of its ratio least–most of the turns",
+    origin(2)
+    + "; wall time and, in brackets, processor time; medians, of its ratio least–most of the turns",
     "",
-    "| scene | ranks | Spall, million steps/s | other | its million steps/s | ratio | bytes a body, Spall | other | ratio |",
+    "| scene | ranks | Spall, million steps/s | other | its million steps/s | ratio | bytes a "
+    "body, Spall | other | ratio |",
     "|---|--:|--:|---|--:|--:|--:|--:|--:|",
 ]
 for (scene, ranks), program in median:
     if program == "spall":
         continue
     ours, other = median[(scene, ranks), "spall"], median[(scene, ranks), program]
-    turns = [a / b for a, b in zip(values[(scene, ranks), "spall"][1], values[(scene, ranks), program][1])]
+    turns = [a / b
+             for a, b in zip(values[(scene, ranks), "spall"][1],
+                             values[(scene, ranks), program][1])]
     text.append(
-        f"| {scene} | {ranks} | {ours[0]:.1f} ({ours[1]:.1f}) | {program} | {other[0]:.1f} ({other[1]:.1f}) "
-        f"| **{ours[0] / other[0]:.2f}** ({ours[1] / other[1]:.2f}, {min(turns):.2f}–{max(turns):.2f}) | {ours[2]:.0f} | {other[2]:.0f} | {ours[2] / other[2]:.2f} |"
+        f"| {scene} | {ranks} | {ours[0]:.1f} ({ours[1]:.1f}) | {program} | {other[0]:.1f} "
+        f"({other[1]:.1f}) "
+        f"| **{ours[0] / other[0]:.2f}** ({ours[1] / other[1]:.2f}, "
+        f"{min(turns):.2f}–{max(turns):.2f}) | {ours[2]:.0f} | {other[2]:.0f} | "
+        f"{ours[2] / other[2]:.2f} |"
     )
 text.append("")
 for (scene, ranks), program in median:

@@ -16,7 +16,8 @@ from readme import replace_section
 HERE = pathlib.Path(__file__).resolve().parent
 CASE = HERE / "plan.toml"
 METHODS = {"nonsmooth": [], "penalty": [], "potential": [],
-           "nonsmooth, gravity by a tree": ["--set", "gravity.method=tree", "--set", "gravity.accuracy=1e-3"]}
+           "nonsmooth, gravity by a tree": ["--set", "gravity.method=tree", "--set",
+                                            "gravity.accuracy=1e-3"]}
 STAGES = ("gravity", "neighbours", "forces", "solver")
 COUNTS = ("messages", "bytes", "collectives")
 SECONDS = {"us": 1e-6, "ms": 1e-3, "s": 1}
@@ -42,17 +43,20 @@ def seconds(text):
 def blocks(text):
     """Of a plan's text: number of ranks, its rows by name, and the block itself."""
     for count, block in re.findall(r"^(\d+) ranks?, (.*?)(?:\n\n|\Z)", text, re.M | re.S):
-        yield int(count), {line[2:18].strip(): line[18:].split() for line in block.splitlines()[1:]}, block
+        yield int(count), {line[2:18].strip(): line[18:].split()
+                           for line in block.splitlines()[1:]}, block
 
 
 def planned(spall, changes, ranks):
     """By number of ranks, what the plan tells of a step of the slowest one."""
-    text = on_ranks(2, spall, "plan", CASE, "--ranks", ",".join(map(str, ranks)), "--calibrate", *changes)
+    text = on_ranks(2, spall, "plan", CASE, "--ranks", ",".join(map(str, ranks)), "--calibrate",
+                    *changes)
     plans = {}
     for count, rows, block in blocks(text):
         plan = plans[count] = {"bodies": float(rows["bodies"][1])}
         for stage in STAGES:
-            plan |= {f"{stage} {what}": float(rows[stage][k]) for k, what in enumerate(COUNTS) if stage in rows}
+            plan |= {f"{stage} {what}": float(rows[stage][k]) for k, what in enumerate(COUNTS)
+                     if stage in rows}
         plan["step (s)"] = seconds(re.search(r"a step takes (.*?),", block)[1])
     return plans
 
@@ -65,9 +69,11 @@ def ran(spall, changes, ranks):
     bodies = float(re.search(r"(\d+) bodies, at most", call(spall, "check", CASE, *changes))[1])
     run = {"bodies": table["imbalance"] * bodies / ranks}
     for stage in STAGES:
-        run |= {f"{stage} {what}": table[f"{stage}_{what}"] for what in COUNTS if f"{stage}_{what}" in table}
+        run |= {f"{stage} {what}": table[f"{stage}_{what}"] for what in COUNTS
+                if f"{stage}_{what}" in table}
     if ranks <= TIMED:
-        text = on_ranks(ranks, spall, "check", "--time", CASE, *changes, "--set", "phases.only.duration=1s")
+        text = on_ranks(ranks, spall, "check", "--time", CASE, *changes, "--set",
+                        "phases.only.duration=1s")
         steps, took = re.search(r"sample of (\d+), which took (.*?) on", text).groups()
         run["step (s)"] = seconds(took) / int(steps)
     return run
@@ -85,9 +91,12 @@ def main(spall, path, *ranks):
     about = f"commit {call(HERE / 'commit.sh').strip()}"
     with open(path, "w") as file:
         file.write(f"# {about}\n")
-        csv.writer(file, lineterminator="\n").writerows([["method", "ranks", "what", "plan", "run"], *rows])
+        csv.writer(file,
+                   lineterminator="\n").writerows([["method", "ranks", "what", "plan", "run"],
+                                                   *rows])
     lines = [about, "", "| method | ranks | a step | plan | run |", "|---|--:|---|--:|--:|"]
-    replace_section(HERE / "README.md", "plan", "\n".join(lines + ["| " + " | ".join(map(str, row)) + " |" for row in rows]))
+    replace_section(HERE / "README.md", "plan",
+                    "\n".join(lines + ["| " + " | ".join(map(str, row)) + " |" for row in rows]))
 
 
 if __name__ == "__main__":

@@ -61,7 +61,8 @@ def compare(build, driver, problem, folder, rows):
             try:
                 for turn in range(3):
                     text = subprocess.run(
-                        [str(driver), str(binary), method, str(tolerance), str(most), str(solution)],
+                        [str(driver), str(binary), method, str(tolerance), str(most),
+                         str(solution)],
                         check=True, capture_output=True, text=True, timeout=LONGEST).stdout.split()
                     at = text.index("seconds")
                     times.append(float(text[at + 1]))
@@ -109,7 +110,8 @@ def main():
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         driver = folder / "siconos_solve"
-        subprocess.run(["g++", "-O2", "-I/usr/include/siconos", str(HERE / "peers/siconos_solve.cpp"),
+        subprocess.run(["g++", "-O2", "-I/usr/include/siconos",
+                        str(HERE / "peers/siconos_solve.cpp"),
                         "-o", str(driver), "-lsiconos_numerics"], check=True)
         for problem in problems:
             compare(build, driver, problem, folder, rows)

@@ -20,7 +20,7 @@ PenaltySettings settings_of(const std::string& model) {
   PenaltySettings s;
   if (model == "jkr") s.adhesion = Adhesion::jkr;
   if (model == "dmt") s.adhesion = Adhesion::dmt;
-  s.work_of_adhesion = s.adhesion == Adhesion::none ? 0 : 2 * 1000;
+  s.adhesion_strength = s.adhesion == Adhesion::none ? 0 : 2 * 1000;
   return s;
 }
 
@@ -126,16 +126,10 @@ void compare_forces(const Comm& comm, const std::string& dump, double h, Lab& wo
                      largest_torque = std::max(largest_torque, torque[id].norm());
                    });
   };
-  switch (law.adhesion) {  // of the kernels' many models those of bench/granular alone
-    case Adhesion::none:
-      compare(ContactModel<true, false, PlainHertzLanes, double>(law, false, h));
-      break;
-    case Adhesion::dmt:
-      compare(ContactModel<true, false, DmtLanes, double>(law, false, h));
-      break;
-    case Adhesion::jkr:
-      compare(ContactModel<true, false, JkrLanes, double>(law, false, h));
-  }
+  // Of the kernels' many models those of bench/granular alone.
+  with_adhesion(law.adhesion, [&]<template <class> class Law>() {
+    compare(ContactModel<true, false, Law, double>(law, false, h));
+  });
   fmt::print("forces {:.3g} of {:.4g} N, torques {:.3g} of {:.4g} N m\n", worst / largest, largest,
              worst_torque / largest_torque, largest_torque);
 }

@@ -34,7 +34,8 @@ def measure(build):
 def main(builds):
     runs = [[measure(build) for build in builds] for _ in range(ROUNDS)]
     lines = [f"{origin(1)}; medians of {ROUNDS} runs in turns (least–most).", "",
-             "| build | kernel | " + " | ".join(f"{name} contacts" for name in SIZES.values()) + " |",
+             "| build | kernel | " + " | ".join(f"{name} contacts" for name in SIZES.values())
+             + " |",
              "|---|---|" + "--:|" * len(SIZES)]
     for b, build in enumerate(builds):
         for kind, name in KINDS.items():
@@ -43,7 +44,8 @@ def main(builds):
                 times = [run[b][kind, size] for run in runs]
                 cells.append(f"{statistics.median(times):.1f} ({min(times):.1f}–{max(times):.1f})")
             lines.append(f"| {pathlib.Path(build).name} | {name} | " + " | ".join(cells) + " |")
-    replace_section(pathlib.Path(__file__).resolve().parent / "README.md", "kernel", "\n".join(lines))
+    replace_section(pathlib.Path(__file__).resolve().parent / "README.md", "kernel",
+                    "\n".join(lines))
 
 
 if __name__ == "__main__":

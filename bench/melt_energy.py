@@ -1,8 +1,10 @@
 #!/usr/bin/python3
-"""Writes how the energy of a melt drifts, by Spall and by LAMMPS, into section melt_energy of README.md.
+"""Writes how the energy of a melt drifts, by Spall and by LAMMPS, into section melt_energy of
+README.md.
 
 SPDX-License-Identifier: BSD-3-Clause
-usage: melt_energy.py SERIES PLAIN SHIFTED CHECKED: Spall's series.csv, and LAMMPS's logs of step and energy a body
+usage: melt_energy.py SERIES PLAIN SHIFTED CHECKED: Spall's series.csv, and LAMMPS's logs of step
+and energy a body
 """
 import csv
 import pathlib
@@ -19,11 +21,13 @@ melted = 500  # steps in which the lattice melts: its energy is not yet that of 
 
 def of_spall(path):
     rows = list(csv.DictReader(open(path)))
-    return np.array([[float(row["step"]), (float(row["kinetic"]) + float(row["bonds"])) / bodies] for row in rows])
+    return np.array([[float(row["step"]), (float(row["kinetic"]) + float(row["bonds"])) / bodies]
+                     for row in rows])
 
 
 def row(name, values):
-    """The straight line through the melted part: its change over all of it, and the rest's deviation from it."""
+    """The straight line through the melted part: its change over all of it, and the rest's
+    deviation from it."""
     step, energy = values[values[:, 0] >= melted].T
     slope, offset = np.polyfit(step, energy, 1)
     rest = energy - (slope * step + offset)
@@ -43,5 +47,6 @@ text = [
     row("LAMMPS, `pair_modify shift yes`", read_log(sys.argv[3])),
     row("LAMMPS, the same with `neigh_modify every 1 check yes`", read_log(sys.argv[4])),
 ]
-replace_section(pathlib.Path(__file__).resolve().parent / "README.md", "melt_energy", "\n".join(text))
+replace_section(pathlib.Path(__file__).resolve().parent / "README.md", "melt_energy",
+                "\n".join(text))
 print("\n".join(text))

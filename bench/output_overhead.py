@@ -1,9 +1,11 @@
-"""What restart files, snapshots and kept states cost the main job: output_overhead.py SPALL [NEVER_KEEPS] [--bodies 2000]
+"""What restart files, snapshots and kept states cost the main job: output_overhead.py SPALL
+[NEVER_KEEPS] [--bodies 2000]
 
-Turns of `didymoon` with its output, and with none but that at the ends of phases; NEVER_KEEPS is a program
-that was built to keep no state. Processor time of one rank, which waits for nobody, and the least of all
-turns: what else a shared machine does only adds to it. The pile has fewer bodies than that of the main
-job, so that turns take seconds; the fewer, the more a file costs. Writes bench/README.md.
+Turns of `didymoon` with its output, and with none but that at the ends of phases; NEVER_KEEPS is a
+program that was built to keep no state. Processor time of one rank, which waits for nobody, and the
+least of all turns: what else a shared machine does only adds to it. The pile has fewer bodies than
+that of the main job, so that turns take seconds; the fewer, the more a file costs. Writes
+bench/README.md.
 SPDX-License-Identifier: BSD-3-Clause
 """
 import argparse
@@ -24,7 +26,8 @@ NONE = ["output.snapshot_every=0", "output.restart_every=1e9 s"]
 def processor_seconds(program, bodies, changes, folder):
     shutil.rmtree(folder, ignore_errors=True)
     radius = 95 * (bodies / 10307) ** (1 / 3)
-    sets = [f"groups.cloud.packing.count={bodies}", f"groups.cloud.volume.radius={radius:.3f} m", *changes]
+    sets = [f"groups.cloud.packing.count={bodies}", f"groups.cloud.volume.radius={radius:.3f} m",
+            *changes]
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     subprocess.run([program, "run", here.parent / "cases/didymoon/case.toml", "--out", folder,
                     *[word for one in sets for word in ("--set", one)]],
@@ -48,7 +51,8 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         for _ in range(given.turns):
             for kind, (program, changes) in kinds.items():
-                seconds[kind].append(processor_seconds(program, given.bodies, changes, pathlib.Path(folder) / "out"))
+                seconds[kind].append(processor_seconds(program, given.bodies, changes,
+                                                       pathlib.Path(folder) / "out"))
                 print(f"{kind}: {seconds[kind][-1]:.2f} s", flush=True)
     with open(here / "results/output_overhead.csv", "w", newline="") as file:
         rows = csv.writer(file)
@@ -56,7 +60,8 @@ def main():
         rows.writerows([kind, *(f"{one:.3f}" for one in all_)] for kind, all_ in seconds.items())
     plain = min(seconds["no files but at the ends of phases"])
     table = [f"{origin(1)}; {given.bodies} bodies, {given.turns} turns; processor time.", "",
-             "| written | least, s | median | most | least beside no files |", "|---|--:|--:|--:|--:|"]
+             "| written | least, s | median | most | least beside no files |",
+             "|---|--:|--:|--:|--:|"]
     table += [f"| {kind} | {min(own):.2f} | {statistics.median(own):.2f} | {max(own):.2f} | "
               f"{100 * (min(own) / plain - 1):+.1f} % |" for kind, own in seconds.items()]
     replace_section(here / "README.md", "output", "\n".join(table))

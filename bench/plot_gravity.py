@@ -13,7 +13,8 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
 # Seconds on one core and rms force error of FDPS 7.1 (quadrupole, AVX-512) at opening angles 1.0,
-# 0.7, 0.5, 0.3, and of a plain double direct sum (2.86 G interactions/s) on the machine where it was
+# 0.7, 0.5, 0.3, and of a plain double direct sum (2.86 G interactions/s) on the machine where it
+# was
 # measured. Only ratios to the plain sum can be compared.
 FDPS = {
     ("ball", 10307): [(0.0047, 6.3e-3), (0.0060, 1.9e-3), (0.0102, 3.6e-4), (0.0201, 6.5e-5)],
@@ -55,8 +56,10 @@ def main():
         "",
         f"{about}. `bench/run_gravity.sh build/release` makes these figures anew.",
         "",
-        "Speed-up: time of the plain direct sum, in which every body meets every other, over the time",
-        "of the tree, processor time of the slowest rank, measured in turns in one run. FDPS: its own speed-up over the same",
+        "Speed-up: time of the plain direct sum, in which every body meets every other, over the "
+        "time",
+        "of the tree, processor time of the slowest rank, measured in turns in one run. FDPS: its "
+        "own speed-up over the same",
         "sum on the machine where it was measured, interpolated (below 6e-5: extrapolated).",
         "",
         "| set | bodies | rms error | tree, 1 rank | FDPS 7.1, 1 rank | ratio |",
@@ -92,7 +95,8 @@ def main():
         "![error against time](gravity.png)",
         "",
         "| set | bodies | ranks | order | asked | rms | 99 % | max | tree, s | build, s |"
-        " moments and exchange, s | walk, s | exact sum, s | bytes a body | net force | net torque |",
+        " moments and exchange, s | walk, s | exact sum, s | bytes a body | net force | net torque "
+        "|",
         "|" + "---|" * 16,
     ]
     for r in rows:
@@ -104,8 +108,10 @@ def main():
             f" {r['direct_s']:.3g} | {r['bytes']:.0f} |"
             f" {r['net_force']:.0e} |"
             f" {r['net_torque']:.0e} |")
-    lines += ["", "Net force: |sum F| / sum |F|; net torque: |sum x × F| / sum |x| |F|. The exact sum "
-              "meets each pair once. Bytes a body: peak memory of an evaluation beyond what was there before, "
+    lines += ["",
+              "Net force: |sum F| / sum |F|; net torque: |sum x × F| / sum |x| |F|. The exact sum "
+              "meets each pair once. Bytes a body: peak memory of an evaluation beyond what was "
+              "there before, "
               "the field it returns (32 bytes) included.", ""]
     path.with_suffix(".md").write_text("\n".join(lines))
 

@@ -1,5 +1,5 @@
-"""Draws E against products of the open problem: plot_open_problem.py CSV, which is also put as a table into
-bench/README.md.
+"""Draws E against products of the open problem: plot_open_problem.py CSV, which is also put as a
+table into bench/README.md.
 
 SPDX-License-Identifier: BSD-3-Clause
 """
@@ -25,7 +25,9 @@ def main(path):
         curves.setdefault((row["friction"], row["age"], row["way"]), []).append(
             (int(row["products"]), float(row["E"])))
     figure, axes = plt.subplots(1, 2, figsize=(11, 4.2), sharey=True, layout="constrained")
-    lines = [about, "", "| friction | pile | way | products to E = 1e-2 | 1e-3 | 1e-4 | 1e-5 | 1e-6 | lowest E |",
+    lines = [about, "",
+             "| friction | pile | way | products to E = 1e-2 | 1e-3 | 1e-4 | 1e-5 | 1e-6 | lowest "
+             "E |",
              "|---|---|---|--:|--:|--:|--:|--:|--:|"]
     for (friction, age, way), points in curves.items():
         panel = axes[int(friction == "coulomb")]

@@ -17,7 +17,8 @@ def is_random(row):
 
 def main():
     rows = list(csv.DictReader((HERE / "results/solid.csv").open()))
-    lines = ["| up, m/s | Us = c0 + s up | random crystals, mean (least–most) | error | [100] | [110] | [111] | density "
+    lines = ["| up, m/s | Us = c0 + s up | random crystals, mean (least–most) | error | [100] | "
+             "[110] | [111] | density "
              "ratio wanted | random | error |", "|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|"]
     shocks = [row for row in rows if row["what"] == "shock"]
     for up in sorted({float(row["speed"]) for row in shocks}):
@@ -29,14 +30,20 @@ def main():
         mean, ratio = statistics.mean(speeds), statistics.mean(ratios)
         lines.append(
             f"| {up:g} | {wanted:.0f} | {mean:.0f} ({min(speeds):.0f}–{max(speeds):.0f}) | "
-            f"{100 * (mean / wanted - 1):+.1f} % | {along['100']:.0f} | {along['110']:.0f} | {along['111']:.0f} | "
+            f"{100 * (mean / wanted - 1):+.1f} % | {along['100']:.0f} | {along['110']:.0f} | "
+            f"{along['111']:.0f} | "
             f"{dense:.3f} | {ratio:.3f} | {100 * (ratio / dense - 1):+.1f} % |")
-    lines += ["", "| crystal | largest stress of a stretched bar, GPa | at a strain of |", "|---|--:|--:|"]
+    lines += ["", "| crystal | largest stress of a stretched bar, GPa | at a strain of |",
+              "|---|--:|--:|"]
     for row in rows:
         if row["what"] == "tension":
             name = f"seed {row['orientation']}" if is_random(row) else f"[{row['orientation']}]"
-            lines.append(f"| {name} | {float(row['measured']) / 1e9:.2f} | {100 * float(row['second']):.1f} % |")
-    lines += ["", "| flyer, spacings | crystal | largest tension of a layer, GPa | by the pull-back, GPa | asked for "
+            lines.append(
+                f"| {name} | {float(row['measured']) / 1e9:.2f} | {100 * float(row['second']):.1f} "
+                f"% |")
+    lines += ["",
+              "| flyer, spacings | crystal | largest tension of a layer, GPa | by the pull-back, "
+              "GPa | asked for "
               "| tears so far from the surface, spacings |", "|--:|---|--:|--:|--:|--:|"]
     spall = [row for row in rows if row["what"] == "spall"]
     for length in sorted({float(row["third"]) for row in spall}):
@@ -52,7 +59,8 @@ def main():
                 return f"{statistics.mean(values):{form}}" + (
                     f" ({min(values):{form}}–{max(values):{form}})" if len(values) > 1 else "")
 
-            lines.append(f"| {length:g} | {name} | {spread('measured', 1e9, '.2f')} | {spread('second', 1e9, '.2f')} | "
+            lines.append(f"| {length:g} | {name} | {spread('measured', 1e9, '.2f')} | "
+                         f"{spread('second', 1e9, '.2f')} | "
                          f"{float(chosen[0]['wanted']) / 1e9:.2f} | {spread('plane', 1, '.1f')} |")
     replace_section(HERE / "README.md", "solid", "\n".join(lines))
 

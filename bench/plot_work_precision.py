@@ -72,8 +72,9 @@ def main():
             lines.append(f"| {' '.join(method)} | "
                          + " | ".join(cells(of(run, method), what, form) for run in runs) + " |")
         lines.append("")
-    lines.append("`accelerated` over `apgd`, convex, seconds to E = 1e-4 (where `apgd` does not get there in")
-    lines.append("4,000 products: at least): " + "; ".join(ratio(of, run) for run in runs) + ".")
+    lines.append("`accelerated` over `apgd`, convex, seconds to E = 1e-4 (where `apgd` does not")
+    lines.append("get there in 4,000 products: at least): "
+                 + "; ".join(ratio(of, run) for run in runs) + ".")
     replace_section(path.parent.parent / "README.md", "work_precision", "\n".join(lines))
 
 
@@ -83,7 +84,8 @@ def ratio(of, run):
     reached = first_below(theirs, 1e-4, "seconds")
     if ours is None:
         return f"{' '.join(run)} neither"
-    return f"{' '.join(run)} {'' if reached else '> '}{(reached or theirs[-1]['seconds']) / ours:.1f}"
+    times = (reached or theirs[-1]["seconds"]) / ours
+    return f"{' '.join(run)} {'' if reached else '> '}{times:.1f}"
 
 
 if __name__ == "__main__":

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # What the program and its libraries take in memory, before bodies count: by where they come from.
 # SPDX-License-Identifier: BSD-3-Clause
-"""usage: program_memory.py SPALL [RANKS]    prints a table for bench/README.md, of the last rank."""
+"""usage: program_memory.py SPALL [RANKS]    prints a table for bench/README.md, of the last
+rank."""
 import os
 import re
 import subprocess
@@ -73,7 +74,8 @@ def main(program, ranks):
         table[origin.get(file, "Spall, its heap and others")].update(kb)
     print("| from | libraries | resident MB | a rank's own MB |\n|---|---|---|---|")
     for name, kb in sorted(table.items()):
-        print(f"| {name} | {count[name] or ''} | {kb['resident'] / 1e3:.1f} | {kb['own'] / 1e3:.1f} |")
+        print(f"| {name} | {count[name] or ''} | {kb['resident'] / 1e3:.1f} | "
+              f"{kb['own'] / 1e3:.1f} |")
     total = sum(table.values(), Counter())
     print(f"| all, on {ranks} | | {total['resident'] / 1e3:.1f} | {total['own'] / 1e3:.1f} |")
 

@@ -1,9 +1,11 @@
-"""What a report's page weighs, how fast it turns, and what watching costs a run: report_page.py SPALL [--turns 7]
+"""What a report's page weighs, how fast it turns, and what watching costs a run: report_page.py
+SPALL [--turns 7]
 
 - Size: 100,000 spheres that fly apart, at ten instants, so that no place is like the one before.
 - Pictures a second: 10,000 spheres, turned in headless Chromium that draws with the processor.
-- Cost of watching: processor time of a run of 10,000 boulders, in turns with nobody and with a page that asks as
-  a browser does. The least of all turns is compared: what else a shared machine does only adds to it.
+- Cost of watching: processor time of a run of 10,000 boulders, in turns with nobody and with a page
+  that asks as a browser does. The least of all turns is compared: what else a shared machine does
+  only adds to it.
 
 Writes docs/report.md.
 SPDX-License-Identifier: BSD-3-Clause
@@ -83,8 +85,9 @@ def descendants(pid):
 
 
 def pictures_a_second(page):
-    """At the window's own resolution, and as a reader has it, with fewer pixels where pictures come late: pictures a
-    second, the share of the resolution, and seconds of processor time a picture."""
+    """At the window's own resolution, and as a reader has it, with fewer pixels where pictures come
+    late: pictures a second, the share of the resolution, and seconds of processor time a
+    picture."""
     from browser import Browser, open_report, set_width
     found = []
     with Browser() as driver:
@@ -127,15 +130,18 @@ def processor_seconds(pid):
 def turn(spall, out, watched):
     """Seconds: processor time of the run, its wall time, and processor time of the watching."""
     begin, before = time.monotonic(), resource.getrusage(resource.RUSAGE_CHILDREN)
-    run = subprocess.Popen([spall, "run", root / "cases/didymoon/case.toml", "--out", out, "--overwrite", "--set",
+    run = subprocess.Popen([spall, "run", root / "cases/didymoon/case.toml", "--out", out,
+                            "--overwrite", "--set",
                             "groups.cloud.packing.count=3000", "groups.cloud.volume.radius=63",
                             "output.snapshot_every=500 s"], stdout=subprocess.DEVNULL)
     watching, ends, asking = None, threading.Event(), None
     if watched:
         while not (out / "snapshots/000000.h5").exists() or not (out / "trajectory.h5").exists():
             time.sleep(0.05)
-        watching = subprocess.Popen([spall, "watch", out, "--port", "0"], stdout=subprocess.PIPE, text=True)
-        asking = threading.Thread(target=ask_as_a_page, args=(watching.stdout.readline().split()[0], ends))
+        watching = subprocess.Popen([spall, "watch", out, "--port", "0"], stdout=subprocess.PIPE,
+                                    text=True)
+        asking = threading.Thread(target=ask_as_a_page,
+                                  args=(watching.stdout.readline().split()[0], ends))
         asking.start()
     run.wait()
     wall = time.monotonic() - begin
@@ -173,13 +179,19 @@ def main():
     own = statistics.median(own / wall for _, wall, own in watched)
     replace_section(root / "docs/report.md", "report_page", "\n".join([
         f"{source}.", "", "| what | measured |", "|---|--:|",
-        f"| page of 100,000 bodies at ten instants, all moving, with pictures | {megabytes:.1f} MB, made in {seconds:.0f} s |",
-        f"| a picture of 10,000 bodies at whole resolution, drawn by the processor | {1e3 * cost:.0f} ms of processor time |",
-        f"| the same while the view turns, at {ratio:.2f} of the resolution | {1e3 * less:.0f} ms of processor time |",
-        f"| pictures a second, whole and while the view turns, while {load:.0f} processes shared the cores | {whole:.0f}, {adapted:.0f} |",
+        f"| page of 100,000 bodies at ten instants, all moving, with pictures | {megabytes:.1f} "
+        f"MB, made in {seconds:.0f} s |",
+        f"| a picture of 10,000 bodies at whole resolution, drawn by the processor | "
+        f"{1e3 * cost:.0f} ms of processor time |",
+        f"| the same while the view turns, at {ratio:.2f} of the resolution | {1e3 * less:.0f} ms "
+        f"of processor time |",
+        f"| pictures a second, whole and while the view turns, while {load:.0f} processes shared "
+        f"the cores | {whole:.0f}, {adapted:.0f} |",
         f"| processor time of a run, alone | {least:.2f} s |",
-        f"| the same run while it is watched | {beside:.2f} s ({100 * (beside / least - 1):+.1f} %) |",
-        f"| processor time of `spall watch` itself, of the run's wall time | {100 * own:.1f} % of a core |"]))
+        f"| the same run while it is watched | {beside:.2f} s ({100 * (beside / least - 1):+.1f} "
+        f"%) |",
+        f"| processor time of `spall watch` itself, of the run's wall time | {100 * own:.1f} % of "
+        f"a core |"]))
 
 
 if __name__ == "__main__":

@@ -1,5 +1,5 @@
-"""Does the solver's tolerance change where a pile ends? 1,000 steps of a cloud that falls together, three
-seeds, at several tolerances, prox weights and numbers of ranks: trajectories.py BUILD_FOLDER
+"""Does the solver's tolerance change where a pile ends? 1,000 steps of a cloud that falls together,
+three seeds, at several tolerances, prox weights and numbers of ranks: trajectories.py BUILD_FOLDER
 
 SPDX-License-Identifier: BSD-3-Clause
 """
@@ -45,7 +45,8 @@ def run(build, seed, ranks=1, **solver):
     with tempfile.TemporaryDirectory() as folder:
         case = pathlib.Path(folder) / "case.toml"
         case.write_text(CASE)
-        command = ["mpirun", "--oversubscribe", "-n", str(ranks), f"{build}/spall", "run", str(case),
+        command = ["mpirun", "--oversubscribe", "-n", str(ranks), f"{build}/spall", "run",
+                   str(case),
                    "--out", f"{folder}/out", "--set", f"seed={seed}"]
         for key, value in solver.items():
             command += ["--set", f"solver.{key}={value}"]
@@ -69,7 +70,9 @@ def main(build):
         cells = []
         for section, key, _, form in MEASURES:
             values = [result[section][key] for result in results]
-            spread = f" ± {form.format(statistics.stdev(values))}" if key != "products_a_step" else ""
+            spread = ""
+            if key != "products_a_step":
+                spread = f" ± {form.format(statistics.stdev(values))}"
             cells.append(form.format(statistics.mean(values)) + spread)
         lines.append(f"| {name} | " + " | ".join(cells) + " |")
         print(lines[-1], flush=True)

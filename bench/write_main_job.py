@@ -1,4 +1,5 @@
-"""Puts the measured main job and settled step between the marks in the READMEs: write_main_job.py RUN_FOLDER
+"""Puts the measured main job and settled step between the marks in the READMEs: write_main_job.py
+RUN_FOLDER
 
 SPDX-License-Identifier: BSD-3-Clause
 """
@@ -26,8 +27,10 @@ def main(folder):
     solving = float(asked["solver_s"])
     job = (f"The whole main job: **{time['total_s']:.0f} s**, {results['solver']['steps']} steps "
            f"({shares}).\n"
-           f"A step of the settled pile ({float(asked['contacts']):.0f} contacts, E_eps = 1e-2, warm): "
-           f"**{1e3 * float(asked['step_s']):.0f} ms**, {1e3 * solving:.1f} ms of it solving, to an "
+           f"A step of the settled pile ({float(asked['contacts']):.0f} contacts, E_eps = 1e-2, "
+           f"warm): "
+           f"**{1e3 * float(asked['step_s']):.0f} ms**, {1e3 * solving:.1f} ms of it solving, to "
+           f"an "
            f"rms residual of {float(asked['rms_m_s']):.1e} m/s.\n"
            f"({origin(2)})")
     replace_section(here.parent / "README.md", "main job", job)

@@ -17,13 +17,18 @@ def main(path):
     for row in rows:
         runs.setdefault((row["shape"], row["bodies"], row["ranks"]), {})[row["cut"]] = row
     lines = [about, "",
-             "| shape | bodies | ranks | ghosts by bisection, mean (most) | by METIS | imbalance | by METIS |",
+             "| shape | bodies | ranks | ghosts by bisection, mean (most) | by METIS | imbalance | "
+             "by METIS |",
              "|---|--:|--:|--:|--:|--:|--:|"]
     for (shape, bodies, ranks), cuts in runs.items():
-        ghosts = [f"{cuts[cut]['ghosts_mean']} ({cuts[cut]['ghosts_most']})" for cut in ("bisection", "metis")]
+        ghosts = [f"{cuts[cut]['ghosts_mean']} ({cuts[cut]['ghosts_most']})"
+                  for cut in ("bisection", "metis")]
         uneven = [cuts[cut]["imbalance"] for cut in ("bisection", "metis")]
-        lines.append(f"| {shape} | {int(bodies):,} | {ranks} | {ghosts[0]} | {ghosts[1]} | {uneven[0]} | {uneven[1]} |")
-    replace_section(pathlib.Path(__file__).resolve().parent / "README.md", "partition", "\n".join(lines))
+        lines.append(
+            f"| {shape} | {int(bodies):,} | {ranks} | {ghosts[0]} | {ghosts[1]} | {uneven[0]} | "
+            f"{uneven[1]} |")
+    replace_section(pathlib.Path(__file__).resolve().parent / "README.md", "partition",
+                    "\n".join(lines))
 
 
 if __name__ == "__main__":

@@ -28,7 +28,8 @@ def main(path):
         row = same[-1]
         contacts = int(row["contacts"])
         per_contact = f"{1e9 * seconds / contacts:.1f}" if row["unit"] == "product" else ""
-        lines.append(f"| {scene} | {int(bodies):,} | {f'{contacts:,}' if contacts else ''} | {ranks} | {seconds:.3g} "
+        lines.append(f"| {scene} | {int(bodies):,} | {f'{contacts:,}' if contacts else ''} | "
+                     f"{ranks} | {seconds:.3g} "
                      f"| {row['unit']} | {per_contact} | {f'{speedup:.2f}' if speedup else ''} "
                      f"| {row['error']} | {row['peak_MB']} |")
     replace_section(pathlib.Path(__file__).resolve().parent / "README.md", "scaling",

@@ -11,7 +11,8 @@ import matplotlib.pyplot as plt  # noqa: E402
 
 
 def read(folder):
-    """Positions (m) of all grains in all snapshots, their times (s), the radius of the first grain (m)."""
+    """Positions (m) of all grains in all snapshots, their times (s), the radius of the first grain
+    (m)."""
     with h5py.File(pathlib.Path(folder) / "trajectory.h5") as file:
         return (
             file["particles/all/position/value"][:],
@@ -21,8 +22,8 @@ def read(folder):
 
 
 def draw(file, all_x, times, grain, frames, height, top=None):
-    """The slice twelve grain radii thick along y = 0 at these `frames`, one below the other; `height` of the picture in
-    inches, `top` of the axes in mm."""
+    """The slice twelve grain radii thick along y = 0 at these `frames`, one below the other;
+    `height` of the picture in inches, `top` of the axes in mm."""
     figure, axes = plt.subplots(len(frames), 1, figsize=(8, height), sharex=True, sharey=True)
     for axis, k in zip(axes, frames):
         x = 1e3 * all_x[k]

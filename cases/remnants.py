@@ -1,7 +1,8 @@
 # What is left of piles at the end of a run: the largest remnant by contact and by gravity.
 # SPDX-License-Identifier: BSD-3-Clause
-"""The rules are those of src/analysis/clumps.cpp: bodies closer than the range of cohesion hang together; the heaviest such
-clump then takes every body that its gravity, as of a point mass, holds."""
+"""The rules are those of src/analysis/clumps.cpp: bodies closer than the range of cohesion hang
+together; the heaviest such clump then takes every body that its gravity, as of a point mass,
+holds."""
 import tomllib
 
 import h5py
@@ -11,11 +12,13 @@ G = 6.67430e-11
 
 
 def last_frame(folder, skip_group=None):
-    """Positions, velocities, radii, masses at the end of the run; without the bodies of a group, such as a planet."""
+    """Positions, velocities, radii, masses at the end of the run; without the bodies of a group,
+    such as a planet."""
     with h5py.File(folder / "trajectory.h5") as file:
         rows = file["particles/all"]
         keep = rows["group"][:] != skip_group if skip_group is not None else slice(None)
-        return [rows["position/value"][-1][keep], rows["velocity/value"][-1][keep], rows["radius"][:][keep],
+        return [rows["position/value"][-1][keep], rows["velocity/value"][-1][keep],
+                rows["radius"][:][keep],
                 rows["mass"][:][keep]]
 
 
@@ -30,7 +33,9 @@ def clump_names(position, radius, reach):
     pairs = []
     for k in range(len(radius)):
         gap = np.linalg.norm(position[k + 1:] - position[k], axis=1) - radius[k + 1:] - radius[k]
-        pairs.append(np.stack([np.full((gap <= reach).sum(), k), k + 1 + np.flatnonzero(gap <= reach)], axis=1))
+        pairs.append(
+            np.stack([np.full((gap <= reach).sum(), k), k + 1 + np.flatnonzero(gap <= reach)],
+                     axis=1))
     pairs = np.concatenate(pairs)
     while True:
         before = name.copy()
@@ -49,7 +54,8 @@ def largest_remnant(position, velocity, radius, mass, reach=0.01):
     inside = name == np.argmax(weight)
     while True:
         total = mass[inside].sum()
-        middle, drift = (np.average(x[inside], axis=0, weights=mass[inside]) for x in (position, velocity))
+        middle, drift = (np.average(x[inside], axis=0, weights=mass[inside])
+                         for x in (position, velocity))
         energy = np.sum((velocity - drift) ** 2, axis=1) / 2
         distance = np.linalg.norm(position - middle, axis=1)
         bound = energy * distance < G * (total + mass)

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Tests that take longer than those of jobs/test.sh: more faults, on more ranks, fuzzing, valgrind, and the Debian packages. Hours on two cores.
+# Tests that take longer than those of jobs/test.sh: more faults, on more ranks, fuzzing, valgrind, the kernels without
+# vectors, and the Debian packages. Hours on two cores.
 # As root also full disks: filling one takes a mount.
 # usage: long_tests.sh [COUNT [RANKS…]]    so many kills over three numbers of ranks; seventeen times as many errors, half as
 #                                          many disks, ten times as many seconds a fuzzer; default: 60 on 1 2 4
@@ -24,5 +25,9 @@ for ranks in "$@"; do
 done
 /usr/bin/python3 tests/fuzz/fuzz.py "$build" $((count * 10)) || failures=$((failures + 1))
 tests/valgrind.sh "$build" || failures=$((failures + 1))
+# The kernels without vectors, the reference of those with: all tests of physics on 1 and 2 ranks.
+cmake --preset scalar -DSPALL_BENCH=OFF
+cmake --build --preset scalar
+ctest --test-dir build/scalar --output-on-failure --parallel "$(nproc)" -R '_[12]$' || failures=$((failures + 1))
 packaging/try_debian.sh || failures=$((failures + 1))
 exit $((failures > 0))

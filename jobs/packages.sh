@@ -9,7 +9,7 @@ packages=(
   libgtest-dev libbenchmark-dev clang-format-14
   clang-14 libclang-rt-14-dev valgrind valgrind-mpi
   debhelper reuse
-  python3 python3-h5py python3-numpy python3-matplotlib
+  python3 python3-pyflakes python3-pycodestyle python3-h5py python3-numpy python3-matplotlib
   chromium chromium-driver python3-selenium
   doxygen python3-sphinx python3-breathe python3-myst-parser furo python3-sphinxcontrib.programoutput
   pybind11-dev python3-dev python3-venv python3-pip python3-mpi4py python3-pandas

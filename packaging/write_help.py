@@ -12,7 +12,8 @@ class Help:
     """Of the program, or of one of its subcommands; rows are pairs of a name and its meaning."""
 
     def __init__(self, spall, *words):
-        text = subprocess.run([spall, *words, "--help"], check=True, capture_output=True, text=True).stdout
+        text = subprocess.run([spall, *words, "--help"], check=True, capture_output=True,
+                              text=True).stdout
         text = re.sub(r"^usage:.*\n(?: {8,}.*\n)*", "", text, flags=re.M | re.I)
         headings = r"^(Positionals|Options|Subcommands|positional arguments|options):\n"
         self.introduction, *parts = re.split(headings, text, flags=re.M)
@@ -24,8 +25,10 @@ class Help:
 
     @staticmethod
     def rows(text):
-        found = re.findall(r"^  (\S.*?)(?:  +|\n {8,})(.*(?:\n {8,}.*)*)", text.partition("\n\n")[0], re.M)
-        return [(name.removesuffix(" REQUIRED").replace(",--", ", --"), " ".join(meaning.split())) for name, meaning in found]
+        found = re.findall(r"^  (\S.*?)(?:  +|\n {8,})(.*(?:\n {8,}.*)*)",
+                           text.partition("\n\n")[0], re.M)
+        return [(name.removesuffix(" REQUIRED").replace(",--", ", --"), " ".join(meaning.split()))
+                for name, meaning in found]
 
     def long_options(self):
         return [word for name, _ in self.options for word in re.findall(r"--[\w-]+", name)]
@@ -65,7 +68,8 @@ def man_page(whole, parts, version):
 def completions(whole, parts):
     """For bash and for zsh: the same words."""
     names = [name for name, _ in whole.subcommands]
-    cases = "".join(f"    {name}) options='{' '.join(part.long_options())}' ;;\n" for name, part in zip(names, parts))
+    cases = "".join(f"    {name}) options='{' '.join(part.long_options())}' ;;\n"
+                    for name, part in zip(names, parts))
     values = "".join(f"    {option}) values='{' '.join(choices)}' ;;\n"
                      for part in parts for option, choices in part.choices().items())
     table = f"""  local commands='{' '.join([*names, *whole.long_options()])}' options='' values=''
@@ -76,7 +80,8 @@ def completions(whole, parts):
 """
     bash = f"""# Completion of spall for bash. SPDX-License-Identifier: BSD-3-Clause
 _spall() {{
-  local current=${{COMP_WORDS[COMP_CWORD]}} before=${{COMP_WORDS[COMP_CWORD - 1]}} command=${{COMP_WORDS[1]}} words=''
+  local current=${{COMP_WORDS[COMP_CWORD]}} before=${{COMP_WORDS[COMP_CWORD - 1]}}
+  local command=${{COMP_WORDS[1]}} words=''
 {table}  if [ "$COMP_CWORD" = 1 ]; then words=$commands; elif [ "$values" ]; then words=$values; fi
   [ "$COMP_CWORD" != 1 ] && [[ $current == -* ]] && words=$options
   COMPREPLY=($(compgen -W "$words" -- "$current"))

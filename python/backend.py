@@ -1,7 +1,8 @@
 """Makes the wheel that `pip install .` asks for: CMake builds the program and the module.
 
 SPDX-License-Identifier: BSD-3-Clause
-The interface is PEP 517's, the wheel's layout that of the binary distribution format (packaging.python.org).
+The interface is PEP 517's, the wheel's layout that of the binary distribution format
+(packaging.python.org).
 """
 import base64
 import hashlib
@@ -43,10 +44,13 @@ def metadata():
 
 
 def compile_all():
-    subprocess.run(["cmake", "-S", ROOT, "-B", BUILD, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release", "-DSPALL_PYTHON=ON",
-                    "-DSPALL_TESTS=OFF", "-DSPALL_BENCH=OFF", f"-DPYTHON_EXECUTABLE={sys.executable}"],
+    subprocess.run(["cmake", "-S", ROOT, "-B", BUILD, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release",
+                    "-DSPALL_PYTHON=ON",
+                    "-DSPALL_TESTS=OFF", "-DSPALL_BENCH=OFF",
+                    f"-DPYTHON_EXECUTABLE={sys.executable}"],
                    check=True, stdout=sys.stderr)
-    subprocess.run(["cmake", "--build", BUILD, "-j", str(os.cpu_count()), "--target", "spall", "spall_python"],
+    subprocess.run(["cmake", "--build", BUILD, "-j", str(os.cpu_count()), "--target", "spall",
+                    "spall_python"],
                    check=True, stdout=sys.stderr)
 
 
@@ -54,15 +58,18 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
     compile_all()
     name = f"spall-{version()}"
     data, info = f"{name}.data", f"{name}.dist-info"
-    files = {f"spall/{path.name}": path for path in sorted((ROOT / "python" / "spall").glob("*.py"))}
-    files |= {f"spall/{path.name}": path for path in (BUILD / "python" / "spall").glob("_spall.*.so")}
+    files = {f"spall/{path.name}": path
+             for path in sorted((ROOT / "python" / "spall").glob("*.py"))}
+    files |= {f"spall/{path.name}": path
+              for path in (BUILD / "python" / "spall").glob("_spall.*.so")}
     files[f"{data}/scripts/spall"] = BUILD / "spall"
     scripts = BUILD / "share" / "spall" / "scripts"  # and the parts of their pages
     files |= {f"{data}/data/share/spall/scripts/{path.relative_to(scripts)}": path
               for path in sorted(scripts.rglob("*")) if path.is_file() and path.suffix != ".pyc"}
     contents = {place: path.read_bytes() for place, path in files.items()}
     contents[f"{info}/METADATA"] = metadata().encode()
-    contents[f"{info}/WHEEL"] = (f"Wheel-Version: 1.0\nGenerator: spall\nRoot-Is-Purelib: false\nTag: {tag()}\n").encode()
+    contents[f"{info}/WHEEL"] = (
+        f"Wheel-Version: 1.0\nGenerator: spall\nRoot-Is-Purelib: false\nTag: {tag()}\n").encode()
     record = ""
     for place, content in contents.items():
         digest = base64.urlsafe_b64encode(hashlib.sha256(content).digest()).rstrip(b"=").decode()

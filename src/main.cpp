@@ -23,6 +23,7 @@
 #include "run/solve_file.hpp"
 #include "scene/case.hpp"
 #include "scene/material_library.hpp"
+#include "solver/settings.hpp"
 #include "spall/comm.hpp"
 #include "spall/error.hpp"
 

@@ -8,7 +8,7 @@
 #include <fstream>
 
 #include "potential/settings.hpp"
-#include "solver/problem.hpp"
+#include "solver/settings.hpp"
 #include "spall/error.hpp"
 #include "testing.hpp"
 
@@ -122,7 +122,7 @@ TEST(Case, overrides_reach_tables_array_elements_and_names) {
   EXPECT_EQ(scene.groups[1].packing.radius, 3);
   EXPECT_EQ(scene.phases[0].settings.get<SolverSettings>().max_iterations, 7);
   EXPECT_EQ(scene.output.series_every, 2);
-  EXPECT_TRUE(scene.contact.common().cohesion_is_impulse);
+  EXPECT_EQ(scene.contact.common().cohesion_law, CohesionLaw::impulse);
   EXPECT_EQ(scene.read_out, std::vector<double>{5});
 }
 

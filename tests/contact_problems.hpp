@@ -6,6 +6,7 @@
 #include <random>
 
 #include "solver/problem.hpp"
+#include "solver/settings.hpp"
 #include "testing.hpp"
 
 namespace spall {

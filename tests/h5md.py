@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # Holds files against the H5MD 1.1 specification (https://h5md.nongnu.org/h5md.html).
 # SPDX-License-Identifier: BSD-3-Clause
-"""usage: h5md.py FILE…    H5MD or its XDMF index; fails with a line for each breach, prints elements, frames, particles."""
+"""usage: h5md.py FILE…    H5MD or its XDMF index; fails with a line for each breach, prints
+elements, frames, particles."""
 import re
 import sys
 from pathlib import Path
@@ -14,7 +15,8 @@ import numpy as np
 FACTOR = r"(?:\d+(?:\.\d+)?(?:[+-]\d+)?|[A-Za-zµ%]+(?:[+-][1-9]\d*)?)"
 UNIT = re.compile(rf"{FACTOR}(?: {FACTOR})*")
 # Floats without a unit.
-PURE = {"damage", "phase", "contacts", "residual", "residual_prox", "products", "corrections_products", "overlap"}
+PURE = {"damage", "phase", "contacts", "residual", "residual_prox", "products",
+        "corrections_products", "overlap"}
 
 
 class Checker:
@@ -35,12 +37,14 @@ class Checker:
 
     def attribute(self, thing, key, shape, kinds):
         """The value of an attribute; None where it is missing or of another shape or kind."""
-        if not self.need(thing is not None and key in thing.attrs, f"{getattr(thing, 'name', '?')} has no attribute {key}"):
+        if not self.need(thing is not None and key in thing.attrs,
+                         f"{getattr(thing, 'name', '?')} has no attribute {key}"):
             return None
         found = thing.attrs.get_id(key)
         kind = "S" if h5py.check_string_dtype(found.dtype) else found.dtype.kind
         self.need(kind in kinds, f"attribute {thing.name}:{key} is of kind {kind}, not {kinds}")
-        self.need(found.shape == shape, f"attribute {thing.name}:{key} has the shape {found.shape}, not {shape}")
+        self.need(found.shape == shape,
+                  f"attribute {thing.name}:{key} has the shape {found.shape}, not {shape}")
         return thing.attrs[key]
 
     def root(self, file):
@@ -61,7 +65,8 @@ class Checker:
             text = self.attribute(data, "unit", (), "S")
             text = text.decode() if isinstance(text, bytes) else str(text)
             numbers = [factor for factor in text.split(" ") if factor[0].isdigit()]
-            self.need(UNIT.fullmatch(text) and len(numbers) <= 1, f"{data.name}: '{text}' is no unit")
+            self.need(UNIT.fullmatch(text) and len(numbers) <= 1,
+                      f"{data.name}: '{text}' is no unit")
 
     def element(self, name, thing, units=False):
         """Values of an element, with or without a dimension of time; None where it is broken."""
@@ -70,15 +75,18 @@ class Checker:
             self.unit(thing, units and thing.dtype.kind == "f" and name.split("/")[-1] not in PURE)
             return thing
         for key in ("step", "value"):
-            if not self.need(isinstance(thing.get(key), h5py.Dataset), f"{name} has no dataset {key}"):
+            if not self.need(isinstance(thing.get(key), h5py.Dataset),
+                             f"{name} has no dataset {key}"):
                 return None
         step, value = thing["step"], thing["value"]
         frames = value.shape[0]
-        self.need(step.dtype.kind in "iu" and step.shape == (frames,), f"{name}/step does not count {frames} frames")
+        self.need(step.dtype.kind in "iu" and step.shape == (frames,),
+                  f"{name}/step does not count {frames} frames")
         self.need(np.all(np.diff(step[:]) > 0), f"{name}/step does not increase")
         if "time" in thing:
             time = thing["time"]
-            self.need(time.shape == (frames,) and np.all(np.diff(time[:]) >= 0), f"{name}/time does not go with its steps")
+            self.need(time.shape == (frames,) and np.all(np.diff(time[:]) >= 0),
+                      f"{name}/time does not go with its steps")
             self.unit(time, True)
         self.unit(value, units and value.dtype.kind == "f" and name.split("/")[-1] not in PURE)
         return value
@@ -92,25 +100,31 @@ class Checker:
         self.need(set(boundary) <= {"periodic", "none"}, f"{place}/box: boundary is {boundary}")
         if "edges" in box:
             edges = self.element(f"{place}/box/edges", box["edges"], units=True)
-            self.need(edges.shape in ((dimension,), (dimension, dimension)), f"{place}/box/edges has the shape {edges.shape}")
+            self.need(edges.shape in ((dimension,), (dimension, dimension)),
+                      f"{place}/box/edges has the shape {edges.shape}")
             for b, edge in zip(boundary, edges[:]):
-                self.need(b != "periodic" or edge > 0, f"{place}/box: a periodic direction has the edge {edge}")
+                self.need(b != "periodic" or edge > 0,
+                          f"{place}/box: a periodic direction has the edge {edge}")
         else:
             self.need("periodic" not in boundary, f"{place}/box is periodic and has no edges")
         self.need("position" in group, f"{place} has no position")
         rows, self.frames = None, None
         for name, thing in group.items():
-            if name == "box" or (value := self.element(f"{place}/{name}", thing, units=True)) is None:
+            if name == "box" or (value := self.element(f"{place}/{name}", thing,
+                                                       units=True)) is None:
                 continue
             in_time = isinstance(thing, h5py.Group)
             rows = value.shape[in_time] if rows is None else rows
-            self.need(value.shape[in_time] == rows, f"{place}/{name} has {value.shape[in_time]} rows, not {rows}")
+            self.need(value.shape[in_time] == rows,
+                      f"{place}/{name} has {value.shape[in_time]} rows, not {rows}")
             if in_time:
                 self.frames = value.shape[0]
             if name in ("position", "velocity", "force", "image"):
-                self.need(value.shape[in_time + 1:] == (dimension,), f"{place}/{name} is no vector of {dimension}")
+                self.need(value.shape[in_time + 1:] == (dimension,),
+                          f"{place}/{name} is no vector of {dimension}")
             if name in ("species", "id"):
-                self.need(value.dtype.kind in "iu", f"{place}/{name} is neither integer nor enumeration")
+                self.need(value.dtype.kind in "iu",
+                          f"{place}/{name} is neither integer nor enumeration")
         self.rows = rows
         self.masked(place, group)
 
@@ -120,10 +134,13 @@ class Checker:
         if not isinstance(ids, h5py.Group):
             return
         for k, frame in enumerate(ids["value"][:]):
-            there = frame != ids["value"].fillvalue if ids["value"].fillvalue != 0 else np.ones(len(frame), bool)
-            self.need(len(np.unique(frame[there])) == there.sum(), f"{place}/id: frame {k} has an id twice")
+            there = frame != ids["value"].fillvalue if ids["value"].fillvalue != 0 else np.ones(
+                len(frame), bool)
+            self.need(len(np.unique(frame[there])) == there.sum(),
+                      f"{place}/id: frame {k} has an id twice")
             known = ~np.isnan(group["position/value"][k]).any(axis=-1)
-            self.need(np.array_equal(known, there), f"{place}: frame {k} has positions of particles without an id, or none")
+            self.need(np.array_equal(known, there),
+                      f"{place}: frame {k} has positions of particles without an id, or none")
 
 
 def xdmf(path):
@@ -147,7 +164,9 @@ def main(paths):
         checker = Checker(path)
         breaches += checker.breaches
         if hasattr(checker, "rows"):
-            print(f"{path}: {checker.elements} elements, {checker.frames} frames, {checker.rows} particles")
+            print(
+                f"{path}: {checker.elements} elements, {checker.frames} frames, {checker.rows} "
+                f"particles")
     print("\n".join(breaches))
     return 1 if breaches or not paths else 0
 

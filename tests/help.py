@@ -1,4 +1,5 @@
-"""The man page and the completions of shells have all subcommands and options that the program tells.
+"""The man page and the completions of shells have all subcommands and options that the program
+tells.
 
 SPDX-License-Identifier: BSD-3-Clause
 usage: help.py SPALL FOLDER    of the files that packaging/write_help.py wrote
@@ -24,7 +25,9 @@ def told_options(text):
 def completed(*words):
     """What bash proposes for the last of the words."""
     listed = " ".join(f"'{word}'" for word in ("spall", *words))
-    return output("bash", "-c", f"source {folder}/spall.bash; COMP_WORDS=({listed}); COMP_CWORD={len(words)}; _spall; "
+    return output("bash", "-c",
+                  f"source {folder}/spall.bash; COMP_WORDS=({listed}); COMP_CWORD={len(words)}; "
+                  f"_spall; "
                   "echo ${COMPREPLY[@]}").split()
 
 
@@ -40,10 +43,12 @@ for command in commands:
     missing = {option for option in options - {"--help"} if f".B {option}" not in part}
     assert not missing, (command, missing)
 assert completed("run", "--ov") == ["--overwrite"], completed("run", "--ov")
-assert completed("solve", "--method", "a") == ["accelerated", "apgd"], completed("solve", "--method", "a")
+assert completed("solve", "--method", "a") == ["accelerated",
+                                               "apgd"], completed("solve", "--method", "a")
 assert completed("run", "") == [], "files are completed by bash itself"
 if shutil.which("man"):
-    warnings = subprocess.run(["man", "--warnings", "-l", folder / "spall.1"], capture_output=True, text=True).stderr
+    warnings = subprocess.run(["man", "--warnings", "-l", folder / "spall.1"], capture_output=True,
+                              text=True).stderr
     assert not warnings, warnings
 if shutil.which("zsh"):
     output("zsh", "-n", folder / "_spall")

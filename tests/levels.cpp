@@ -67,7 +67,7 @@ TEST(Levels, pair_potentials) {
 TEST(Levels, penalty_contact) {
   PenaltySettings sticky;
   sticky.adhesion = Adhesion::jkr;
-  sticky.work_of_adhesion = 200;
+  sticky.adhesion_strength = 200;
   const PenaltySettings hooke{.model = PenaltyModel::hooke, .stiffness = 1e6};
   for (const PenaltySettings& settings : {hooke, sticky})
     compare_levels(1e-11, [&] {

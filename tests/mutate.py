@@ -2,6 +2,7 @@
 # Changes the code at random, one place at a time, and says which tests notice.
 # SPDX-License-Identifier: BSD-3-Clause
 """usage: mutate.py [--count 100] [--seed 1] [--only REGEX] [--record FILE] [--again] [--statements]
+                 [--tests REGEX] [--longest SECONDS]
 
 Each change is one of four kinds: an operator (+ -, * /, += -=), a sign, a numeric constant (0 -> 1,
 n -> n + 1, x -> 1.3 x) or a comparison (< <=, > >=, == !=, && ||). The kind is drawn first, then
@@ -17,8 +18,9 @@ no_build (drawn again), same_code (the compiler makes the same programs of it: d
 argued (a survivor whose line in tests/mutants.md says why it changes nothing that is promised).
 A record of JSON lines is kept, so that a run can be stopped and gone on with: the same seed on the
 same code draws the same changes. --again runs the survivors of the record once more, with the tests
-as they are now. --planted takes the changes from a file instead, as tests/planted.jsonl; --tests
-limits the tests that run. --report prints the table and runs nothing.
+as they are now. A survivor costs all tests: with --tests '_1$' --longest 15 a first turn is short,
+and --again without them judges its survivors by all. --planted takes the changes from a file
+instead, as tests/planted.jsonl. --report prints the table and runs nothing.
 """
 import argparse
 import hashlib
@@ -56,7 +58,6 @@ NEAREST = {
     "spall": ["domain", "gravity", "step"],
 }
 OF_PROGRAM = {"program", "faults_errors", "faults_kills"}  # tests of `spall` itself
-SLOW = 60  # s: a test that takes longer on the unchanged code is left out
 
 
 # Drawing -----------------------------------------------------------------------------------------
@@ -138,8 +139,8 @@ def read_planted(path, tree):
 class Workshop:
     """A copy of the tree with a build of its own."""
 
-    def __init__(self, work, jobs, cmake):
-        self.tree, self.jobs = work / "tree", jobs
+    def __init__(self, work, jobs, cmake, longest):
+        self.tree, self.jobs, self.longest = work / "tree", jobs, longest
         self.build = self.tree / "build" / "release"
         self.copy()
         self.configure(cmake)
@@ -207,21 +208,24 @@ class Workshop:
         if not self.ninja(*sorted(set(self.tests.values()))):
             sys.exit("the unchanged code does not build")
         self.hashes = {target: self.hash(target) for target in self.tests.values()}
-        kept = {"hashes": {}, "seconds": {}}
+        kept = {"hashes": {}, "seconds": {}, "longest": self.longest}
         if cache.is_file():
             kept = json.loads(cache.read_text())
         for name, target in sorted(self.tests.items()):
             if kept["hashes"].get(target) == self.hashes[target]:
                 if name in kept["seconds"]:
                     self.seconds[name] = kept["seconds"][name]
-                continue
-            passed, self.seconds[name] = self.run(name, 600)
-            print(f"unchanged: {name} {'passes' if passed else 'FAILS'}, "
+                if name in kept["seconds"] or self.longest <= kept["longest"]:
+                    continue
+            # A busy machine is slower.
+            passed, self.seconds[name] = self.run(name, 4 * self.longest)
+            print(f"unchanged: {name} {'passes' if passed else 'FAILS or takes too long'}, "
                   f"{self.seconds[name]:.1f} s", flush=True)
             if not passed:  # it can say nothing about a change
                 del self.seconds[name]
         cache.write_text(json.dumps({"hashes": kept["hashes"] | self.hashes,
-                                     "seconds": kept["seconds"] | self.seconds}))
+                                     "seconds": kept["seconds"] | self.seconds,
+                                     "longest": max(self.longest, kept["longest"])}))
 
     def order(self, file):
         """The tests' names, those nearest to the changed file first."""
@@ -231,7 +235,7 @@ class Workshop:
             test = name.rsplit("_", 1)[0]
             place = nearest.index(test) if test in nearest else len(nearest)
             return (place, self.seconds[name], name)
-        return sorted((n for n in self.seconds if self.seconds[n] < SLOW), key=key)
+        return sorted((n for n in self.seconds if self.seconds[n] < self.longest), key=key)
 
     def judge(self, place):
         """Outcome and the test that noticed, of one change. The copy is as before afterwards."""
@@ -324,6 +328,8 @@ def main():
     parser.add_argument("--again", action="store_true", help="judge the survivors once more")
     parser.add_argument("--planted", type=Path, help="changes of a file, as tests/planted.jsonl")
     parser.add_argument("--tests", default="", help="regular expression of the tests to run")
+    parser.add_argument("--longest", type=float, default=60,
+                        help="leave out tests that take more seconds on the unchanged code")
     parser.add_argument("--report", action="store_true", help="print the table of the record")
     parser.add_argument("--minutes", type=float, default=1e9, help="begin no change after so many")
     parser.add_argument("--jobs", type=int, default=2, help="of ninja")
@@ -338,7 +344,7 @@ def main():
         return
     print(f"seed {args.seed}, {args.count} changes, record {record}", flush=True)
     args.work.mkdir(parents=True, exist_ok=True)
-    workshop = Workshop(args.work, args.jobs, args.cmake)
+    workshop = Workshop(args.work, args.jobs, args.cmake, args.longest)
     workshop.tests = {n: t for n, t in workshop.tests.items() if re.search(args.tests, n)}
     workshop.measure(args.work / "unchanged.json")
     kinds = [k for k in KINDS if k != "statement" or args.statements]

@@ -170,7 +170,7 @@ TEST(PairMaterials, two_materials_with_the_same_constants_move_as_one_to_the_las
       const auto ends = [&](bool by_pair) {
         Lab world = penalty_world(
             testing_world(), spheres,
-            {.rolling_friction = 0.1, .adhesion = adhesion, .work_of_adhesion = 50}, law);
+            {.rolling_friction = 0.1, .adhesion = adhesion, .adhesion_strength = 50}, law);
         if (by_pair) {
           world.materials = {soft_rock, soft_rock, soft_rock};
           ByPair<ContactLaw> laws(3, law);

@@ -14,7 +14,7 @@ const PenaltySettings hertz{.model = PenaltyModel::hertz};
 PenaltySettings sticky(Adhesion adhesion) {
   PenaltySettings s = hertz;
   s.adhesion = adhesion;
-  s.work_of_adhesion = 200;
+  s.adhesion_strength = 200;
   return s;
 }
 ContactLaw contact_law(double friction, double restitution) {
@@ -123,7 +123,7 @@ struct Textbook {
 Textbook textbook(const PenaltySettings& s, double overlap, double r) {
   if (s.model == PenaltyModel::hooke)
     return {s.stiffness * overlap, s.stiffness, s.tangential_ratio * s.stiffness, 0};
-  const double nu = soft_rock.poisson_ratio, w = s.work_of_adhesion;
+  const double nu = soft_rock.poisson_ratio, w = s.adhesion_strength;
   const double modulus = soft_rock.youngs_modulus / (2 * (1 - nu * nu));
   const double shear = soft_rock.youngs_modulus / (4 * (2 - nu) * (1 + nu));
   double a = std::sqrt(r * overlap), force = 4 / 3.0 * modulus * a * overlap, attraction = 0;
@@ -340,6 +340,34 @@ TEST(Penalty, springs_survive_searches_and_migration) {
     world.penalty.touch = TouchPairs{};
     world.penalty.touch.carried = std::move(memory);
   }));
+}
+
+TEST(Penalty, spring_of_a_sphere_that_sticks_swings_on_unless_there_is_tangential_damping) {
+  // On the ground, with a friction that holds: the point of contact moves as a spring k_t on 2/7 m
+  // does, u = u0 exp(-c_t t/(4/7 m)) cos(omega t), and the centre as 5/7 u0 + 2/7 u.
+  const double r = 0.1, m = 10, k = 1e6, weight = 98.1, u0 = 0.01, h = 2e-5;
+  const double omega = std::sqrt(3.5 * 2 / 7.0 * k / m), period = 2 * pi / omega;
+  for (double ratio : {0.0, 0.02}) {
+    PenaltySettings s = hooke;
+    s.tangential_damping = ratio;
+    Lab world = penalty_world(
+        alone(),
+        {{.radius = r, .mass = m, .position = {0, 0, r - weight / k}, .velocity = {u0, 0, 0}}}, s,
+        contact_law(0.5, 0.3));
+    world.planes = {{}};
+    world.uniform_gravity = {0, 0, -weight / m};
+    const PenaltyLaw law = penalty_laws(world, s).common();
+    const double damping = ratio * law.damping * std::sqrt(k * m);  // N s/m, c_t
+    penalty_steps(world, h, std::lround(4.5 * period / h));
+    double most = 0;
+    for (int step = 0; step < std::lround(period / h); ++step) {
+      penalty_steps(world, h, 1);
+      most = std::max(most, spheres_of(world)[0].velocity.x());
+    }
+    const double swing = 2 / 7.0 * u0 * std::exp(-1.75 * damping / m * 5 * period);
+    // Of first order in the step.
+    EXPECT_NEAR(most, 5 / 7.0 * u0 + swing, omega * h * 2 / 7.0 * u0) << ratio;
+  }
 }
 
 TEST(Penalty, books_close_to_first_order) {

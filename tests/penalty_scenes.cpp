@@ -83,7 +83,7 @@ TEST(PenaltyScene, bond_holds_a_pull_below_its_strength_and_parts_above) {
   const PenaltySettings hooke{.model = PenaltyModel::hooke, .stiffness = 1e7};
   const PenaltySettings hertz;  // of soft_rock
   PenaltySettings dmt = hertz, jkr = hertz;
-  dmt.work_of_adhesion = jkr.work_of_adhesion = w;
+  dmt.adhesion_strength = jkr.adhesion_strength = w;
   dmt.adhesion = Adhesion::dmt;
   jkr.adhesion = Adhesion::jkr;
   int turn = 0;
@@ -118,7 +118,7 @@ TEST(PenaltyScene, jkr_contact_parts_at_its_pull_off_force_and_not_where_it_form
   if (testing_world().rank > 0) return;  // small and long: one rank does it
   // Loaded slowly by a growing weight: it parts at 3/2 pi w R.
   const double w = 500, r = 0.25, strength = 1.5 * pi * w * r;
-  const PenaltySettings s{.adhesion = Adhesion::jkr, .work_of_adhesion = w};
+  const PenaltySettings s{.adhesion = Adhesion::jkr, .adhesion_strength = w};
   Lab world = penalty_world(
       alone(),
       {{.radius = 0.5, .mass = infinity}, {.radius = 0.5, .mass = 10, .position = {0, 0, -0.9999}}},

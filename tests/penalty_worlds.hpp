@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include "penalty/adhesions.hpp"
 #include "testing.hpp"
 #include "worlds.hpp"
 

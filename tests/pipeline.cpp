@@ -70,13 +70,70 @@ TEST(Mission, keeps_both_momenta_and_accounts_for_its_energy) {
   EXPECT_LT(value(results, "conservation", "linear"), 1e-12);
   EXPECT_LT(value(results, "conservation", "angular"), 1e-12);
   EXPECT_LT(value(results, "deflection", "momentum_closure"), 1e-10);
-  EXPECT_LT(std::abs(value(results, "conservation", "energy_unexplained")), 1e-2);
+  // 2.3e-8 on 1 to 4 ranks when this is written.
+  EXPECT_LT(std::abs(value(results, "conservation", "energy_unexplained")), 3 * 2.4e-8);
   const double m = 120 * 1600 * 4 * std::numbers::pi / 3;
   EXPECT_NEAR(value(results, "pile", "mass"), m, 1e-12 * m);
   const double struck = m / 120;
   EXPECT_NEAR(value(results, "deflection", "struck_mass"), struck, 1e-12 * struck);
   EXPECT_NEAR(value(results, "deflection", "rigid_share"),
               1.3 * 1.3 * struck / ((1 + struck) * (1 + struck)), 1e-12);
+}
+
+TEST(Hello, accounts_for_its_energy) {
+  const std::string folder =
+      std::filesystem::absolute(fmt::format("hello_{}", testing_world().size));
+  run_case(testing_world(), read_case(CASES "/hello/case.toml", {}), folder, Former::overwrite);
+  testing_world().any(false);  // rank 0 has written it
+  // 3.9e-7 to 4.03e-7 on 1 to 4 ranks when this is written.
+  EXPECT_LT(std::abs(value(toml::parse_file(folder + "/results.toml"), "conservation",
+                           "energy_unexplained")),
+            3 * 4.03e-7);
+}
+
+/// Grains that fall on the ground, solved in so many iterations a step: a convex problem, which
+/// enough of them solve to any tolerance.
+toml::table results_of_grains(int iterations) {
+  const std::string text = fmt::format(R"(
+[materials.rock]
+density = "2000 kg/m^3"
+[contact]
+friction = 0.5
+[gravity]
+uniform = [0, 0, -9.81]
+[[planes]]
+normal = [0, 0, 1]
+[solver]
+friction = "convex"
+tolerance = 1e-3
+prox = 0
+max_iterations = {}
+[[groups]]
+name = "heap"
+material = "rock"
+volume = {{shape = "box", size = ["2 m", "2 m", "2 m"], center = [0, 0, "1.1 m"]}}
+packing = {{kind = "fcc", diameter = "0.5 m"}}
+[[phases]]
+name = "fall"
+step = "5 ms"
+duration = "0.5 s"
+)",
+                                       iterations);
+  const std::string folder =
+      std::filesystem::absolute(fmt::format("grains_{}_{}", iterations, testing_world().size));
+  run_case(testing_world(), parse_case(text, "grains.toml", {}), folder, Former::overwrite);
+  testing_world().any(false);  // rank 0 has written it
+  return toml::parse_file(folder + "/results.toml");
+}
+
+TEST(Grains, steps_that_miss_the_tolerance_are_counted_and_none_where_iterations_suffice) {
+  const toml::table one = results_of_grains(1), enough = results_of_grains(10000);
+  const double steps = value(one, "solver", "steps");
+  EXPECT_EQ(steps, 100);
+  EXPECT_GT(value(one, "solver", "steps_over_tolerance"), 0);
+  EXPECT_LE(value(one, "solver", "steps_over_tolerance"), steps);
+  EXPECT_GT(value(one, "solver", "residual_relative"), 1e-3);
+  EXPECT_EQ(value(enough, "solver", "steps_over_tolerance"), 0);
 }
 
 /// 512 spheres on a loose lattice fall together.

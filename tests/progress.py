@@ -40,7 +40,8 @@ def shown(words, terminal):
     ours, theirs = pty.openpty() if terminal else os.pipe()
     if terminal:
         fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 24, COLUMNS, 0, 0))
-    run = subprocess.Popen([*words, spall, "run", "flight.toml", "--out", "out", "--overwrite"], stdout=theirs,
+    run = subprocess.Popen([*words, spall, "run", "flight.toml", "--out", "out", "--overwrite"],
+                           stdout=theirs,
                            env={**os.environ, "TERM": "xterm"})
     os.close(theirs)
     parts = []

@@ -4,7 +4,8 @@
 """usage: prose.py ROOT [-v]    prints a row a page and fails where the bounds are passed.
 
 Counted are sentences of running text and of lists, in every page but the change log and what
-scripts write. Code, formulas, tables, headings and pictures are passed over. -v shows long sentences.
+scripts write. Code, formulas, tables, headings and pictures are passed over. -v shows long
+sentences.
 """
 import re
 import sys

@@ -33,8 +33,10 @@ WORK = Path("report_of_runs")
 
 def make_run(name, *changes):
     """A small case, in a second."""
-    subprocess.run([SPALL, "run", SOURCE / "cases/hello/case.toml", "--out", WORK / name, "--overwrite", "--set",
-                    "groups.cloud.packing.count=40", "groups.cloud.volume.radius=6", "phases.aggregation.duration=1200",
+    subprocess.run([SPALL, "run", SOURCE / "cases/hello/case.toml", "--out", WORK / name,
+                    "--overwrite", "--set",
+                    "groups.cloud.packing.count=40", "groups.cloud.volume.radius=6",
+                    "phases.aggregation.duration=1200",
                     *changes], check=True, stdout=subprocess.DEVNULL)
     return WORK / name
 
@@ -47,7 +49,8 @@ def unpack(text, kind):
 
 
 def data_of(page):
-    return json.loads(re.search(r"<script type=application/json id=data>(.*?)</script>", page.read_text())[1])
+    return json.loads(re.search(r"<script type=application/json id=data>(.*?)</script>",
+                                page.read_text())[1])
 
 
 class Page(unittest.TestCase):
@@ -83,11 +86,13 @@ class Page(unittest.TestCase):
     def test_the_series_is_whole(self):
         series = data_of(self.page)["runs"][0]["series"]
         rows = np.loadtxt(self.folder / "series.csv", delimiter=",", skiprows=1)
-        np.testing.assert_array_equal(unpack(series["values"], "<f8").reshape(-1, series["rows"]).T, rows)
+        np.testing.assert_array_equal(unpack(series["values"], "<f8").reshape(-1, series["rows"]).T,
+                                      rows)
 
     def test_it_names_what_made_the_run(self):
         text = self.page.read_text()
-        version = subprocess.run([SPALL, "--version"], capture_output=True, text=True, check=True).stdout.split()[1].rstrip(",")
+        version = subprocess.run([SPALL, "--version"], capture_output=True, text=True,
+                                 check=True).stdout.split()[1].rstrip(",")
         self.assertRegex(text, rf"version<td>{re.escape(version)}<")
         self.assertRegex(text, r"ranks<td>1<")
         self.assertIn("300 boulders", text)
@@ -101,7 +106,8 @@ class Page(unittest.TestCase):
         other = make_run("two", "contact.friction=0.1")
         subprocess.run([SPALL, "report", self.folder, other], check=True, stdout=subprocess.DEVNULL)
         text = (self.folder / "compared.html").read_text()
-        self.assertEqual([run["name"] for run in data_of(self.folder / "compared.html")["runs"]], ["one", "two"])
+        self.assertEqual([run["name"] for run in data_of(self.folder / "compared.html")["runs"]],
+                         ["one", "two"])
         self.assertIn("<th scope=col>one<th scope=col>two", text)
 
     def test_one_message_says_that_a_file_is_damaged(self):
@@ -124,7 +130,8 @@ class Page(unittest.TestCase):
         finally:
             report_bodies.MOST_BODIES = most
         self.assertEqual(data["bodies"]["count"], 10)
-        self.assertEqual(list(unpack(data["bodies"]["fixed"]["id"], "<i4"))[-1], 40)  # the impactor stays
+        # The impactor stays.
+        self.assertEqual(list(unpack(data["bodies"]["fixed"]["id"], "<i4"))[-1], 40)
         self.assertIn("Of 41 bodies 10 are shown", report_page.footer([data]))
 
 
@@ -141,7 +148,9 @@ class Scenes(unittest.TestCase):
         self.assertFalse(Run.is_free(self.of(gravity={"uniform": [0, 0, -9.81]})))
 
     def test_what_does_not_attract_has_no_escape_speed(self):
-        self.assertEqual([name for _, name, _ in Run.marked_speeds(self.of(gravity={"method": "tree"}))], ["escape"])
+        self.assertEqual(
+            [name for _, name, _ in Run.marked_speeds(self.of(gravity={"method": "tree"}))],
+            ["escape"])
         self.assertEqual(Run.marked_speeds(self.of(gravity={"uniform": [0, 0, -9.81]})), [])
         self.assertEqual(Run.marked_speeds(self.of()), [])
 
@@ -150,12 +159,15 @@ class Verdicts(unittest.TestCase):
     """Each sentence, and its grade, from results that are known."""
 
     def of(self, results, overlap=0.0, method="nonsmooth", under_way=False):
-        run = types.SimpleNamespace(results=results, under_way=under_way, case={"phases": [{"method": method}]},
-                                    series={"time": np.array([0.0, 3.0]), "overlap": np.array([0, overlap])})
+        run = types.SimpleNamespace(results=results, under_way=under_way,
+                                    case={"phases": [{"method": method}]},
+                                    series={"time": np.array([0.0, 3.0]),
+                                            "overlap": np.array([0, overlap])})
         return {sentence: grade for grade, sentence in report_verdict.verdicts(run)}
 
     def check(self, found, grade, words):
-        sentences = [sentence for sentence, one in found.items() if one == grade and words in sentence]
+        sentences = [sentence for sentence, one in found.items() if one == grade
+                     and words in sentence]
         self.assertEqual(len(sentences), 1, f"{grade}: '{words}' in {found}")
 
     def test_a_run_without_results_has_not_ended(self):
@@ -163,11 +175,13 @@ class Verdicts(unittest.TestCase):
         self.check(self.of({}, under_way=True), "note", "under way")
 
     def test_steps_that_did_not_converge_are_bad(self):
-        solver = {"steps": 9, "steps_not_converged": 2, "residual_max": 1.0, "steps_over_tolerance": 0}
+        solver = {"steps": 9, "steps_not_converged": 2, "residual_max": 1.0,
+                  "steps_over_tolerance": 0}
         self.check(self.of({"solver": solver}), "bad", "2 of 9 steps did not converge")
         solver |= {"steps_not_converged": 0}
         self.check(self.of({"solver": solver}), "good", "All 9 steps converged")
-        self.check(self.of({"solver": solver | {"steps_over_tolerance": 1}}), "note", "missed the tolerance")
+        self.check(self.of({"solver": solver | {"steps_over_tolerance": 1}}), "note",
+                   "missed the tolerance")
         self.check(self.of({"solver": {"steps": 9}}), "good", "smooth")
 
     def test_books_close_or_not(self):
@@ -180,25 +194,32 @@ class Verdicts(unittest.TestCase):
         self.check(books(), "note", "Walls")
         for rest, grade in ((-0.009, "good"), (0.02, "note"), (-0.2, "bad")):
             self.check(books(energy_unexplained=rest), grade, "The energy account")
-            self.check(books(energy_unexplained=rest, dissipated=0.0, energy_measure=2.0), grade, "of the kinetic energy")
+            self.check(books(energy_unexplained=rest, dissipated=0.0, energy_measure=2.0), grade,
+                       "of the kinetic energy")
 
     def test_beta_that_is_only_a_bounce_is_said_to_be_so(self):
         def beta(value, **more):
-            return self.of({"deflection": {"beta": value, "dv_plastic": 2.0, "dv_elastic": 2.6, **more}})
+            return self.of(
+                {"deflection": {"beta": value, "dv_plastic": 2.0, "dv_elastic": 2.6, **more}})
         self.check(beta(1.301), "note", "only 1 + e = 1.3")
         self.check(beta(2.0), "good", "ejecta carried off 0.7")
         self.check(beta(1.1), "note", "less than")
         self.check(beta(2.0, momentum_closure=1e-3), "bad", "miss its sum")
-        self.check(beta(2.0, rigid_share=0.031, struck_mass=2500.0), "good", "leaves 3.1 % of the impactor's energy in the body of 2.5e+03 kg")
+        self.check(beta(2.0, rigid_share=0.031, struck_mass=2500.0), "good",
+                   "leaves 3.1 % of the impactor's energy in the body of 2.5e+03 kg")
 
     def test_a_deflection_that_still_rises_is_said_to_do_so(self):
-        self.check(self.of({"read_out": {"since_impact": [1.0, 2.0], "dv": [1.0, 1.2]}}), "note", "still changed by 17 %")
-        self.check(self.of({"read_out": {"since_impact": [1.0, 2.0], "dv": [1.0, 1.001]}}), "good", "come to rest")
+        self.check(self.of({"read_out": {"since_impact": [1.0, 2.0], "dv": [1.0, 1.2]}}), "note",
+                   "still changed by 17 %")
+        self.check(self.of({"read_out": {"since_impact": [1.0, 2.0], "dv": [1.0, 1.001]}}), "good",
+                   "come to rest")
 
     def test_walls_have_their_verdicts(self):
         def wall(verdict, **more):
-            table = {"wall": "rear", "verdict": verdict, "margin": 0.62, "thickness": 4.8e-3, "hole": 9.1e-3, "openings": 2, "spall_mass": 2e-5,
-                     "spall_pieces": 3, "spall_speed": 120.0, "still_coming": 1e-4, "opening_at_edge": False, "spacing": 1e-3,
+            table = {"wall": "rear", "verdict": verdict, "margin": 0.62, "thickness": 4.8e-3,
+                     "hole": 9.1e-3, "openings": 2, "spall_mass": 2e-5,
+                     "spall_pieces": 3, "spall_speed": 120.0, "still_coming": 1e-4,
+                     "opening_at_edge": False, "spacing": 1e-3,
                      "times": [1e-6, 2e-6], "margins": [0.63, 0.62]}
             return self.of({"shield_rear": table | more}, method="solid")
         self.check(wall("held"), "good", "rear has held: where it is thinnest, 62 % of its 4.8 mm")
@@ -206,7 +227,8 @@ class Verdicts(unittest.TestCase):
         self.check(wall("detached spall"), "note", "0.02 g in 3 pieces leave its rear at 120 m/s")
         self.assertEqual(len(wall("held")), len(self.of({"solver": {}}, method="solid")) + 1)
         self.check(wall("held", still_coming=0.3), "note", "not final: 30 %")
-        self.check(wall("held", margins=[0.8, 0.62]), "note", "still changed from 0.8 to 0.62 of its thickness between 1 µs and 2 µs")
+        self.check(wall("held", margins=[0.8, 0.62]), "note",
+                   "still changed from 0.8 to 0.62 of its thickness between 1 µs and 2 µs")
         self.check(wall("perforated", opening_at_edge=True), "note", "reaches its edge")
         self.check(wall("held", spacing=2e-3), "note", "2.4 spacings")
 
@@ -227,9 +249,11 @@ class Watch(unittest.TestCase):
         shutil.copy(whole / "trajectory.h5", self.folder)
         (self.folder / "lock").write_text("host 1\n")
         self.lines = (whole / "series.csv").read_text().splitlines(keepends=True)
-        (self.folder / "series.csv").write_text("".join(self.lines[:4]) + self.lines[4][:20])  # the last is not whole yet
+        # The last is not whole yet.
+        (self.folder / "series.csv").write_text("".join(self.lines[:4]) + self.lines[4][:20])
         self.give(0)
-        self.process = subprocess.Popen([SPALL, "watch", self.folder, "--port", "0"], stdout=subprocess.PIPE, text=True)
+        self.process = subprocess.Popen([SPALL, "watch", self.folder, "--port", "0"],
+                                        stdout=subprocess.PIPE, text=True)
         self.address = re.match(r"http://\S+", self.process.stdout.readline())[0]
 
     def tearDown(self):
@@ -255,7 +279,8 @@ class Watch(unittest.TestCase):
         shutil.copy(self.whole / "results.toml", self.folder)
         time.sleep(2.1)
         state = self.ask("state")
-        self.assertEqual((state["shown"], state["rows"], state["over"]), ([0, 1], len(self.lines) - 1, True))
+        self.assertEqual((state["shown"], state["rows"], state["over"]),
+                         ([0, 1], len(self.lines) - 1, True))
         self.assertEqual(self.ask("snapshots/1")["number"], 1)
         self.assertEqual(self.ask("series")["series"]["all"], len(self.lines) - 1)
         self.assertIn("Momentum is kept", self.ask("words")["summary"])
@@ -291,10 +316,12 @@ class Watch(unittest.TestCase):
     def test_one_message_says_what_is_wrong(self):
         taken = socket.create_server(("127.0.0.1", 0))
         port = str(taken.getsockname()[1])
-        for arguments, words in (([WORK / "gone"], "is missing: is"), ([self.folder, "--port", port], f"port {port} is taken"),
+        for arguments, words in (([WORK / "gone"], "is missing: is"),
+                                 ([self.folder, "--port", port], f"port {port} is taken"),
                                  ([self.folder, "--port", "70000"], "0 to 65535 is wanted")):
             with self.subTest(words):
-                run = subprocess.run([SPALL, "watch", *arguments], capture_output=True, text=True, timeout=20)
+                run = subprocess.run([SPALL, "watch", *arguments], capture_output=True, text=True,
+                                     timeout=20)
                 self.assertNotEqual(run.returncode, 0)
                 self.assertEqual(run.stderr.count("\n"), 1, run.stderr)
                 self.assertIn(words, run.stderr)

@@ -26,15 +26,18 @@ def crystal(reach):
 
 
 def write(path, x, contacts=None):
-    """A restart file: spheres drawn to their middle by PULL times their distance, the same impulse at every contact."""
+    """A restart file: spheres drawn to their middle by PULL times their distance, the same impulse
+    at every contact."""
     if contacts is None:
         apart = np.linalg.norm(x[:, None] - x[None], axis=2)
         contacts = np.argwhere(np.triu(np.abs(apart - 2 * RADIUS) < 1e-9 * RADIUS, 1))
     i, j = np.array(contacts).T
     normal = x[j] - x[i]
-    shuffled = np.random.default_rng(1).permutation(len(x))  # rows lie as ranks left them; contacts name ids
+    # Rows lie as ranks left them; contacts name ids.
+    shuffled = np.random.default_rng(1).permutation(len(x))
     with h5py.File(path, "w") as file:
-        for key, values in (("id", np.arange(len(x))), ("position", x), ("acceleration", -PULL * (x - x.mean(axis=0))),
+        for key, values in (("id", np.arange(len(x))), ("position", x),
+                            ("acceleration", -PULL * (x - x.mean(axis=0))),
                             ("radius", np.full(len(x), RADIUS)), ("mass", np.full(len(x), MASS))):
             file[f"bodies/{key}"] = values[shuffled]
         file["contacts/i"], file["contacts/j"] = i, j
@@ -64,7 +67,8 @@ class Interior(unittest.TestCase):
     def test_a_crystal_is_as_dense_at_every_depth(self):
         state = self.inside(crystal(12))
         filled = state.profile(np.array([0.0, 9.0]))[0]
-        self.assertAlmostEqual(filled, np.pi / np.sqrt(18), delta=0.03)  # a ball of 4.5 radii cuts spheres at its rim
+        # A ball of 4.5 radii cuts spheres at its rim.
+        self.assertAlmostEqual(filled, np.pi / np.sqrt(18), delta=0.03)
         inner = np.linalg.norm(state.position, axis=1) < 12 - 2.1 * RADIUS
         self.assertTrue(np.all(state.coordination[inner] == 12))
         self.assertTrue(np.all(state.coordination <= 12))
@@ -78,7 +82,8 @@ class Interior(unittest.TestCase):
     def test_moments_are_those_of_point_masses_and_balls(self):
         state = self.inside(np.array([[0, 0, 0], [2 * RADIUS, 0, 0]]))
         ball = 2 * 0.4 * MASS * RADIUS**2
-        np.testing.assert_allclose(state.moments(), [ball, ball + 2 * MASS * RADIUS**2, ball + 2 * MASS * RADIUS**2])
+        np.testing.assert_allclose(state.moments(),
+                                   [ball, ball + 2 * MASS * RADIUS**2, ball + 2 * MASS * RADIUS**2])
 
     def test_only_what_touches_belongs_to_the_pile(self):
         x = np.array([[0, 0, 0], [2 * RADIUS, 0, 0], [10 * RADIUS, 0, 0], [0, 2.1 * RADIUS, 0]])
@@ -98,17 +103,24 @@ class Interior(unittest.TestCase):
     def test_all_is_drawn_before_and_after(self):
         write(self.path / "after_settling.h5", crystal(9))
         write(self.path / "after_impact.h5", crystal(8))
-        run = types.SimpleNamespace(folder=self.path, case={"phases": [{"name": "settling"}, {"name": "impact", "impactor": {}}]},
-                                    before=types.SimpleNamespace(radius=np.array([RADIUS])), flight=np.array([1.0, 0, 0]),
-                                    side_view=lambda: (np.array([0, 1.0, 0]), np.array([0, 0, 1.0])))
+        run = types.SimpleNamespace(folder=self.path,
+                                    case={"phases": [{"name": "settling"},
+                                                     {"name": "impact", "impactor": {}}]},
+                                    before=types.SimpleNamespace(radius=np.array([RADIUS])),
+                                    flight=np.array([1.0, 0, 0]),
+                                    side_view=lambda: (np.array([0, 1.0, 0]),
+                                                       np.array([0, 0, 1.0])))
         figure, states = report_interior.interior(run)
         self.assertEqual([name for name, _, _ in states], ["before the impact", "after it"])
         titles = [axes.get_title(loc="left") + axes.get_title() for axes in figure.axes]
-        for wanted in ("Porosity in the plane z = 0, after it", "Pushing contacts, before the impact", "Coordination", "Forces"):
-            self.assertTrue(any(wanted in title for title in titles), f"no panel '{wanted}' among {titles}")
+        for wanted in ("Porosity in the plane z = 0, after it",
+                       "Pushing contacts, before the impact", "Coordination", "Forces"):
+            self.assertTrue(any(wanted in title for title in titles),
+                            f"no panel '{wanted}' among {titles}")
         figure.savefig(self.path / "interior.png", dpi=40)
         rows = dict((row[0], row[1:]) for row in report_interior.table(states))
-        self.assertEqual(rows["bodies in the largest clump"], tuple(str(len(crystal(r))) for r in (9, 8)))
+        self.assertEqual(rows["bodies in the largest clump"],
+                         tuple(str(len(crystal(r))) for r in (9, 8)))
 
 
 if __name__ == "__main__":

@@ -1,6 +1,7 @@
 # The page of a report in a real browser: it draws, answers keys and clicks, and fits a phone.
 # SPDX-License-Identifier: BSD-3-Clause
-"""report_page.py SPALL SOURCE, in a folder to write in. Ends with 77 where no browser is installed."""
+"""report_page.py SPALL SOURCE, in a folder to write in. Ends with 77 where no browser is
+installed."""
 import subprocess
 import sys
 import time
@@ -33,8 +34,10 @@ return [drawn / words.length, colors.size];"""
 
 def make_run(name, *changes):
     """A small case, in a second, with its report."""
-    subprocess.run([SPALL, "run", SOURCE / "cases/hello/case.toml", "--out", WORK / name, "--overwrite", "--set",
-                    "groups.cloud.packing.count=40", "groups.cloud.volume.radius=6", "phases.aggregation.duration=1200",
+    subprocess.run([SPALL, "run", SOURCE / "cases/hello/case.toml", "--out", WORK / name,
+                    "--overwrite", "--set",
+                    "groups.cloud.packing.count=40", "groups.cloud.volume.radius=6",
+                    "phases.aggregation.duration=1200",
                     *changes], check=True, stdout=subprocess.DEVNULL)
     return WORK / name
 
@@ -79,12 +82,15 @@ class Page(unittest.TestCase):
 
     def test_nothing_is_fetched(self):
         self.open()
-        names = self.run_script("return performance.getEntriesByType('resource').map((one) => one.name.slice(0, 5))")
+        names = self.run_script(
+            "return performance.getEntriesByType('resource').map((one) => one.name.slice(0, 5))")
         self.assertEqual([name for name in names if name != "data:"], [])
 
     def test_every_control_has_a_name_and_is_reached_by_tab(self):
         self.open()
-        wanted = self.driver.find_elements(By.CSS_SELECTOR, "#views :is(canvas, input, select, button), #plots :is(input, select, button)")
+        wanted = self.driver.find_elements(By.CSS_SELECTOR,
+                                           "#views :is(canvas, input, select, button), #plots "
+                                           ":is(input, select, button)")
         wanted = [one for one in wanted if one.is_displayed()]
         self.assertGreater(len(wanted), 10)
         for one in wanted:
@@ -93,7 +99,8 @@ class Page(unittest.TestCase):
         for _ in range(len(wanted) + 5):
             self.keys(Keys.TAB)
             reached.append(self.driver.switch_to.active_element)
-        self.assertEqual([one for one in reached if one in wanted], wanted)  # in the order of the page
+        # In the order of the page.
+        self.assertEqual([one for one in reached if one in wanted], wanted)
 
     def test_arrow_keys_move_through_time(self):
         self.open()
@@ -102,7 +109,8 @@ class Page(unittest.TestCase):
         self.assertIn("after the impact", slider.get_attribute("aria-valuetext"))
         slider.send_keys(Keys.ARROW_LEFT, Keys.ARROW_LEFT, Keys.ARROW_LEFT)
         self.assertIn("1 of 4", instant.text)
-        self.assertEqual(self.run_script("return spall.views[0].spheres[4 * 40 + 3]"), 0)  # no impactor yet
+        # No impactor yet.
+        self.assertEqual(self.run_script("return spall.views[0].spheres[4 * 40 + 3]"), 0)
         slider.send_keys(Keys.END)
         self.assertGreater(self.run_script("return spall.views[0].spheres[4 * 40 + 3]"), 0)
 
@@ -110,7 +118,8 @@ class Page(unittest.TestCase):
         self.open()
         self.find(".play").click()
         self.assertEqual(self.find(".play").accessible_name, "Pause")
-        WebDriverWait(self.driver, 20).until(lambda _: self.find(".play").accessible_name == "Play through time")
+        WebDriverWait(self.driver,
+                      20).until(lambda _: self.find(".play").accessible_name == "Play through time")
         self.assertIn("4 of 4", self.find(".instant").text)
 
     def test_keys_turn_and_zoom_the_view(self):
@@ -138,18 +147,21 @@ class Page(unittest.TestCase):
         number = self.find(".body").get_attribute("value")
         self.assertIn(number, text)
         # It covers the middle of the picture, and none that clearly does is nearer.
-        covering = self.run_script("""const view = spall.views[0], e = view.camera.matrixWorldInverse.elements;
+        covering = self.run_script("""const view = spall.views[0];
+            const e = view.camera.matrixWorldInverse.elements;
             const found = [];
             for (let k = 0; k < view.header.count; ++k) {
               const [x, y, z, r] = view.spheres.subarray(4 * k, 4 * k + 4);
               const at = [0, 1, 2].map((c) => e[c] * x + e[4 + c] * y + e[8 + c] * z + e[12 + c]);
               const apart = Math.hypot(at[0], at[1]) / r;
-              if (apart < 1.1) found.push([k, apart, at[2] + r * Math.sqrt(Math.max(0, 1 - apart ** 2))]);
+              if (apart < 1.1)
+                found.push([k, apart, at[2] + r * Math.sqrt(Math.max(0, 1 - apart ** 2))]);
             }
             return found""")
         depth = {body: z for body, _, z in covering}
         self.assertIn(int(number), depth)
-        self.assertTrue(all(z <= depth[int(number)] + 1e-6 for _, apart, z in covering if apart < 0.9), (number, covering))
+        self.assertTrue(all(z <= depth[int(number)] + 1e-6 for _, apart, z in covering
+                            if apart < 0.9), (number, covering))
         box = self.find(".body")
         box.clear()
         box.send_keys("40")
@@ -172,9 +184,11 @@ class Page(unittest.TestCase):
         pixels = """const view = spall.views[0], gl = view.renderer.getContext();
             view.render(1);
             const [w, h] = [gl.drawingBufferWidth, gl.drawingBufferHeight];
-            const draw = () => { view.render(1); const p = new Uint8Array(4 * w * h); gl.readPixels(0, 0, w, h, gl.RGBA, gl.UNSIGNED_BYTE, p);
+            const draw = () => { view.render(1); const p = new Uint8Array(4 * w * h);
+              gl.readPixels(0, 0, w, h, gl.RGBA, gl.UNSIGNED_BYTE, p);
               return [view.geometry.drawRange.count, p]; };
-            const choose = Object.getPrototypeOf(view).choose, all = () => { view.list.array.forEach((_, k, list) => { list[k] = k; });
+            const choose = Object.getPrototypeOf(view).choose, all = () => {
+              view.list.array.forEach((_, k, list) => { list[k] = k; });
               view.list.needsUpdate = true; view.geometry.setDrawRange(0, 3 * view.header.count); };
             let differ = 0, left = 0;
             for (let k = 0; k < 4; ++k) {
@@ -200,27 +214,38 @@ class Page(unittest.TestCase):
         depth = """const view = spall.views[0]; view.render(1); let most = -Infinity;
             const box = view.canvas.getBoundingClientRect();
             for (let k = 1; k < 20; ++k) for (let m = 1; m < 20; ++m) {
-              view.pickAt({ clientX: box.left + box.width * k / 20, clientY: box.top + box.height * m / 20 });
-              if (view.picked >= 0) most = Math.max(most, -(view.spheres[4 * view.picked + 1] + view.spheres[4 * view.picked + 3]));
+              view.pickAt({ clientX: box.left + box.width * k / 20,
+                            clientY: box.top + box.height * m / 20 });
+              const at = 4 * view.picked;
+              if (at >= 0) most = Math.max(most, -(view.spheres[at + 1] + view.spheres[at + 3]));
             }
             return most"""
         self.assertLess(self.run_script(depth), 1e-6)  # none lies wholly before the plane y = 0
-        self.run_script("const level = document.querySelector('.level'); level.value = -1; level.dispatchEvent(new Event('input'))")
+        self.run_script(
+            "const level = document.querySelector('.level'); level.value = -1; "
+            "level.dispatchEvent(new Event('input'))")
         after, _ = self.run_script(INK)
-        self.assertGreater(after, 0.5 * before)  # the camera looks along y: a cut before the bodies takes little
+        # The camera looks along y: a cut before the bodies takes little.
+        self.assertGreater(after, 0.5 * before)
 
     def test_plots_zoom_together_by_keys(self):
         self.open()
-        count, ranges = self.run_script("return [spall.plots.plots.length, spall.plots.plots.map((one) => [one.scales.x.min, one.scales.x.max])]")
+        count, ranges = self.run_script(
+            "return [spall.plots.plots.length, spall.plots.plots.map((one) => [one.scales.x.min, "
+            "one.scales.x.max])]")
         self.assertGreaterEqual(count, 4)
         self.find("#plots .from").send_keys(*[Keys.PAGE_UP] * 3)
-        zoomed = self.run_script("return spall.plots.plots.map((one) => [one.scales.x.min, one.scales.x.max])")
+        zoomed = self.run_script(
+            "return spall.plots.plots.map((one) => [one.scales.x.min, one.scales.x.max])")
         for (low, high), (low_now, high_now) in zip(ranges, zoomed):
             self.assertGreater(low_now, low)
             self.assertAlmostEqual(high_now, high)
         self.assertEqual(len({tuple(one) for one in zoomed}), 1)
         self.find("#plots .whole").click()
-        self.assertEqual(self.run_script("return spall.plots.plots.map((one) => [one.scales.x.min, one.scales.x.max])"), ranges)
+        self.assertEqual(
+            self.run_script(
+                "return spall.plots.plots.map((one) => [one.scales.x.min, one.scales.x.max])"),
+            ranges)
 
     def test_it_fits_a_screen_and_a_phone_in_light_and_dark(self):
         for page in ("report.html", "compared.html"):
@@ -228,10 +253,12 @@ class Page(unittest.TestCase):
                 for scheme in ("light", "dark"):
                     with self.subTest(page=page, width=width, scheme=scheme):
                         self.open(page, width, scheme)
-                        self.assertLessEqual(self.run_script("return document.documentElement.scrollWidth"), width)
+                        self.assertLessEqual(
+                            self.run_script("return document.documentElement.scrollWidth"), width)
                         drawn, _ = self.run_script(INK)
                         self.assertGreater(drawn, 0.02)
-        self.assertEqual(len(self.driver.find_elements(By.TAG_NAME, "canvas")) - self.run_script("return spall.plots.plots.length"), 2)
+        self.assertEqual(len(self.driver.find_elements(By.TAG_NAME, "canvas"))
+                         - self.run_script("return spall.plots.plots.length"), 2)
 
     def test_two_runs_turn_together(self):
         self.open("compared.html")
@@ -249,7 +276,8 @@ class Page(unittest.TestCase):
         for file in late:
             file.rename(file.with_name(file.name + ".later"))
         (folder / "lock").write_text("host 1\n")
-        process = subprocess.Popen([SPALL, "watch", folder, "--port", "0"], stdout=subprocess.PIPE, text=True)
+        process = subprocess.Popen([SPALL, "watch", folder, "--port", "0"], stdout=subprocess.PIPE,
+                                   text=True)
         try:
             browser.set_width(self.driver, 1280)
             browser.open_report(self.driver, process.stdout.readline().split()[0])

@@ -250,6 +250,42 @@ TEST(SolidStep, pieces_push_each_other_and_never_pull) {
     EXPECT_NEAR(s.velocity.x(), k++ < half ? 0 : 20, 1e-9);
 }
 
+TEST(SolidStep, pieces_meet_alike_whatever_the_axes_are_called) {
+  // x, y, z become y, z, x: sums have another order, and nothing else changes.
+  const auto positions = [](int shift) {
+    auto spheres = ball(turned, 1.9 * d);
+    const std::size_t half = spheres.size();
+    for (std::size_t k = 0; k < half; ++k) {
+      Sphere other = spheres[k];
+      other.position += d * Vec3(4.0, 0.9, 0.4);
+      other.velocity = {-300, -60, 90};
+      spheres.push_back(other);
+    }
+    const auto renamed = [](const Vec3& v, int by) {
+      return Vec3(v[(3 - by) % 3], v[(4 - by) % 3], v[(5 - by) % 3]);
+    };
+    for (Sphere& s : spheres) {
+      s.position = renamed(s.position, shift);
+      s.velocity = renamed(s.velocity, shift);
+    }
+    Lab world = world_of(alone(), spheres, elastic);
+    for (Index b = 0; b < world.bodies.owned; ++b)
+      world.bodies.group[b] = world.bodies.id[b] >= static_cast<BodyId>(half);
+    const double h = 0.1 * d / elastic.sound_speed();
+    solid_steps(world, h, 60);
+    std::vector<Vec3> found;
+    for (const Sphere& s : spheres_of(world)) found.push_back(renamed(s.position, 3 - shift));
+    EXPECT_GT(spheres_of(world)[half / 2].velocity.norm(), 1);  // it was hit
+    return found;
+  };
+  const auto as_they_are = positions(0);
+  for (int shift : {1, 2}) {
+    const auto others = positions(shift);
+    for (std::size_t k = 0; k < others.size(); ++k)
+      EXPECT_LE((others[k] - as_they_are[k]).norm(), 1e-9 * d) << shift << " " << k;
+  }
+}
+
 TEST(SolidStep, two_materials_with_two_spacings_keep_momenta_and_energy) {
   // A small ball of copper in a lattice half as wide flies against one of another metal.
   Solid light = copper;

@@ -274,10 +274,11 @@ TEST(Cohesion, breaking_a_bond_takes_force_times_range) {
 TEST(Cohesion, as_an_impulse_takes_its_bound_in_every_step) {
   const double m = 2, reduced = 1, bound = 3, h = 0.01;
   for (double speed : {2.9, 3.1, 7.0}) {
-    Lab world = make_world(alone(),
-                           {{.mass = m, .velocity = {-speed / 2, 0, 0}},
-                            {.mass = m, .position = {2, 0, 0}, .velocity = {speed / 2, 0, 0}}},
-                           {.cohesion = bound, .cohesion_range = 1, .cohesion_is_impulse = true});
+    Lab world =
+        make_world(alone(),
+                   {{.mass = m, .velocity = {-speed / 2, 0, 0}},
+                    {.mass = m, .position = {2, 0, 0}, .velocity = {speed / 2, 0, 0}}},
+                   {.cohesion = bound, .cohesion_range = 1, .cohesion_law = CohesionLaw::impulse});
     double expected = speed, gap = 0;  // it may close a gap, but no further
     for (int step = 1; step <= 3; ++step) {
       advance(world, h, 1);

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""Loads on the silo's base and profiles of the chute, by both programs, into section flows of ../README.md.
+"""Loads on the silo's base and profiles of the chute, by both programs, into section flows of
+../README.md.
 
 SPDX-License-Identifier: BSD-3-Clause
 usage: compare.py SEEDS, in the folder of run_flows.sh
@@ -57,7 +58,8 @@ def frames_of_lammps(run):
     at = 0
     while at < len(lines) and lines[at]:
         count = int(lines[at + 3])
-        rows = np.array([[float(word) for word in line.split()] for line in lines[at + 9:at + 9 + count]])
+        rows = np.array(
+            [[float(word) for word in line.split()] for line in lines[at + 9:at + 9 + count]])
         yield rows[:, 1], rows[:, 2]
         at += 9 + count
 
@@ -66,15 +68,19 @@ def spread(values):
     return statistics.stdev(values) if len(values) > 1 else math.nan
 
 
-silo = {name: [of(seed) for seed in seeds] for name, of in (("Spall", load_of_spall), ("LAMMPS", load_of_lammps))}
+silo = {name: [of(seed) for seed in seeds]
+        for name, of in (("Spall", load_of_spall), ("LAMMPS", load_of_lammps))}
 ours, theirs = (statistics.mean(silo[name]) for name in ("Spall", "LAMMPS"))
 text = [origin(1), "",
         f"Silo, {len(seeds)} starts, mean and scatter (one deviation): the base carries "
-        f"{ours:.4f} ± {spread(silo['Spall']):.4f} of the weight by Spall, {theirs:.4f} ± {spread(silo['LAMMPS']):.4f} "
+        f"{ours:.4f} ± {spread(silo['Spall']):.4f} of the weight by Spall, {theirs:.4f} ± "
+        f"{spread(silo['LAMMPS']):.4f} "
         f"by LAMMPS: {ours / theirs:.3f}.", "",
         "Chute, two runs each with other roundings, means and how far the two are apart:", "",
-        "| layer, m | grains, Spall | LAMMPS | v_x, Spall, m/s | LAMMPS | ratio |", "|---|--:|--:|--:|--:|--:|"]
-flows = {name: [profile(of(run)) for run in (1, 2)] for name, of in (("Spall", frames_of_spall), ("LAMMPS", frames_of_lammps))}
+        "| layer, m | grains, Spall | LAMMPS | v_x, Spall, m/s | LAMMPS | ratio |",
+        "|---|--:|--:|--:|--:|--:|"]
+flows = {name: [profile(of(run)) for run in (1, 2)]
+         for name, of in (("Spall", frames_of_spall), ("LAMMPS", frames_of_lammps))}
 edges = flows["Spall"][0][0]
 v = {name: np.array([run[1] for run in runs]) for name, runs in flows.items()}
 n = {name: np.array([run[2] for run in runs]) for name, runs in flows.items()}
@@ -82,14 +88,18 @@ n = {name: np.array([run[2] for run in runs]) for name, runs in flows.items()}
 
 def row(what, count, speed):
     mean = {name: speed[name].mean() for name in speed}
-    cells = [f"{mean[name]:.3f} ({abs(speed[name][0] - speed[name][1]):.3f})" for name in ("Spall", "LAMMPS")]
-    text.append(f"| {what} | {count['Spall'].mean():.0f} | {count['LAMMPS'].mean():.0f} | {cells[0]} | {cells[1]} "
+    cells = [f"{mean[name]:.3f} ({abs(speed[name][0] - speed[name][1]):.3f})"
+             for name in ("Spall", "LAMMPS")]
+    text.append(f"| {what} | {count['Spall'].mean():.0f} | {count['LAMMPS'].mean():.0f} | "
+                f"{cells[0]} | {cells[1]} "
                 f"| {mean['Spall'] / mean['LAMMPS']:.3f} |")
 
 
 for k in range(len(edges) - 1):
     if min(n[name][:, k].min() for name in n) > 100:
-        row(f"{edges[k]:g}–{edges[k + 1]:g}", {name: n[name][:, k] for name in n}, {name: v[name][:, k] for name in v})
-row("all", {name: n[name].sum(axis=1) for name in n}, {name: (n[name] * v[name]).sum(axis=1) / n[name].sum(axis=1) for name in n})
+        row(f"{edges[k]:g}–{edges[k + 1]:g}", {name: n[name][:, k] for name in n},
+            {name: v[name][:, k] for name in v})
+row("all", {name: n[name].sum(axis=1) for name in n},
+    {name: (n[name] * v[name]).sum(axis=1) / n[name].sum(axis=1) for name in n})
 replace_section(here.parent / "README.md", "flows", "\n".join(text))
 print("\n".join(text))

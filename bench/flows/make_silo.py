@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""Writes a LAMMPS data file of a silo that is filled: 3,000 grains of 1 m and 1 kg/m^3 will fall in a cylinder of radius
+"""Writes a LAMMPS data file of a silo that is filled: 3,000 grains of 1 m and 1 kg/m^3 will fall in
+a cylinder of radius
 5 m (type 1) on a layer of 69 at z = 0 (type 2), which is lowered later.
 
 SPDX-License-Identifier: BSD-3-Clause
@@ -32,4 +33,5 @@ fall = np.column_stack([plane[rows % len(plane)], 1.3 + 1.2 * (rows // len(plane
 fall += random.uniform(-0.09, 0.09, fall.shape)
 place, kind = np.vstack([fall, base]), np.repeat([1, 2], [len(fall), len(base)])
 velocity = random.uniform(-0.5, 0.5, place.shape) * (kind == 1)[:, None]
-write_spheres(sys.argv[2], "silo", (-6, -6, -5), (6, 6, fall[:, 2].max() + 5), 1, 1, place, velocity, kind)
+write_spheres(sys.argv[2], "silo", (-6, -6, -5), (6, 6, fall[:, 2].max() + 5), 1, 1, place,
+              velocity, kind)

@@ -2,8 +2,8 @@
 """Turns a LAMMPS dump (id x y z ...) of a periodic packing of spheres of 1 m into a data file.
 
 SPDX-License-Identifier: BSD-3-Clause
-usage: replicate.py DUMP DATA COPIES [SPEED]: so many copies of the box along each axis; root mean square of each
-component of the velocities, m/s
+usage: replicate.py DUMP DATA COPIES [SPEED]: so many copies of the box along each axis; root mean
+square of each component of the velocities, m/s
 """
 import pathlib
 import sys

@@ -1,8 +1,10 @@
 #!/usr/bin/python3
-"""Writes a LAMMPS data file of spheres with radii of 0.1 to 1 m, so many a radius as r^-3, at random and in motion.
+"""Writes a LAMMPS data file of spheres with radii of 0.1 to 1 m, so many a radius as r^-3, at
+random and in motion.
 
 SPDX-License-Identifier: BSD-3-Clause
-usage: make_bed.py COUNT DATA: a periodic box filled to 0.3, velocities of 1 m/s in each component, 2500 kg/m^3
+usage: make_bed.py COUNT DATA: a periodic box filled to 0.3, velocities of 1 m/s in each component,
+2500 kg/m^3
 """
 import math
 import pathlib
@@ -26,14 +28,17 @@ while begin < count:
     end = min(np.searchsorted(-radius, -radius[begin] / 1.1), begin + 2000)
     largest = radius[begin]
     waiting = end - begin
-    sizes = np.ceil(np.log(radius[:begin] / radius[begin]) / np.log(1.3)).astype(int) if begin else np.empty(0, int)
-    trees = [(cKDTree(place[sizes == s], boxsize=edge), radius[:begin][sizes == s].max()) for s in np.unique(sizes)]
+    sizes = np.ceil(np.log(radius[:begin] / radius[begin])
+                    / np.log(1.3)).astype(int) if begin else np.empty(0, int)
+    trees = [(cKDTree(place[sizes == s], boxsize=edge), radius[:begin][sizes == s].max())
+             for s in np.unique(sizes)]
     new = np.empty((0, 3))
     while len(new) < waiting:
         tries = random.random((4 * waiting, 3)) * edge
         clear = np.ones(len(tries), bool)
         for tree, size in trees:
-            clear[clear] = tree.query(tries[clear], distance_upper_bound=largest + size)[0] == np.inf
+            clear[clear] = tree.query(tries[clear],
+                                      distance_upper_bound=largest + size)[0] == np.inf
         tries = np.vstack([new, tries[clear]])
         taken = np.ones(len(tries), bool)
         for a, b in sorted(cKDTree(tries, boxsize=edge).query_pairs(2 * largest)):

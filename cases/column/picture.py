@@ -32,7 +32,9 @@ def extent(x, grain):
 
 
 def main(runs):
-    rows = ["| rolling friction | runout (r - r0)/r0 | against 1.24 a, sand (Lube et al. 2004) | height, mm |", "|--:|--:|--:|--:|"]
+    rows = [
+        "| rolling friction | runout (r - r0)/r0 | against 1.24 a, sand (Lube et al. 2004) | "
+        "height, mm |", "|--:|--:|--:|--:|"]
     for k, (friction, folder) in enumerate(runs):
         all_x, times, grain = read(folder)
         if k == 0:
@@ -41,7 +43,9 @@ def main(runs):
         runout = extent(all_x[-1], grain) / RADIUS - 1
         # The highest grains that are not alone.
         height = np.quantile(all_x[-1][:, 2], 0.999) + grain
-        rows.append(f"| {friction} | {runout:.2f} | {100 * (runout / 1.24 - 1):+.0f} % | {1e3 * height:.0f} |")
+        rows.append(
+            f"| {friction} | {runout:.2f} | {100 * (runout / 1.24 - 1):+.0f} % | "
+            f"{1e3 * height:.0f} |")
     replace_section(here / "README.md", "runout", "\n".join(rows))
 
 

@@ -1,9 +1,10 @@
 """Runs Piekutowski's shots and Hiermaier's with one law, over several orientations of the crystals.
 
-    python3 cases/plate/shots.py [--across 12] [--seeds 1 2 3] [--shots 4-1287 hiermaier ...] [--table]
+    python3 cases/plate/shots.py [--across 12] [--seeds 1 2 3] [--shots 4-1287 hiermaier ...]
+    [--table]
 
-Each run is cases/plate/case.toml with other sizes; what it gave is kept in cases/plate/results.csv, and all
-of it makes the table of cases/plate/README.md (--table: only that).
+Each run is cases/plate/case.toml with other sizes; what it gave is kept in cases/plate/results.csv,
+and all of it makes the table of cases/plate/README.md (--table: only that).
 SPDX-License-Identifier: BSD-3-Clause
 """
 import argparse
@@ -46,8 +47,10 @@ def run(options, name, seed):
     # Until the hole stands still: sooner in a thin plate.
     duration = options.duration or (80e-6 if thickness > 0.2 * diameter else 40e-6)
     mass = DENSITY * thickness * width**2
-    # Of the spacing over the fastest sound; a thin plate's bodies are lighter than those of its crystal. While the
-    # sphere is stopped, the heat that dashpots book is wrong by the square of the step: half of it for 0.7.
+    # Of the spacing over the fastest sound; a thin plate's bodies are lighter than those of its
+    # crystal. While the
+    # sphere is stopped, the heat that dashpots book is wrong by the square of the step: half of it
+    # for 0.7.
     step = min(0.04 * d / SOUND * min(1, thickness / (0.7 * d)) ** 0.5, 0.043 * d / speed)
     impact = 1.5 * diameter / speed
     changes = [f"seed={seed}",
@@ -61,7 +64,8 @@ def run(options, name, seed):
                f"phases.flight.step={step}", f"phases.flight.duration={duration - impact}",
                f"debris.every={duration / 12}", "output.series_every=1e-6",
                f"output.snapshot_every={duration / 7 if options.pictures else duration}"]
-    folder = ROOT / f"out/plate/{name}-{speed:g}-{options.across:g}-{options.width:g}-{1e6 * duration:g}us-{seed}"
+    folder = ROOT / "out/plate" / (f"{name}-{speed:g}-{options.across:g}-{options.width:g}-"
+                                   f"{1e6 * duration:g}us-{seed}")
     command = ["mpirun", "-n", str(options.ranks), str(options.program), "run",
                str(HERE / "case.toml"), "--out", str(folder)]
     for change in changes + options.set:
@@ -75,6 +79,7 @@ def run(options, name, seed):
                             capture_output=True).stdout.strip()
     kinetic = 0.5 * DENSITY * 3.14159265 / 6 * diameter**3 * speed**2
     conservation = results["conservation"]
+    unexplained = conservation["energy_unexplained"] * conservation["dissipated"]
     seen = min(range(len(cloud["time"])), key=lambda k: abs(cloud["time"][k] - CONTOUR_AT))
     contour = cloud["contour_length"][seen] / cloud["contour_width"][seen]
     return {"shot": name, "across": f"{options.across:g}", "width": f"{options.width:g}",
@@ -84,7 +89,7 @@ def run(options, name, seed):
             "hole_before": f"{cloud['hole'][len(cloud['hole']) * 2 // 3] / diameter:.4f}",
             "hole_spread": f"{debris['hole_spread'] / diameter:.4f}",
             "pieces": results["fragments"]["pieces"],
-            "energy": f"{conservation['energy_unexplained'] * conservation['dissipated'] / kinetic:.5f}",
+            "energy": f"{unexplained / kinetic:.5f}",
             "momentum": f"{conservation['linear']:.1e}",
             "steps": results["solver"]["steps"],
             "seconds": f"{results['time']['total_s']:.1f}", "commit": commit}
@@ -106,8 +111,10 @@ def table(rows):
     def setting(row):
         return float(row["across"]), float(row["width"]), float(row["duration_us"])
 
-    lines = ["| shot | t/D | across | width / D | until, us | front / V | bounds | radial / V | hole / D | formulas "
-             "| growth | contour L/W | molten |", "|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|"]
+    lines = ["| shot | t/D | across | width / D | until, us | front / V | bounds | radial / V | "
+             "hole / D | formulas "
+             "| growth | contour L/W | molten |",
+             "|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|"]
     for name in [s["id"] for s in DATA["shots"]] + ["hiermaier"]:
         speed, thickness, diameter = shot(name)
         ratio = thickness / diameter
@@ -115,25 +122,31 @@ def table(rows):
         front = f"{band[0]:.2f}–{band[1]:.2f}"
         if name == "hiermaier":
             hole, front = [edge / diameter for edge in DATA["hiermaier"]["hole"]], ""
-        for across, width, duration in sorted({setting(row) for row in rows if row["shot"] == name}):
-            chosen = [row for row in rows if row["shot"] == name and setting(row) == (across, width, duration)]
+        for across, width, duration in sorted(
+            {setting(row) for row in rows if row["shot"] == name}):
+            chosen = [row for row in rows if row["shot"] == name
+                      and setting(row) == (across, width, duration)]
 
             def spread(key, form=".2f"):
                 values = [float(row[key]) for row in chosen]
                 return f"{statistics.mean(values):{form}}" + (
                     f" ({min(values):{form}}–{max(values):{form}})" if len(values) > 1 else "")
 
-            growth = statistics.mean(float(row["hole_over_diameter"]) / float(row["hole_before"]) - 1
-                                     for row in chosen)
+            growth = statistics.mean(float(row["hole_over_diameter"]) / float(row["hole_before"])
+                                     for row in chosen) - 1
+            melted = statistics.mean(float(row["projectile_melted"]) for row in chosen)
             lines.append(f"| {name} | {ratio:.3f} | {across:g} | {width:g} | {duration:g} | "
-                         f"{spread('front_over_speed', '.3f')} | {front} | {spread('radial_over_speed')} | "
+                         f"{spread('front_over_speed', '.3f')} | {front} | "
+                         f"{spread('radial_over_speed')} | "
                          f"{spread('hole_over_diameter')} | {hole[0]:.2f}–{hole[1]:.2f} | "
                          f"{100 * growth:.0f} % | {spread('contour_length_over_width')} | "
-                         f"{100 * statistics.mean(float(r['projectile_melted']) for r in chosen):.0f} % |")
+                         f"{100 * melted:.0f} % |")
     worst = max(rows, key=lambda row: abs(float(row["energy"])))
     lines.append("")
-    lines.append(f"Mean (least–most) over {len({row['seed'] for row in rows})} orientations, or of one; growth of the "
-                 "hole over the last third of a run; contour at 20 us or the end; energy that no entry explains, of the "
+    lines.append(f"Mean (least–most) over {len({row['seed'] for row in rows})} orientations, or of "
+                 f"one; growth of the "
+                 "hole over the last third of a run; contour at 20 us or the end; energy that no "
+                 "entry explains, of the "
                  f"impact's, at most {float(worst['energy']):.2g}; momentum drift at most "
                  f"{max(float(row['momentum']) for row in rows):.1g}. Commits "
                  f"{', '.join(sorted({row['commit'] for row in rows}))}.")
@@ -141,12 +154,14 @@ def table(rows):
 
 
 def tried():
-    """The laws of tried.csv, a row each: two shots, one orientation, 12 across, read at 16 and 28 us."""
+    """The laws of tried.csv, a row each: two shots, one orientation, 12 across, read at 16 and 28
+    us."""
     laws = {}
     for row in csv.DictReader((HERE / "tried.csv").open()):
         laws.setdefault(row["law"], {})[row["shot"]] = row
     keys = ["front_over_speed", "radial_over_speed", "hole_over_diameter"]
-    lines = ["| law | 4-1287: front / V | radial / V | hole / D | 4-1353: front / V | radial / V | hole / D |",
+    lines = ["| law | 4-1287: front / V | radial / V | hole / D | 4-1353: front / V | radial / V | "
+             "hole / D |",
              "|---|--:|--:|--:|--:|--:|--:|"]
     for law, shots in laws.items():
         cells = [shots.get(name, {}).get(key, "") for name in ("4-1287", "4-1353") for key in keys]
@@ -160,7 +175,8 @@ def main():
     parser.set_defaults(speed=None)
     parser.add_argument("--width", type=float, default=5, help="of the plate, in diameters")
     parser.add_argument("--seeds", type=int, nargs="+", default=[1, 2, 3])
-    parser.add_argument("--shots", nargs="+", default=[s["id"] for s in DATA["shots"]] + ["hiermaier"])
+    parser.add_argument("--shots", nargs="+",
+                        default=[s["id"] for s in DATA["shots"]] + ["hiermaier"])
     parser.add_argument("--ranks", type=int, default=2)
     parser.add_argument("--program", type=Path, default=ROOT / "build/release/spall")
     parser.add_argument("--duration", type=float, help="s")
@@ -174,7 +190,8 @@ def main():
         for seed in options.seeds:
             for name in options.shots:
                 row = run(options, name, seed)
-                rows = list(csv.DictReader(path.open())) if path.exists() else []  # others may run too
+                # Others may run too.
+                rows = list(csv.DictReader(path.open())) if path.exists() else []
                 rows = [r for r in rows if any(r[key] != row[key] for key in KEY)] + [row]
                 print(*row.values(), flush=True)
                 with path.open("w", newline="") as file:

@@ -1,8 +1,10 @@
-"""The rigid plate from start to end in steps of half, once and twice a radius of flight: what must hold.
+"""The rigid plate from start to end in steps of half, once and twice a radius of flight: what must
+hold.
 
     python3 cases/plate_rigid/checks.py [--across 10] [--ranks 2] [--tolerance 1e-3] [--table]
 
-At 40 across it is the thesis's plate. Rows are kept in cases/plate_rigid/checks.csv and make the README's table.
+At 40 across it is the thesis's plate. Rows are kept in cases/plate_rigid/checks.csv and make the
+README's table.
 SPDX-License-Identifier: BSD-3-Clause
 """
 import argparse
@@ -30,13 +32,17 @@ def run(options, part):
     width, depth = 5.1 * DIAMETER, 0.425 * DIAMETER  # 204 and 17 of 40
     step = part * d / 2 / SPEED
     folder = ROOT / f"out/plate_rigid/{options.across:g}-{options.tolerance:g}-{part:g}"
-    command = ["mpirun", "-n", str(options.ranks), str(options.program), "run", str(HERE / "case.toml"),
+    command = ["mpirun", "-n", str(options.ranks), str(options.program), "run",
+               str(HERE / "case.toml"),
                "--out", str(folder)]
     for change in [f"groups.plate.volume.size=[{width}, {width}, {depth}]",
-                   f"groups.plate.volume.center=[0, 0, {-depth / 2}]", f"groups.plate.packing.diameter={d}",
-                   f"groups.ball.volume.center=[0, 0, {DIAMETER / 2 + d / 2}]", f"groups.ball.packing.diameter={d}",
+                   f"groups.plate.volume.center=[0, 0, {-depth / 2}]",
+                   f"groups.plate.packing.diameter={d}",
+                   f"groups.ball.volume.center=[0, 0, {DIAMETER / 2 + d / 2}]",
+                   f"groups.ball.packing.diameter={d}",
                    f"contact.cohesion_range={0.01 * d}", f"solver.tolerance={options.tolerance}",
-                   "solver.max_iterations=3000", f"phases.impact.step={step}", "output.series_every=0",
+                   "solver.max_iterations=3000", f"phases.impact.step={step}",
+                   "output.series_every=0",
                    "output.snapshot_every=1"]:
         command += ["--set", change]
     subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
@@ -49,38 +55,52 @@ def run(options, part):
         fastest = np.linalg.norm(file["bodies/velocity"], axis=1).max()
         bodies = len(file["bodies/mass"])
         scalars = dict(zip(file["scalars/names"][()].decode().split(), file["scalars/values"][:]))
-    # What cohesion's impulses did to the bodies, beside what the bonds gave for it within their range.
+    # What cohesion's impulses did to the bodies, beside what the bonds gave for it within their
+    # range.
     beyond = scalars["ledger.cohesion_work"] + bonds[-1] - bonds[0]
     commit = subprocess.run(["git", "describe", "--always", "--dirty"], cwd=ROOT, text=True,
                             capture_output=True).stdout.strip()
-    return {"across": f"{options.across:g}", "tolerance": f"{options.tolerance:g}", "part": f"{part:g}",
-            "bodies": bodies, "steps": len(kinetic), "front": f"{results['debris']['front_over_speed']:.4f}",
+    return {"across": f"{options.across:g}", "tolerance": f"{options.tolerance:g}",
+            "part": f"{part:g}",
+            "bodies": bodies, "steps": len(kinetic),
+            "front": f"{results['debris']['front_over_speed']:.4f}",
             "radial": f"{results['debris']['radial_over_speed']:.4f}",
-            "hole": f"{results['debris']['hole_over_diameter']:.3f}", "fastest": f"{fastest / SPEED:.4f}",
-            "rise": f"{max(0, np.diff(kinetic).max()) / kinetic[0]:.1e}", "left": f"{kinetic[-1] / kinetic[0]:.4f}",
-            "beyond": f"{beyond / kinetic[0]:.4f}", "unexplained": f"{(unexplained[-1] - beyond) / kinetic[0]:.1e}",
-            "momentum": f"{results['conservation']['linear']:.1e}", "seconds": f"{results['time']['total_s']:.0f}",
+            "hole": f"{results['debris']['hole_over_diameter']:.3f}",
+            "fastest": f"{fastest / SPEED:.4f}",
+            "rise": f"{max(0, np.diff(kinetic).max()) / kinetic[0]:.1e}",
+            "left": f"{kinetic[-1] / kinetic[0]:.4f}",
+            "beyond": f"{beyond / kinetic[0]:.4f}",
+            "unexplained": f"{(unexplained[-1] - beyond) / kinetic[0]:.1e}",
+            "momentum": f"{results['conservation']['linear']:.1e}",
+            "seconds": f"{results['time']['total_s']:.0f}",
             "commit": commit}
 
 
 def table(rows):
-    lines = ["| across | bodies | residual asked | step, r/v | steps | front / V | radial / V | hole / D | fastest body / V "
-             "| largest rise of kinetic energy in a step | kinetic energy left | cohesion beyond its range | energy unexplained beside | momentum drift | s |",
+    lines = ["| across | bodies | residual asked | step, r/v | steps | front / V | radial / V | "
+             "hole / D | fastest body / V "
+             "| largest rise of kinetic energy in a step | kinetic energy left | cohesion beyond "
+             "its range | energy unexplained beside | momentum drift | s |",
              "|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|"]
     for r in sorted(rows, key=lambda r: [float(r[key]) for key in KEY]):
-        lines.append(f"| {r['across']} | {int(r['bodies']):,} | {r['tolerance']} | {r['part']} | {r['steps']} | "
-                     f"{float(r['front']):.3f} | {float(r['radial']):.3f} | {float(r['hole']):.2f} | "
-                     f"{float(r['fastest']):.2f} | {r['rise']} | {float(r['left']):.3f} | {float(r['beyond']):.3f} | {r['unexplained']} | {r['momentum']} | "
+        lines.append(f"| {r['across']} | {int(r['bodies']):,} | {r['tolerance']} | {r['part']} | "
+                     f"{r['steps']} | "
+                     f"{float(r['front']):.3f} | {float(r['radial']):.3f} | {float(r['hole']):.2f} "
+                     f"| "
+                     f"{float(r['fastest']):.2f} | {r['rise']} | {float(r['left']):.3f} | "
+                     f"{float(r['beyond']):.3f} | {r['unexplained']} | {r['momentum']} | "
                      f"{r['seconds']} |")
     commits = ", ".join(sorted({row["commit"] for row in rows}))
-    return "\n".join([*lines, "", f"Shares of the impact's speed V, energy and momentum. Commits {commits}."])
+    return "\n".join([*lines, "",
+                      f"Shares of the impact's speed V, energy and momentum. Commits {commits}."])
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--across", type=float, default=10)
     parser.add_argument("--tolerance", type=float, default=1e-3)
-    parser.add_argument("--parts", type=float, nargs="+", default=[2, 1, 0.5], help="of a radius of flight")
+    parser.add_argument("--parts", type=float, nargs="+", default=[2, 1, 0.5],
+                        help="of a radius of flight")
     parser.add_argument("--ranks", type=int, default=2)
     parser.add_argument("--program", type=Path, default=ROOT / "build/release/spall")
     parser.add_argument("--table", action="store_true", help="run nothing")

@@ -30,7 +30,8 @@ def read(folder):
     with h5py.File(folder / "trajectory.h5") as file:
         rows = file["particles/all"]
         run = {key: rows[f"{key}/value"][:] for key in ("position", "velocity", "acceleration")}
-        run |= {"time": rows["position/time"][:], "mass": rows["mass"][:], "radius": rows["radius"][:]}
+        run |= {"time": rows["position/time"][:], "mass": rows["mass"][:],
+                "radius": rows["radius"][:]}
     with open(folder / "results.toml", "rb") as file:
         run["results"] = tomllib.load(file)
     return run
@@ -56,10 +57,12 @@ def picture(runs):
     figure, axes = plt.subplots(2, 2, figsize=(12, 7), layout="constrained")
     for panel, (count, run) in zip(axes.flat, runs.items()):
         middle, net, pull = forces(run)
-        for values, time, color, name in ((net, middle, BLUE, "net"), (pull, run["time"], ORANGE, "gravity")):
+        for values, time, color, name in ((net, middle, BLUE, "net"),
+                                          (pull, run["time"], ORANGE, "gravity")):
             low, mid, high = np.quantile(np.maximum(values, 1e-3), (0, 0.5, 1), axis=1)
             panel.fill_between(time / 60, low, high, color=color, alpha=0.25, lw=0)
-            panel.plot(time / 60, mid, color=color, lw=1.2, label=f"{name}: median, and all between")
+            panel.plot(time / 60, mid, color=color, lw=1.2,
+                       label=f"{name}: median, and all between")
         panel.set(yscale="log", ylim=(max(pull.min() / 30, 1e-2), 3 * max(net.max(), pull.max())),
                   title=f"{count} bodies", xlabel="time (min)", ylabel="force on a body (N)")
         panel.grid(color="#e4e8ee")
@@ -70,12 +73,16 @@ def picture(runs):
 def main(out):
     runs = {count: read(out / f"pull-{count}") for count in (2, 8, 64, 512)}
     picture(runs)
-    lines = ["| bodies | radius, m | first contact, s | settled after, s | packing in the half-mass radius | "
-             "drift of momentum | energy unexplained, of the dissipated |", "|--:|--:|--:|--:|--:|--:|--:|"]
+    lines = ["| bodies | radius, m | first contact, s | settled after, s | packing in the "
+             "half-mass radius | "
+             "drift of momentum | energy unexplained, of the dissipated |",
+             "|--:|--:|--:|--:|--:|--:|--:|"]
     for count, run in runs.items():
         results = run["results"]
-        lines.append(f"| {count} | {run['radius'][0]:g} | {first_contact(out / ('pull-' + str(count))):g} | {run['time'][-1]:g} | "
-                     f"{results['pile']['packing_fraction']:.3f} | {results['conservation']['linear']:.1e} | "
+        lines.append(f"| {count} | {run['radius'][0]:g} | "
+                     f"{first_contact(out / ('pull-' + str(count))):g} | {run['time'][-1]:g} | "
+                     f"{results['pile']['packing_fraction']:.3f} | "
+                     f"{results['conservation']['linear']:.1e} | "
                      f"{results['conservation']['energy_unexplained']:.1e} |")
     two = runs[2]
     distance = np.linalg.norm(two["position"][:, 0] - two["position"][:, 1], axis=1)
@@ -84,10 +91,13 @@ def main(out):
     for time, d in zip(two["time"], distance):
         if time < 0.97 * exact and d < 100:
             worst = max(worst, abs(time - time_of_fall(100.0, d, two["mass"].sum())))
-    lines += ["", f"Two bodies fall from 100 m to contact at 80 m in {exact:.1f} s by the formula; the run's places are "
+    lines += ["",
+              f"Two bodies fall from 100 m to contact at 80 m in {exact:.1f} s by the formula; the "
+              f"run's places are "
               f"reached within {worst:.2g} s of their times in the formula (steps of 10 s)."]
     (HERE / "results.md").write_text("# Falling together: the runs\n"
-                                     "Written by `cases/pull/picture.py`.\n\n" + "\n".join(lines) + "\n")
+                                     "Written by `cases/pull/picture.py`.\n\n" + "\n".join(lines)
+                                     + "\n")
 
 
 if __name__ == "__main__":

@@ -18,7 +18,8 @@ TABLE = 0.048  # m, its radius
 
 
 def surface(x, grain):
-    """Radii of rings and the mean height of their highest grains, in cells three grain radii wide."""
+    """Radii of rings and the mean height of their highest grains, in cells three grain radii
+    wide."""
     x = x[x[:, 2] > 0]
     rho, angle = np.hypot(x[:, 0], x[:, 1]), np.arctan2(x[:, 1], x[:, 0]) / (2 * np.pi) + 0.5
     width = 3 * grain
@@ -51,7 +52,8 @@ def main(runs):
                 draw(here / "heap.png", all_x, times, grain, [0, 3, len(times) - 1], height=6)
             angles.append(slope(all_x[-1], grain))
             left.append(int((all_x[-1][:, 2] > 0).sum()))
-        spread = f" ({min(angles):.1f}–{max(angles):.1f}, {len(angles)} seeds)" if len(angles) > 1 else ""
+        spread = f" ({min(angles):.1f}–{max(angles):.1f}, {len(angles)} seeds)" if len(
+            angles) > 1 else ""
         rows.append(f"| {label} | {np.mean(angles):.1f}°{spread} | {np.mean(left):.0f} |")
     replace_section(here / "README.md", "angles", "\n".join(rows))
 

@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
-# Runs the cylinder at some resolutions and orientations, and puts its length and foot beside what was measured.
+# Runs the cylinder at some resolutions and orientations, and puts its length and foot beside what
+# was measured.
 # SPDX-License-Identifier: BSD-3-Clause
-"""usage: measure.py [--across 8 12] [--seeds 1 2 3] [--whole] [--spall build/release/spall] [--ranks 2]    prints a table.
+"""usage: measure.py [--across 8 12] [--seeds 1 2 3] [--whole] [--spall build/release/spall]
+[--ranks 2]    prints a table.
 
-Length: by how much the lattice has become shorter, of the whole length. Foot: by how much the largest
-distance from the axis has grown, of bodies that have not failed, of the whole width. --whole: nothing fails, by a copy of the
-material without the constants that say when.
+Length: by how much the lattice has become shorter, of the whole length. Foot: by how much the
+largest distance from the axis has grown, of bodies that have not failed, of the whole width.
+--whole: nothing fails, by a copy of the material without the constants that say when.
 """
 import argparse
 import subprocess
@@ -36,7 +38,8 @@ def case_of(folder, whole):
     text = (HERE / "case.toml").read_text()
     material = HERE.parent / "materials" / "copper.toml"
     if whole:
-        lines = [line for line in material.read_text().splitlines() if "spall_strength" not in line and "cook_d" not in line]
+        lines = [line for line in material.read_text().splitlines() if "spall_strength" not in line
+                 and "cook_d" not in line]
         material = folder / "copper.toml"
         material.write_text("\n".join(lines) + "\n")
     (folder / "case.toml").write_text(text.replace('library = "copper"', f'file = "{material}"'))
@@ -51,18 +54,26 @@ def main():
     parser.add_argument("--ranks", type=int, default=2)
     parser.add_argument("--whole", action="store_true", help="nothing fails")
     args = parser.parse_args()
-    print("| across | seed | bodies | failed | length, mm | error | foot, mm | error |\n|--:|--:|--:|--:|--:|--:|--:|--:|")
+    print(
+        "| across | seed | bodies | failed | length, mm | error | foot, mm | error "
+        "|\n|--:|--:|--:|--:|--:|--:|--:|--:|")
     for across in args.across:
         for seed in args.seeds:
             spacing = 2 * RADIUS / across
             with tempfile.TemporaryDirectory() as scratch:
                 out = Path(scratch) / "out"
-                subprocess.run(["mpirun", "--oversubscribe", "-n", str(args.ranks), args.spall, "run", str(case_of(Path(scratch), args.whole)), "--out",
-                                str(out), "--set", f"seed={seed}", "--set", f"groups.cylinder.packing.diameter={spacing}",
-                                "--set", f"phases.impact.step={STEP * 10 / across}"], check=True, stdout=subprocess.DEVNULL)
+                subprocess.run(["mpirun", "--oversubscribe", "-n", str(args.ranks), args.spall,
+                                "run", str(case_of(Path(scratch), args.whole)), "--out",
+                                str(out), "--set", f"seed={seed}", "--set",
+                                f"groups.cylinder.packing.diameter={spacing}",
+                                "--set", f"phases.impact.step={STEP * 10 / across}"], check=True,
+                               stdout=subprocess.DEVNULL)
                 length, foot, bodies, failed = shape(out)
-            error = [f"{100 * (value / MEASURED[name] - 1):+.1f} %" for name, value in (("length", length), ("foot", foot))]
-            print(f"| {across} | {seed} | {bodies} | {failed} | {length:.2f} | {error[0]} | {foot:.2f} | {error[1]} |", flush=True)
+            error = [f"{100 * (value / MEASURED[name] - 1):+.1f} %"
+                     for name, value in (("length", length), ("foot", foot))]
+            print(
+                f"| {across} | {seed} | {bodies} | {failed} | {length:.2f} | {error[0]} | "
+                f"{foot:.2f} | {error[1]} |", flush=True)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,7 @@
 # A pile on parabolas past a planet: what is left, and the class of the encounter.
 # SPDX-License-Identifier: BSD-3-Clause
-"""run.py [--only-table]: runs what is missing in out/, writes results.md and piles.png beside this script."""
+"""run.py [--only-table]: runs what is missing in out/, writes results.md and piles.png beside this
+script."""
 import pathlib
 import subprocess
 import sys
@@ -23,7 +24,8 @@ MU = G * 5.972e24
 
 
 def state(approach):
-    """Place and velocity at START on the way in along a parabola whose closest approach lies on +x."""
+    """Place and velocity at START on the way in along a parabola whose closest approach lies on
+    +x."""
     q = approach * PLANET
     nu = -2 * np.arctan(np.sqrt(START / q - 1))
     out, along = np.array([np.cos(nu), np.sin(nu), 0]), np.array([-np.sin(nu), np.cos(nu), 0])
@@ -41,19 +43,26 @@ def main():
         folder = pathlib.Path(f"out/tides-{approach}")
         if "--only-table" not in sys.argv and not (folder / "results.toml").exists():
             x, v = state(approach)
-            subprocess.run(["mpirun", "-n", "2", "build/release/spall", "run", "cases/tides/case.toml", "--out", str(folder),
-                            "--set", f"groups.pile.volume.center={x.tolist()}", "--set", f"groups.pile.velocity={v.tolist()}"], check=True)
+            subprocess.run(["mpirun", "-n", "2", "build/release/spall", "run",
+                            "cases/tides/case.toml", "--out", str(folder),
+                            "--set", f"groups.pile.volume.center={x.tolist()}", "--set",
+                            f"groups.pile.velocity={v.tolist()}"], check=True)
         if not (folder / "results.toml").exists():
             continue
         position, velocity, radius, mass = last_frame(folder, skip_group=0)
         inside = largest_remnant(position, velocity, radius, mass)
-        rows.append((approach, mass[inside].sum() / mass.sum(), axes(position, mass), axes(position[inside], mass[inside]), position, radius))
-    lines = ["# A pile passes a planet: the runs", "Written by `cases/tides/run.py`; 8 h after the start at 6 planet radii.", "",
-             "| closest approach, planet radii | largest remnant | class | its axes, m | length of all, m |", "|--:|--:|---|--:|--:|"]
+        rows.append((approach, mass[inside].sum() / mass.sum(), axes(position, mass),
+                     axes(position[inside], mass[inside]), position, radius))
+    lines = ["# A pile passes a planet: the runs",
+             "Written by `cases/tides/run.py`; 8 h after the start at 6 planet radii.", "",
+             "| closest approach, planet radii | largest remnant | class | its axes, m | length of "
+             "all, m |", "|--:|--:|---|--:|--:|"]
     for approach, part, whole, own, *_ in rows:
-        lines.append(f"| {approach} | {part:.3f} | {kind(part)} | " + ", ".join(f"{a:.0f}" for a in own) + f" | {whole[0]:.0f} |")
+        lines.append(f"| {approach} | {part:.3f} | {kind(part)} | "
+                     + ", ".join(f"{a:.0f}" for a in own) + f" | {whole[0]:.0f} |")
     (HERE / "results.md").write_text("\n".join(lines) + "\n")
-    figure, panels = plt.subplots(len(rows), 1, figsize=(12, 2.6 * len(rows)), facecolor=tuple(SKY), squeeze=False)
+    figure, panels = plt.subplots(len(rows), 1, figsize=(12, 2.6 * len(rows)), facecolor=tuple(SKY),
+                                  squeeze=False)
     for panel, (approach, part, _, _, position, radius) in zip(panels[:, 0], rows):
         middle = np.median(position, axis=0)
         long_axis = np.linalg.svd(position - middle, full_matrices=False)[2][0]
@@ -64,7 +73,8 @@ def main():
         camera = Camera(np.array([0, 0, 1.0]), up, middle, width, width / 5, 1100)
         show(panel, camera, render(camera, position, radius, rock(len(radius)), SKY))
         scale_bar(panel, camera)
-        panel.set_title(f"{approach} planet radii: {kind(part)}", color="white", loc="center", fontsize=10)
+        panel.set_title(f"{approach} planet radii: {kind(part)}", color="white", loc="center",
+                        fontsize=10)
     figure.subplots_adjust(0.005, 0.01, 0.995, 0.94, hspace=0.14)
     figure.savefig(HERE / "piles.png", dpi=110, facecolor=tuple(SKY))
 

@@ -1,4 +1,5 @@
-# A ball falls on a plane and bounces: heights and the time of rest against the formulas of restitution.
+# A ball falls on a plane and bounces: heights and the time of rest against the formulas of
+# restitution.
 # SPDX-License-Identifier: BSD-3-Clause
 import numpy as np
 import spall

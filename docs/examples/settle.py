@@ -1,4 +1,5 @@
-# Boulders fall together by their own gravity until they rest: how long it takes, how dense the pile is.
+# Boulders fall together by their own gravity until they rest: how long it takes, how dense the pile
+# is.
 # SPDX-License-Identifier: BSD-3-Clause
 import numpy as np
 import spall

@@ -1,4 +1,5 @@
-# Spheres hit a plane at many angles: what is left of the tangential speed, from runs and by formula.
+# Spheres hit a plane at many angles: what is left of the tangential speed, from runs and by
+# formula.
 # SPDX-License-Identifier: BSD-3-Clause
 import numpy as np
 from matplotlib import pyplot
@@ -14,7 +15,8 @@ sim = spall.Simulation(
     planes=[{}],
     phases=[{"name": "hit", "step": "1 ms", "duration": "20 ms"}])
 for k, angle in enumerate(angles):
-    sim.add("rock", radius=0.01, position=(0.1 * k, 0, 0.0105), velocity=(np.sin(angle), 0, -np.cos(angle)))
+    sim.add("rock", radius=0.01, position=(0.1 * k, 0, 0.0105),
+            velocity=(np.sin(angle), 0, -np.cos(angle)))
 sim.run_until(0.02)
 after = sim.bodies.frame().velocity_x.to_numpy()
 slip = np.radians(np.linspace(1, 89, 300))

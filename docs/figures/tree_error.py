@@ -11,7 +11,8 @@ def field(gravity):
     sim = spall.Simulation(
         materials={"rock": {"density": 2000}},
         gravity=gravity,
-        groups=[{"name": "cloud", "material": "rock", "volume": {"shape": "sphere", "radius": "100 m"},
+        groups=[{"name": "cloud", "material": "rock",
+                 "volume": {"shape": "sphere", "radius": "100 m"},
                  "packing": {"kind": "random", "radius": "3 m", "count": 4000}}],
         phases=[{"name": "one", "step": "1 s", "duration": "1 s"}])
     sim.step()

@@ -12,8 +12,11 @@ sys.path[:0] = [str(here), str(build / "python")]
 project = "Spall"
 copyright = "Spall's authors"
 root_doc = "docs/index"
-include_patterns = ["docs/*.md", "docs/guides/*.md", "docs/physics/*.md", "README.md", "CONTRIBUTING.md",
-                    "CHANGELOG.md", "src/README.md", "packaging/README.md", "src/output/*/README.md", "bench/README.md", "bench/results/*.md", "cases/*/*.md"]
+include_patterns = ["docs/*.md", "docs/guides/*.md", "docs/physics/*.md", "README.md",
+                    "CONTRIBUTING.md",
+                    "CHANGELOG.md", "src/README.md", "packaging/README.md",
+                    "src/output/*/README.md", "bench/README.md", "bench/results/*.md",
+                    "cases/*/*.md"]
 exclude_patterns = ["build", "out", ".git"]
 
 extensions = ["myst_parser", "sphinx.ext.autodoc", "breathe", "sphinxcontrib.programoutput",

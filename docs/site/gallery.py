@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
-# Makes the pictures of docs/gallery.md: small runs of the cases, and the first picture of each report.
+# Makes the pictures of docs/gallery.md: small runs of the cases, and the first picture of each
+# report.
 # SPDX-License-Identifier: BSD-3-Clause
 """usage: gallery.py [--check | NAME ...]    from the root of the tree, with `spall` in PATH
 
-Draws the pictures of these names, or all. --check draws none: it asks `spall check` of each command.
+Draws the pictures of these names, or all. --check draws none: it asks `spall check` of each
+command.
 """
 import base64
 import io
@@ -15,7 +17,8 @@ from pathlib import Path
 from PIL import Image
 
 PAGE = Path("docs/gallery.md")
-COMMAND = re.compile(r"^    spall (run .*?) --out out/gallery/(\w+)$", re.M)  # as the page tells them
+# As the page tells them.
+COMMAND = re.compile(r"^    spall (run .*?) --out out/gallery/(\w+)$", re.M)
 WIDEST, COLOURS = 900, 64
 
 

@@ -1,4 +1,5 @@
-# What Sphinx lacks for Spall's pages: tables of `spall keys`, formulas without scripts, links to folders.
+# What Sphinx lacks for Spall's pages: tables of `spall keys`, formulas without scripts, links to
+# folders.
 # SPDX-License-Identifier: BSD-3-Clause
 import os
 import re
@@ -49,7 +50,8 @@ class Keys(SphinxDirective):
             section += table(("key", "unit or type", "default", "meaning"), rows[id(section)])
         last = self.section(FIELDS, "fields")
         last += table(("field", "unit", "in files", "meaning"),
-                      [(l[:22].strip(), l[23:37].strip(), l[38:49].strip(), l[50:].strip()) for l in fields.splitlines()])
+                      [(l[:22].strip(), l[23:37].strip(), l[38:49].strip(), l[50:].strip())
+                       for l in fields.splitlines()])
         return [*sections, last]
 
     @staticmethod

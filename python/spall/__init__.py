@@ -10,8 +10,8 @@ or step by step:
     sim.run_until(3600)
     print(sim.energies(), sim.bodies.position.mean(axis=0))
 
-All calls but those of Run are collective: under `mpirun -n 4 python3 program.py` each rank makes them and has its own
-share of the bodies.
+All calls but those of Run are collective: under `mpirun -n 4 python3 program.py` each rank makes
+them and has its own share of the bodies.
 """
 import atexit
 import sys
@@ -23,7 +23,8 @@ from spall.results import Run
 from spall.toml import overrides_of, to_toml
 
 __version__ = _spall.version
-__all__ = ["Bodies", "Error", "Run", "Scene", "Simulation", "check", "draw", "rank", "ranks", "resume", "run"]
+__all__ = ["Bodies", "Error", "Run", "Scene", "Simulation", "check", "draw", "rank", "ranks",
+           "resume", "run"]
 
 atexit.register(_spall.end)
 
@@ -50,23 +51,29 @@ def ranks():
 class Scene:
     """What a case says, and spheres that are added to it.
 
-    `case`: the path of a TOML file, the text of one, or nothing where all tables are given by name, as
-    Scene(materials={"rock": {"density": 2000}}, phases=[{"name": "fall", "step": 1e-3, "duration": 1}]).
-    `set`: keys to change, {"contact.friction": 0.3}. Numbers are SI, texts may carry units: "1 km/s".
+    `case`: the path of a TOML file, the text of one, or nothing where all tables are given by name,
+    as
+    Scene(materials={"rock": {"density": 2000}}, phases=[{"name": "fall", "step": 1e-3, "duration":
+    1}]).
+    `set`: keys to change, {"contact.friction": 0.3}. Numbers are SI, texts may carry units: "1
+    km/s".
     """
 
     def __init__(self, case=None, set=None, **tables):
         if case is None:
             self._scene = _spall.Scene.from_text(to_toml(tables), overrides_of(set))
         elif tables:
-            raise TypeError(f"a case and tables of one: {', '.join(tables)}; `set` changes single keys")
+            raise TypeError(
+                f"a case and tables of one: {', '.join(tables)}; `set` changes single keys")
         elif "\n" in str(case):
             self._scene = _spall.Scene.from_text(case, overrides_of(set))
         else:
             self._scene = _spall.Scene.from_file(str(case), overrides_of(set))
 
-    def add(self, material, radius, mass=0, position=(0, 0, 0), velocity=(0, 0, 0), spin=(0, 0, 0), fixed=False):
-        """A sphere (m, kg, m/s, rad/s); without a mass, by the density of its material. Its id is the next."""
+    def add(self, material, radius, mass=0, position=(0, 0, 0), velocity=(0, 0, 0), spin=(0, 0, 0),
+            fixed=False):
+        """A sphere (m, kg, m/s, rad/s); without a mass, by the density of its material. Its id is
+        the next."""
         self._scene.add(material, radius, mass, position, velocity, spin, fixed)
         return self
 
@@ -75,7 +82,8 @@ class Scene:
         return self._scene.check()
 
     def run(self, out, overwrite=False):
-        """Runs it to its end and writes the files of `spall run` into the folder `out`; returns its Run."""
+        """Runs it to its end and writes the files of `spall run` into the folder `out`; returns its
+        Run."""
         self._scene.run(str(out), overwrite)
         return Run(out)
 
@@ -83,21 +91,24 @@ class Scene:
 class Bodies:
     """This rank's bodies: each field of `spall keys` as a NumPy array, its rows the owned bodies.
 
-    The arrays are the simulation's own memory. They hold until its next step, when bodies may move to other rows and
-    ranks: ask for them again then, or copy them. Ids stay.
+    The arrays are the simulation's own memory. They hold until its next step, when bodies may move
+    to other rows and ranks: ask for them again then, or copy them. Ids stay.
     """
 
     def __init__(self, fields):
         object.__setattr__(self, "_fields", fields)
 
     def __setattr__(self, name, value):
-        raise AttributeError(f"bodies.{name} = ... would change no body: in change_bodies write bodies.{name}[:] = ...")
+        raise AttributeError(
+            f"bodies.{name} = ... would change no body: in change_bodies write bodies.{name}[:] = "
+            f"...")
 
     def __getattr__(self, name):
         try:
             return self._fields[name]
         except KeyError:
-            raise AttributeError(f"bodies have no {name}; they have {', '.join(self._fields)}") from None
+            raise AttributeError(
+                f"bodies have no {name}; they have {', '.join(self._fields)}") from None
 
     def __dir__(self):
         return list(self._fields)
@@ -111,7 +122,8 @@ class Bodies:
         columns = {}
         for name, values in self._fields.items():
             if values.ndim == 2:
-                columns.update({f"{name}_{axis}": values[:, k].copy() for k, axis in enumerate("xyz")})
+                columns.update(
+                    {f"{name}_{axis}": values[:, k].copy() for k, axis in enumerate("xyz")})
             else:
                 columns[name] = values.copy()
         return pandas.DataFrame(columns).set_index("id").sort_index()
@@ -163,13 +175,16 @@ class Simulation:
         return Bodies(self._simulation.bodies())
 
     def step(self, most=1):
-        """One step, or up to `most` where forces are smooth; a dict of how many, contacts, residual, overlap."""
+        """One step, or up to `most` where forces are smooth; a dict of how many, contacts,
+        residual, overlap."""
         return self._simulation.step(most)
 
     def run_until(self, time, each=None, steps=1):
-        """Steps until `time` (s) is reached or all phases are over; `each(simulation)` is called after each `steps` steps."""
+        """Steps until `time` (s) is reached or all phases are over; `each(simulation)` is called
+        after each `steps` steps."""
         if steps < 1:
-            raise ValueError(f"run_until: each after {steps} steps is asked for; 1 or more are wanted")
+            raise ValueError(
+                f"run_until: each after {steps} steps is asked for; 1 or more are wanted")
         left = steps
 
         def after_step():
@@ -183,20 +198,24 @@ class Simulation:
         return self
 
     def energies(self):
-        """J over all ranks: kinetic, pairs, gravitational, dissipated, own_work, prescribed_work."""
+        """J over all ranks: kinetic, pairs, gravitational, dissipated, own_work,
+        prescribed_work."""
         return self._simulation.energies()
 
     def pairs(self):
-        """Ids of bodies that touch, are within the range of cohesion or are bound: an array of two columns."""
+        """Ids of bodies that touch, are within the range of cohesion or are bound: an array of two
+        columns."""
         return self._simulation.pairs()
 
     def change_bodies(self, change):
-        """Calls `change(bodies)`, whose arrays may be written; the energy that it gives is booked."""
+        """Calls `change(bodies)`, whose arrays may be written; the energy that it gives is
+        booked."""
         self._simulation.change_bodies(lambda fields: change(Bodies(fields)))
         return self
 
     def add_force(self, force):
-        """From now on `force(bodies, forces)` adds to the force (N) on each owned body, row by row."""
+        """From now on `force(bodies, forces)` adds to the force (N) on each owned body, row by
+        row."""
         self._simulation.add_force(lambda fields, forces: force(Bodies(fields), forces))
         return self
 
@@ -223,6 +242,7 @@ def resume(restart, out="", set=None, overwrite=False):
 
 
 def draw(bodies, file=None, along="y", colour=None, size=6):
-    """Draws spheres as seen along an axis; `colour`: an array, one value a body, else speeds. Returns the figure."""
+    """Draws spheres as seen along an axis; `colour`: an array, one value a body, else speeds.
+    Returns the figure."""
     from spall.picture import draw_spheres
     return draw_spheres(bodies, file, along, colour, size)

@@ -17,7 +17,8 @@ def draw_spheres(bodies, file, along, colour, size):
         colour, label = np.asarray(colour), None
     order = np.argsort(-place[:, depth], kind="stable")
     figure, axes = pyplot.subplots(figsize=(size, size), layout="constrained")
-    disks = EllipseCollection(2 * radius[order], 2 * radius[order], np.zeros(len(order)), units="xy",
+    disks = EllipseCollection(2 * radius[order], 2 * radius[order], np.zeros(len(order)),
+                              units="xy",
                               offsets=place[order][:, [across, up]], transOffset=axes.transData,
                               edgecolors="#00000040", linewidths=0.4, cmap="viridis")
     disks.set_array(colour[order])

@@ -4,7 +4,8 @@ from pathlib import Path
 
 
 class Run:
-    """run["deflection"]["beta"] is a result; run.series a pandas frame; run.frames() yields the bodies through time."""
+    """run["deflection"]["beta"] is a result; run.series a pandas frame; run.frames() yields the
+    bodies through time."""
 
     def __init__(self, folder):
         self.folder = Path(folder)
@@ -31,18 +32,22 @@ class Run:
         import h5py
         with h5py.File(self.folder / "trajectory.h5") as file:
             bodies = file["particles/all"]
-            moving = {name: bodies[name] for name in bodies if isinstance(bodies[name], h5py.Group) and "value" in bodies[name]}
-            fixed = {name: bodies[name][()] for name in bodies if isinstance(bodies[name], h5py.Dataset)}
+            moving = {name: bodies[name] for name in bodies if isinstance(bodies[name], h5py.Group)
+                      and "value" in bodies[name]}
+            fixed = {name: bodies[name][()] for name in bodies
+                     if isinstance(bodies[name], h5py.Dataset)}
             times = moving["position"]["time"][()]
             for k, time in enumerate(times):
-                yield float(time), {**fixed, **{name: group["value"][k] for name, group in moving.items()}}
+                yield float(time), {**fixed,
+                                    **{name: group["value"][k] for name, group in moving.items()}}
 
     def report(self):
         """Makes report.html, as `spall report` does, and returns its path."""
         import subprocess
         import sys
         beside = Path(sys.executable).parent / "spall"  # where pip puts it, in PATH or not
-        subprocess.run([beside if beside.is_file() else "spall", "report", str(self.folder)], check=True)
+        subprocess.run([beside if beside.is_file() else "spall", "report", str(self.folder)],
+                       check=True)
         return self.folder / "report.html"
 
     def __repr__(self):

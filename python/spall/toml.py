@@ -37,7 +37,8 @@ def name(key):
 
 
 def text(value):
-    escaped = "".join(f"\\u{ord(c):04x}" if ord(c) < 32 or ord(c) == 127 else c for c in value.replace("\\", "\\\\").replace('"', '\\"'))
+    escaped = "".join(f"\\u{ord(c):04x}" if ord(c) < 32 or ord(c) == 127 else c
+                      for c in value.replace("\\", "\\\\").replace('"', '\\"'))
     return f'"{escaped}"'
 
 
@@ -50,7 +51,8 @@ def inline(value):
         return text(value)
     if is_table(value):
         return "{" + ", ".join(f"{name(k)} = {inline(v)}" for k, v in value.items()) + "}"
-    if isinstance(value, (list, tuple)) or hasattr(value, "tolist") and getattr(value, "ndim", 0) > 0:
+    if isinstance(value, (list, tuple)) or hasattr(value,
+                                                   "tolist") and getattr(value, "ndim", 0) > 0:
         return "[" + ", ".join(inline(v) for v in value) + "]"
     if isinstance(value, (int, float)):
         return repr(value)
@@ -62,5 +64,6 @@ def overrides_of(changes):
     if changes is None:
         return []
     if isinstance(changes, dict):
-        return [f"{key}={value if isinstance(value, str) else inline(value)}" for key, value in changes.items()]
+        return [f"{key}={value if isinstance(value, str) else inline(value)}"
+                for key, value in changes.items()]
     return list(changes)

@@ -126,9 +126,8 @@ auto with_order(int order, F&& f) {
       return f(std::integral_constant<int, 6>());
     case 8:
       return f(std::integral_constant<int, 8>());
-    default:
-      throw Error(fmt::format("gravity tree of order {}: 4, 6 and 8 exist", order));
   }
+  throw Error(fmt::format("gravity tree of order {}: 4, 6 and 8 exist", order));
 }
 
 }  // namespace

@@ -25,9 +25,13 @@ std::string type_name(const toml::node& node) {
     case toml::node_type::integer:
     case toml::node_type::floating_point:
       return "a number";
-    default:
+    case toml::node_type::none:
+    case toml::node_type::date:
+    case toml::node_type::time:
+    case toml::node_type::date_time:
       return "a date or time of day";
   }
+  __builtin_unreachable();
 }
 
 /// Levenshtein's distance: insertions, removals and replacements from `a` to `b`.

@@ -1,6 +1,7 @@
 # Frames a run's trajectory in ParaView: bodies as spheres of their radius, coloured by speed.
 # SPDX-License-Identifier: BSD-3-Clause
-"""usage: pvpython paraview_scene.py FOLDER    writes FOLDER/scene.pvsm, to be opened by ParaView, and FOLDER/scene.png"""
+"""usage: pvpython paraview_scene.py FOLDER    writes FOLDER/scene.pvsm, to be opened by ParaView,
+and FOLDER/scene.png"""
 import sys
 from pathlib import Path
 
@@ -52,8 +53,8 @@ def main(folder):
 
 
 def usual(source):
-    """Low and high corner of a box in which 90 % of the bodies lie in each direction, and the speed of 95 %: single
-    bodies that fly far off shrink and pale nothing."""
+    """Low and high corner of a box in which 90 % of the bodies lie in each direction, and the speed
+    of 95 %: single bodies that fly far off shrink and pale nothing."""
     import numpy as np
     from paraview import servermanager
     from vtk.util.numpy_support import vtk_to_numpy
@@ -62,8 +63,10 @@ def usual(source):
     while hasattr(blocks[0], "GetBlock"):
         blocks = [block.GetBlock(k) for block in blocks for k in range(block.GetNumberOfBlocks())]
     places = np.concatenate([vtk_to_numpy(block.GetPoints().GetData()) for block in blocks])
-    radii = np.concatenate([vtk_to_numpy(block.GetPointData().GetArray("radius")) for block in blocks])
-    velocities = np.concatenate([vtk_to_numpy(block.GetPointData().GetArray("velocity")) for block in blocks])
+    radii = np.concatenate(
+        [vtk_to_numpy(block.GetPointData().GetArray("radius")) for block in blocks])
+    velocities = np.concatenate(
+        [vtk_to_numpy(block.GetPointData().GetArray("velocity")) for block in blocks])
     margin = radii.max()
     return (np.quantile(places, 0.05, axis=0) - margin, np.quantile(places, 0.95, axis=0) + margin,
             np.quantile(np.linalg.norm(velocities, axis=1), 0.95))

@@ -36,12 +36,15 @@ class Pictures:
         Image.open(data).convert("RGB").save(small, "webp", quality=85)
         text = base64.b64encode(small.getvalue()).decode()
         heading = f"<h2>{heading}</h2>" if heading else ""
-        self.text += (f"{heading}<figure><div class=scroll tabindex=0 role=group aria-label=Picture><img alt='{html.escape(name)}' "
-                      f"src='data:image/webp;base64,{text}'></div><figcaption>{caption}</figcaption></figure>{more}")
+        self.text += (f"{heading}<figure><div class=scroll tabindex=0 role=group "
+                      f"aria-label=Picture><img alt='{html.escape(name)}' "
+                      f"src='data:image/webp;base64,{text}'></div>"
+                      f"<figcaption>{caption}</figcaption></figure>{more}")
 
 
 def pictures_of(run):
-    """What needs more than the bodies' places, or stands in texts: drawn once, when the page is made."""
+    """What needs more than the bodies' places, or stands in texts: drawn once, when the page is
+    made."""
     import report_figures as figures
     import report_interior
     pictures = Pictures(run.folder)
@@ -54,44 +57,54 @@ def pictures_of(run):
     if run.results.get("cloud", {}).get("time"):
         import report_debris as debris
         pictures.add("radiographs", debris.radiographs(run),
-                     "From the side, as on flash radiographs: dark where much mass is in the way.", "Debris")
+                     "From the side, as on flash radiographs: dark where much mass is in the way.",
+                     "Debris")
         pictures.add("debris", debris.speeds(run),
                      "Left: debris more than a quarter of a diameter behind the plate. "
                      "Percentiles: 99th of speeds (front, radial), 1st (rear), mean.")
         if state := debris.state(run):
-            pictures.add("state", state, "A slice a sixth of a diameter thick through the axis, at the end. "
-                         "Temperature: of the heat that damping left in a body, not of what its motion holds.")
+            pictures.add("state", state,
+                         "A slice a sixth of a diameter thick through the axis, at the end. "
+                         "Temperature: of the heat that damping left in a body, not of what its "
+                         "motion holds.")
         if "wall" in run.results:
             pictures.add("wall", debris.wall(run, run.results["wall"]["distance"]),
-                         "Debris that fly on freely; within the circles half and 90 % of the momentum.")
+                         "Debris that fly on freely; within the circles half and 90 % of the "
+                         "momentum.")
     if run.gravity and sorted(run.gravity.counts)[1] > 1:
         pictures.add("gravity", figures.gravity(run),
-                     "Potential and pull of the bodies in the middle plane of the map; circles: bodies that "
+                     "Potential and pull of the bodies in the middle plane of the map; circles: "
+                     "bodies that "
                      "it cuts; arrows: where the pull points.", "Gravity")
     deflection = run.results.get("deflection", {})
     if len(run.results.get("read_out", {}).get("dv", [])) > 0:
         lines = [(deflection[key], name) for key, name in (("dv_plastic", "m v / M"),
                  ("dv_elastic", "m v (1 + e) / M")) if key in deflection]
         pictures.add("deflection", figures.read_outs(run.results["read_out"], lines),
-                     "Velocity change of the largest clump along the flight of the impactor. It goes on "
+                     "Velocity change of the largest clump along the flight of the impactor. It "
+                     "goes on "
                      "changing while ejecta leave, so it is given with its time.", "Deflection")
     if inside := report_interior.interior(run):
         drawing, states = inside
         pictures.add("interior", drawing,
-                     "The largest clump, cut through its centre: empty part of a cube two radii around each place; contacts near "
-                     "the plane of the flight, as wide as the root of their normal force; porosity of shells; contacts of a body; "
+                     "The largest clump, cut through its centre: empty part of a cube two radii "
+                     "around each place; contacts near "
+                     "the plane of the flight, as wide as the root of their normal force; porosity "
+                     "of shells; contacts of a body; "
                      "forces.", "The inside", rows_of_text(report_interior.table(states)))
     seconds = {key[:-2]: value for key, value in run.results.get("time", {}).items()
                if key.endswith("_s") and key != "total_s" and value > 0}
     if seconds:
-        pictures.add("stages", figures.stage_times(seconds), "Wall-clock seconds of the slowest rank.", "Where the time went")
+        pictures.add("stages", figures.stage_times(seconds),
+                     "Wall-clock seconds of the slowest rank.", "Where the time went")
     return pictures.text
 
 
 def main(folders):
     runs = [Run(folder, "spall report") for folder in folders]
     shown = [Bodies(run) for run in runs]
-    data = [data_of(run, name_of(run, runs), bodies, bodies.shown(run)) for run, bodies in zip(runs, shown)]
+    data = [data_of(run, name_of(run, runs), bodies, bodies.shown(run))
+            for run, bodies in zip(runs, shown)]
     alone = len(runs) == 1
     path = os.path.join(folders[0], "report.html" if alone else "compared.html")
     text = page(runs, data, pictures_of(runs[0]) if alone else "")
@@ -103,7 +116,8 @@ def main(folders):
 if __name__ == "__main__":
     if len(sys.argv) < 2:
         sys.exit("usage: report.py <folders of runs>")
-    names = [os.path.dirname(name) or "." if os.path.isfile(name) else name for name in sys.argv[1:]]
+    names = [os.path.dirname(name) or "." if os.path.isfile(name) else name
+             for name in sys.argv[1:]]
     try:
         main(names)
     except (OSError, tomllib.TOMLDecodeError) as error:

@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The other half, which unpacks, is page/packed.js.
 
-Places are rounded to a part of the smallest radius, fields to eight bits behind the leading one. An array's bytes
-are sorted by their weight before they are compressed: those of high weight are nearly all alike.
+Places are rounded to a part of the smallest radius, fields to eight bits behind the leading one. An
+array's bytes are sorted by their weight before they are compressed: those of high weight are nearly
+all alike.
 """
 import base64
 import os
@@ -47,7 +48,9 @@ def spread(count, most):
 def unit_of(dataset):
     unit = dataset.attrs.get("unit", b"")
     unit = unit.decode() if isinstance(unit, bytes) else unit
-    return re.sub(r"[+-]\d", lambda power: power[0].translate(str.maketrans("-123456789+", "⁻¹²³⁴⁵⁶⁷⁸⁹ ")).strip(), unit)
+    return re.sub(r"[+-]\d",
+                  lambda power: power[0].translate(str.maketrans("-123456789+",
+                                                                 "⁻¹²³⁴⁵⁶⁷⁸⁹ ")).strip(), unit)
 
 
 def newest_snapshot(run):
@@ -80,11 +83,15 @@ class Bodies:
             extent = np.nanmax(place) - self.low.min()
             self.step = float(max(radius.min() / PARTS_OF_RADIUS, extent / 2**30))
             self.names = {key: self.names_of(bodies[key]) for key in ("group", "material")}
-            self.fields = [{"name": key, "label": NAMES.get(key, key.replace("_", " ")), "unit": unit_of(bodies[key]["value"])}
-                           for key in bodies if isinstance(bodies[key], h5py.Group) and "value" in bodies[key] and key not in HIDDEN]
+            self.fields = [{"name": key, "label": NAMES.get(key, key.replace("_", " ")),
+                            "unit": unit_of(bodies[key]["value"])}
+                           for key in bodies if isinstance(bodies[key], h5py.Group)
+                           and "value" in bodies[key] and key not in HIDDEN]
             mass = bodies["mass"][:][self.rows]
-            self.fixed = {"radius": pack(radius, "<f4"), "mass": pack(mass, "<f4"), "id": pack(self.rows, "<i4"),
-                          **{key: pack(bodies[key][:][self.rows], "<i4") for key in ("group", "material")}}
+            self.fixed = {"radius": pack(radius, "<f4"), "mass": pack(mass, "<f4"),
+                          "id": pack(self.rows, "<i4"),
+                          **{key: pack(bodies[key][:][self.rows], "<i4")
+                             for key in ("group", "material")}}
 
     @staticmethod
     def names_of(dataset):
@@ -92,7 +99,8 @@ class Bodies:
         return sorted(kinds, key=kinds.get)
 
     def shown(self, run):
-        """The numbers of the snapshots that a page has room for: each, each second, fourth ... and the last."""
+        """The numbers of the snapshots that a page has room for: each, each second, fourth ... and
+        the last."""
         numbers = [int(name[:-3]) for name in run.snapshots()]
         every = 1
         while len(numbers) / every * len(self.rows) > MOST_PLACES:
@@ -100,7 +108,8 @@ class Bodies:
         return sorted({*numbers[::every], numbers[-1]})
 
     def header(self):
-        return {"count": len(self.rows), "all": self.count, "low": self.low.tolist(), "step": self.step,
+        return {"count": len(self.rows), "all": self.count, "low": self.low.tolist(),
+                "step": self.step,
                 "names": self.names, "fields": self.fields, "fixed": self.fixed}
 
     def frame(self, number):
@@ -116,14 +125,17 @@ class Bodies:
                 steps = np.rint((place[there] - self.low) / self.step)
                 places = np.full((len(self.rows), 3), ABSENT)
                 places[:len(rows)][there] = np.clip(steps, -2**31 + 1, 2**31 - 1)
-                fields = [self.field(bodies[field["name"]]["value"][0][rows]) for field in self.fields]
-                return {"number": number, "time": float(bodies["position/time"][0]), "middle": np.median(steps, axis=0).tolist(),
+                fields = [self.field(bodies[field["name"]]["value"][0][rows])
+                          for field in self.fields]
+                return {"number": number, "time": float(bodies["position/time"][0]),
+                        "middle": np.median(steps, axis=0).tolist(),
                         "position": pack(places, "<i4"), "fields": fields}
         except (OSError, KeyError):
             return None
 
     def field(self, values):
-        """Vectors by their length. What is positive counts from the smallest, so that small differences stay."""
+        """Vectors by their length. What is positive counts from the smallest, so that small
+        differences stay."""
         values = np.linalg.norm(values, axis=1) if values.ndim == 2 else values.astype(float)
         offset = float(max(np.min(values, initial=np.inf, where=np.isfinite(values)), 0))
         offset = offset if np.isfinite(offset) else 0.0

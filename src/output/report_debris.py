@@ -13,7 +13,8 @@ from report_run import readable_time
 
 
 class Flight:
-    """Bodies of projectile and plate in the plate's frame: depth behind its rear face, and across."""
+    """Bodies of projectile and plate in the plate's frame: depth behind its rear face, and
+    across."""
 
     def __init__(self, run):
         groups = [group["name"] for group in run.case["groups"]]
@@ -133,7 +134,8 @@ def speeds(run):
 
 
 def state(run):
-    """A slice through the axis at the end: the share of broken bonds and the temperature. None where none can break."""
+    """A slice through the axis at the end: the share of broken bonds and the temperature. None
+    where none can break."""
     flight = flight_of(run)
     if flight.damage is None or not flight.damage.any():
         return None

@@ -8,11 +8,11 @@ import numpy as np
 from matplotlib.colors import LinearSegmentedColormap, LogNorm
 from matplotlib.ticker import NullFormatter
 
-from report_run import readable_time
 from report_spheres import Camera, render
 
 SKY = np.array([0.035, 0.043, 0.066])
-INK, BLUE, ORANGE, GREEN, RED, GREY = "#1c2430", "#2f6db3", "#d9822b", "#3f8f5b", "#b5413a", "#8a94a3"
+INK, BLUE, ORANGE = "#1c2430", "#2f6db3", "#d9822b"
+GREEN, RED, GREY = "#3f8f5b", "#b5413a", "#8a94a3"
 plt.rcParams.update({
     "font.family": "DejaVu Sans", "font.size": 10, "axes.edgecolor": GREY, "axes.labelcolor": INK,
     "axes.spines.top": False, "axes.spines.right": False, "axes.titlesize": 11,
@@ -133,7 +133,8 @@ def velocities(run):
     bar.outline.set_visible(False)
 
     panel = figure.add_subplot(grid[0, 1])
-    bins = np.geomspace(min(moving.min(), norm.vmin) * 0.99, max(moving.max(), norm.vmax) * 1.01, 60)
+    bins = np.geomspace(min(moving.min(), norm.vmin) * 0.99, max(moving.max(), norm.vmax) * 1.01,
+                        60)
     _, _, patches = panel.hist(moving, bins)
     for patch, edge in zip(patches, bins):
         patch.set_facecolor(colors(float(norm(edge))))
@@ -155,7 +156,8 @@ def velocities(run):
     if forward.any():
         median = np.median(np.abs(forward[forward != 0]))
         panel.set_yscale("symlog", linthresh=10 ** np.floor(np.log10(median)))
-    panel.set(xlabel=f"place along {'the flight' if run.has_impact else 'x'} (m)", ylabel="velocity along it (m/s)",
+    panel.set(xlabel=f"place along {'the flight' if run.has_impact else 'x'} (m)",
+              ylabel="velocity along it (m/s)",
               title="Velocity along the flight of the impactor" if run.has_impact
               else "Velocity along x")
     return figure

@@ -1,4 +1,5 @@
-# What is inside a pile: density, voids, contacts and the forces that they carry, from restart files.
+# What is inside a pile: density, voids, contacts and the forces that they carry, from restart
+# files.
 # SPDX-License-Identifier: BSD-3-Clause
 import os
 
@@ -9,20 +10,25 @@ from report_figures import BLUE, GREEN, GREY, ORANGE, RED, plt
 
 
 class Inside:
-    """The bodies of a restart file that hang together, about their centre of mass, and their contacts.
+    """The bodies of a restart file that hang together, about their centre of mass, and their
+    contacts.
 
-    Impulses are turned into forces by the virial of a body at rest, sum f.d = -sum m a.x: a held field of gravity acts as one kick,
-    so that the impulses of a step belong to a longer time than the step."""
+    Impulses are turned into forces by the virial of a body at rest, sum f.d = -sum m a.x: a held
+    field of gravity acts as one kick, so that the impulses of a step belong to a longer time than
+    the step."""
 
     def __init__(self, path, reach):
         with h5py.File(path) as file:
             order = np.argsort(file["bodies/id"][:])
             bodies = file["bodies"]
-            self.position, self.radius, self.mass = (bodies[key][:][order] for key in ("position", "radius", "mass"))
+            self.position, self.radius, self.mass = (bodies[key][:][order]
+                                                     for key in ("position", "radius", "mass"))
             # Smooth methods without gravity have no such field.
-            self.acceleration = bodies["acceleration"][:][order] if "acceleration" in bodies else np.zeros_like(self.position)
+            self.acceleration = bodies["acceleration"][:][
+                order] if "acceleration" in bodies else np.zeros_like(self.position)
             i, j, impulse = (file[f"contacts/{key}"][:] for key in ("i", "j", "impulse"))
-        self.mass = np.where(np.isfinite(self.mass), self.mass, 0)  # what is fixed belongs to no pile
+        # What is fixed belongs to no pile.
+        self.mass = np.where(np.isfinite(self.mass), self.mass, 0)
         pair = (j >= 0) & (i < len(order)) & (j < len(order))
         i, j, impulse = i[pair], j[pair], impulse[pair]
         between = self.position[j] - self.position[i]
@@ -36,9 +42,11 @@ class Inside:
         inner = clump[self.i] & clump[self.j]
         self.i, self.j, normal_impulse = self.i[inner], self.j[inner], normal_impulse[inner]
         virial = -np.sum(self.mass[clump, None] * self.acceleration[clump] * self.position[clump])
-        impulses = np.sum(normal_impulse * np.linalg.norm(self.position[self.j] - self.position[self.i], axis=1))
+        impulses = np.sum(normal_impulse
+                          * np.linalg.norm(self.position[self.j] - self.position[self.i], axis=1))
         self.force = normal_impulse * (virial / impulses if impulses > 0 and virial > 0 else np.nan)
-        self.coordination = (np.bincount(self.i, minlength=len(self.mass)) + np.bincount(self.j, minlength=len(self.mass)))[clump]
+        self.coordination = (np.bincount(self.i, minlength=len(self.mass))
+                             + np.bincount(self.j, minlength=len(self.mass)))[clump]
 
     def largest_clump(self):
         name = np.arange(len(self.mass))
@@ -62,15 +70,17 @@ class Inside:
         return np.linalg.eigvalsh(inertia)
 
     def profile(self, edges):
-        """Solid part of the shells between `edges` (m), by the lens that a ball and a sphere share."""
+        """Solid part of the shells between `edges` (m), by the lens that a ball and a sphere
+        share."""
         d = np.linalg.norm(self.position[self.clump], axis=1)
         r = self.radius[self.clump]
         inside = np.array([np.sum(shared_volume(R, r, d)) for R in edges])
         return np.diff(inside) / (4 / 3 * np.pi * np.diff(edges**3))
 
     def distance_to_solid(self, points_a_side):
-        """On a cubic grid about the centre: distance (m) from each point to the nearest sphere's surface, negative inside; and the
-        places along an axis. Farther than four mean radii is not looked."""
+        """On a cubic grid about the centre: distance (m) from each point to the nearest sphere's
+        surface, negative inside; and the places along an axis. Farther than four mean radii is not
+        looked."""
         side = self.size()
         axis = np.linspace(-side, side, points_a_side)
         step = axis[1] - axis[0]
@@ -87,17 +97,20 @@ class Inside:
 
 
 def shared_volume(R, r, d):
-    """m^3, of a ball of radius R about the origin and balls of radii r at distances d (src/analysis/interior.cpp)."""
+    """m^3, of a ball of radius R about the origin and balls of radii r at distances d
+    (src/analysis/interior.cpp)."""
     small, large = np.minimum(R, r), np.maximum(R, r)
     d = np.maximum(d, 1e-300)
     cap = np.clip((small - large + d) * (small + large - d) / (2 * d), 0, None)
     other = small + large - d - cap
     lens = np.pi / 3 * (cap**2 * (3 * large - cap) + other**2 * (3 * small - other))
-    return np.where(d >= small + large, 0, np.where(d <= large - small, 4 / 3 * np.pi * small**3, lens))
+    return np.where(d >= small + large, 0,
+                    np.where(d <= large - small, 4 / 3 * np.pi * small**3, lens))
 
 
 def largest_voids(axis, distance, within, count):
-    """Radii (m) of the largest balls that fit between the spheres, wholly within `within` of the centre and apart from each other."""
+    """Radii (m) of the largest balls that fit between the spheres, wholly within `within` of the
+    centre and apart from each other."""
     grid = np.stack(np.meshgrid(axis, axis, axis, indexing="ij"), axis=-1).reshape(-1, 3)
     radius = distance.ravel().copy()
     radius[np.linalg.norm(grid, axis=1) + np.where(np.isfinite(radius), radius, 0) > within] = -1
@@ -118,7 +131,8 @@ def restart_files(run):
     wanted = [("at the end", len(phases) - 1)]
     if impact is not None:
         wanted = [("before the impact", impact - 1), ("after it", len(phases) - 1)]
-    paths = [(name, os.path.join(run.folder, f"after_{phases[k]['name']}.h5")) for name, k in wanted if k >= 0]
+    paths = [(name, os.path.join(run.folder, f"after_{phases[k]['name']}.h5")) for name, k in wanted
+             if k >= 0]
     return [(name, path) for name, path in paths if os.path.exists(path)]
 
 
@@ -126,10 +140,12 @@ def interior(run):
     """Figure and table rows of the inside, before and after; None without restart files."""
     reach = 1e-3 * np.median(run.before.radius)
     states = [(name, Inside(path, reach)) for name, path in restart_files(run)]
-    states = [(name, state) for name, state in states if np.any(state.force > 0)]  # a pile by its own gravity
+    # A pile by its own gravity.
+    states = [(name, state) for name, state in states if np.any(state.force > 0)]
     if not states:
         return None
-    figure, axes = plt.subplots(len(states) + 1, 3, figsize=(12, 4.1 * (len(states) + 1)), layout="constrained", squeeze=False)
+    figure, axes = plt.subplots(len(states) + 1, 3, figsize=(12, 4.1 * (len(states) + 1)),
+                                layout="constrained", squeeze=False)
     edges = np.linspace(0, states[0][1].size(), 25)
     rows, side = [], states[0][1].size()
     across, up = run.side_view()
@@ -139,51 +155,64 @@ def interior(run):
         rows.append((name, state, voids))
         top = axes[-1]
         top[0].stairs(1 - state.profile(edges), edges, color=color, label=name)
-        top[1].hist(state.coordination, np.arange(-0.5, state.coordination.max() + 1.5), histtype="step", color=color, label=name)
+        top[1].hist(state.coordination, np.arange(-0.5, state.coordination.max() + 1.5),
+                    histtype="step", color=color, label=name)
         pushing = state.force[state.force > 0]
         bins = np.geomspace(max(pushing.mean() * 1e-3, 1e-300), pushing.max() * 1.01, 40)
         top[2].hist(pushing, bins, histtype="step", color=color, label=f"{name}, pushing")
         if np.any(state.force < 0):
-            top[2].hist(-state.force[state.force < 0], bins, histtype="step", color=color, ls=":", label=f"{name}, pulling")
+            top[2].hist(-state.force[state.force < 0], bins, histtype="step", color=color, ls=":",
+                        label=f"{name}, pulling")
         draw_map(figure, line[0], state, axis, distance, side, name)
-        draw_network(line[1], state, state.force > 0, run.flight, up, across, side, GREEN, f"Pushing contacts, {name}")
-        draw_network(line[2], state, state.force < 0, run.flight, up, across, side, RED, f"Pulling contacts, {name}")
-    axes[-1][0].set(xlabel="distance from the centre (m)", ylabel="porosity of the shell", ylim=(0, 1), title="Porosity")
+        draw_network(line[1], state, state.force > 0, run.flight, up, across, side, GREEN,
+                     f"Pushing contacts, {name}")
+        draw_network(line[2], state, state.force < 0, run.flight, up, across, side, RED,
+                     f"Pulling contacts, {name}")
+    axes[-1][0].set(xlabel="distance from the centre (m)", ylabel="porosity of the shell",
+                    ylim=(0, 1), title="Porosity")
     axes[-1][1].set(xlabel="contacts of a body", ylabel="bodies", title="Coordination")
-    axes[-1][2].set(xscale="log", yscale="log", xlabel="normal force (N)", ylabel="contacts", title="Forces")
+    axes[-1][2].set(xscale="log", yscale="log", xlabel="normal force (N)", ylabel="contacts",
+                    title="Forces")
     for panel in axes[-1]:
         panel.legend(fontsize=8)
     return figure, rows
 
 
 def draw_map(figure, panel, state, axis, distance, side, name):
-    """Porosity in the plane z = 0 about the centre: the empty part of a cube of grid points around each place."""
+    """Porosity in the plane z = 0 about the centre: the empty part of a cube of grid points around
+    each place."""
     empty = (distance > 0).astype(float)
     width = max(1, int(round(2 * np.median(state.radius) / (axis[1] - axis[0]))))
     for k in range(3):
-        sums = np.cumsum(np.pad(empty, [(width + 1, width) if a == k else (0, 0) for a in range(3)], "edge"), axis=k)
+        sums = np.cumsum(np.pad(empty, [(width + 1, width) if a == k else (0, 0) for a in range(3)],
+                                "edge"), axis=k)
         n = empty.shape[k]
         ends = np.arange(2 * width + 1, 2 * width + 1 + n)
         empty = (np.take(sums, ends, k) - np.take(sums, ends - 2 * width - 1, k)) / (2 * width + 1)
     middle = len(axis) // 2
-    image = panel.imshow(empty[:, :, middle].T, origin="lower", extent=[-side, side, -side, side], vmin=0.2, vmax=0.8, cmap="viridis")
+    image = panel.imshow(empty[:, :, middle].T, origin="lower", extent=[-side, side, -side, side],
+                         vmin=0.2, vmax=0.8, cmap="viridis")
     panel.set(title=f"Porosity in the plane z = 0, {name}", xlabel="x (m)", ylabel="y (m)")
     panel.grid(False)
     figure.colorbar(image, ax=panel, shrink=0.8)
 
 
 def draw_network(panel, state, chosen, flight, up, across, side, color, title):
-    """Lines between the centres of bodies near the plane through the flight, as wide as the root of the force."""
+    """Lines between the centres of bodies near the plane through the flight, as wide as the root of
+    the force."""
     depth = np.abs(state.position @ across)
-    near = chosen & (depth[state.i] < 2 * state.radius[state.i]) & (depth[state.j] < 2 * state.radius[state.j])
+    near = chosen & (depth[state.i] < 2 * state.radius[state.i]) & (depth[state.j] < 2
+                                                                    * state.radius[state.j])
     x, y = state.position @ flight, state.position @ up
     strength = np.abs(state.force)
     scale = np.quantile(strength[chosen], 0.99) if np.any(chosen) else 1
     for i, j, f in zip(state.i[near], state.j[near], strength[near]):
-        panel.plot([x[i], x[j]], [y[i], y[j]], color=color, lw=0.2 + 2.5 * np.sqrt(min(f / scale, 1)), solid_capstyle="round")
+        panel.plot([x[i], x[j]], [y[i], y[j]], color=color,
+                   lw=0.2 + 2.5 * np.sqrt(min(f / scale, 1)), solid_capstyle="round")
     if not np.any(near):
         panel.text(0, 0, "none", ha="center", color=GREY)
-    panel.set(title=title, xlim=(-side, side), ylim=(-side, side), xlabel="along the flight (m)", aspect="equal")
+    panel.set(title=title, xlim=(-side, side), ylim=(-side, side), xlabel="along the flight (m)",
+              aspect="equal")
     panel.grid(False)
 
 
@@ -194,7 +223,8 @@ def table(rows):
     lines = [("", *(name for name, _, _ in rows))]
     lines.append(("bodies in the largest clump", *(str(int(s.clump.sum())) for _, s, _ in rows)))
     lines.append(("mean contacts of a body", *(cell(s.coordination.mean()) for _, s, _ in rows)))
-    lines.append(("bodies with fewer than four", *(f"{np.mean(s.coordination < 4):.1%}" for _, s, _ in rows)))
+    lines.append(("bodies with fewer than four",
+                  *(f"{np.mean(s.coordination < 4):.1%}" for _, s, _ in rows)))
     lines.append(("contacts that pull", *(f"{np.mean(s.force < 0):.1%}" for _, s, _ in rows)))
     lines.append(("largest force, N", *(cell(s.force.max()) for _, s, _ in rows)))
     lines.append(("principal moments of inertia, kg m^2", *(cell(s.moments()) for _, s, _ in rows)))

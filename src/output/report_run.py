@@ -18,7 +18,8 @@ GRAVITY = 6.67430e-11
 def readable_time(seconds):
     if seconds == 0:
         return "0 s"
-    for limit, unit, name in ((1e-3, 1e-6, "µs"), (1, 1e-3, "ms"), (120, 1, "s"), (7200, 60, "min")):
+    for limit, unit, name in ((1e-3, 1e-6, "µs"), (1, 1e-3, "ms"), (120, 1, "s"),
+                              (7200, 60, "min")):
         if abs(seconds) < limit:
             return f"{seconds / unit:.3g} {name}"
     return f"{seconds / 3600:.3g} h"
@@ -116,7 +117,8 @@ class Run:
     def file(self, name):
         path = os.path.join(self.folder, name)
         if not os.path.exists(path):
-            sys.exit(f"{self.program}: '{path}' is missing: is '{self.folder}' the folder of a run?")
+            sys.exit(
+                f"{self.program}: '{path}' is missing: is '{self.folder}' the folder of a run?")
         return path
 
     def snapshots(self):
@@ -137,7 +139,8 @@ class Run:
 
     @functools.cached_property
     def frames(self):
-        """The first one, the last before the impact, and the last; and the row of the impactor, or -1."""
+        """The first one, the last before the impact, and the last; and the row of the impactor, or
+        -1."""
         with h5py.File(self.file("trajectory.h5")) as file:
             all_bodies, shapes = file["particles/all"], Shapes(file)
             time = all_bodies["position/time"][:]
@@ -186,7 +189,8 @@ class Run:
         with open(path) as file:
             text = file.read()
         results, notes, section = tomllib.loads(text), {}, ""
-        self.origin |= {key: value for key, value in results.pop("provenance", {}).items() if key != "case"}
+        self.origin |= {key: value for key, value in results.pop("provenance", {}).items()
+                        if key != "case"}
         for line in text.splitlines():
             if match := re.fullmatch(r"\[(\w+)\]", line):
                 section = match[1]
@@ -209,7 +213,8 @@ class Run:
         return f"{readable_time(frame.time - self.before.time)} after the impact"
 
     def is_free(self):
-        """Whether neither walls nor a uniform field act, so that momentum is kept; as add_conservation has it."""
+        """Whether neither walls nor a uniform field act, so that momentum is kept; as
+        add_conservation has it."""
         return not (any(walls in self.case for walls in ("planes", "boxes", "cylinders"))
                     or "uniform" in self.case.get("gravity", {}))
 

@@ -1,4 +1,5 @@
-# The page of a run under way, served to this machine alone; it reads what the run writes and nothing else.
+# The page of a run under way, served to this machine alone; it reads what the run writes and
+# nothing else.
 # SPDX-License-Identifier: BSD-3-Clause
 import errno
 import hashlib
@@ -33,29 +34,35 @@ class Watched:
         first = os.path.join(self.run.folder, "snapshots", self.run.snapshots()[0])
         with newest_snapshot(self.run) as file:
             count = len(file["particles/all/radius"])
-        # Places are rounded alike in all snapshots. A run that is begun again, or has more bodies, wants a new page.
+        # Places are rounded alike in all snapshots. A run that is begun again, or has more bodies,
+        # wants a new page.
         identity = f"{os.stat(first).st_mtime_ns} {count}"
         if identity != self.identity:
             self.identity, self.packed, self.bodies = identity, {}, Bodies(self.run)
         self.shown = self.bodies.shown(self.run)
         self.packed = {number: text for number, text in self.packed.items() if number in self.shown}
-        self.words = {"lead": lead(self.run), "summary": summary(self.run), "details": details(self.run)}
+        self.words = {"lead": lead(self.run), "summary": summary(self.run),
+                      "details": details(self.run)}
         self.looked = time.monotonic()
 
     def answer(self, path):
         """The kind and the text of an answer; None where there is nothing of that name."""
         if path == "/":
-            return "text/html", page([self.run], [data_of(self.run, name_of(self.run, [self.run]), self.bodies, [])], live=True)
+            return "text/html", page([self.run],
+                                     [data_of(self.run, name_of(self.run, [self.run]), self.bodies,
+                                              [])], live=True)
         name = path[1:]
         if name == "state":
             stamp = hashlib.sha256(json.dumps(self.words).encode()).hexdigest()
-            value = {"over": bool(self.run.results) and not self.run.under_way, "identity": self.identity,
+            value = {"over": bool(self.run.results) and not self.run.under_way,
+                     "identity": self.identity,
                      "rows": len(self.run.series["time"]), "shown": self.shown, "words": stamp}
         elif name == "series":
             value = series_of(self.run)
         elif name == "words":
             value = self.words
-        elif name.startswith("snapshots/") and name[10:].isdecimal() and int(name[10:]) in self.shown:
+        elif name.startswith("snapshots/") and name[10:].isdecimal() and int(
+            name[10:]) in self.shown:
             number = int(name[10:])
             if number not in self.packed and (frame := self.bodies.frame(number)):
                 self.packed[number] = json.dumps(frame, allow_nan=False)
@@ -72,7 +79,8 @@ class Handler(http.server.BaseHTTPRequestHandler):
             with watched.lock:
                 watched.look()
                 found = watched.answer(self.path)
-        except (SystemExit, OSError, KeyError, ValueError) as error:  # a run that is begun again has nothing for a moment
+        # A run that is begun again has nothing for a moment.
+        except (SystemExit, OSError, KeyError, ValueError) as error:
             self.send_error(503, str(error))
             return
         if not found:
@@ -102,7 +110,8 @@ def serve(folder, port):
         sys.exit(f"spall watch: port {port} is taken: choose another with --port")
     server.watched, server.daemon_threads = watched, True
     try:  # Ctrl-C may come as soon as somebody can read the address
-        print(f"http://127.0.0.1:{server.server_port}/ shows '{folder}'; Ctrl-C ends this", flush=True)
+        print(f"http://127.0.0.1:{server.server_port}/ shows '{folder}'; Ctrl-C ends this",
+              flush=True)
         server.serve_forever()
     except KeyboardInterrupt:
         print()

@@ -27,7 +27,8 @@ def depth_buffer(camera, position, radius):
     """Depth (m) of what is seen in each pixel, -inf where nothing is, and whose it is."""
     scale = camera.columns / camera.width
     x, y, z = camera.project(position)
-    column, row, size = (x + camera.width / 2) * scale, (camera.height / 2 - y) * scale, radius * scale
+    column, row, size = (x + camera.width / 2) * scale, (camera.height / 2
+                                                         - y) * scale, radius * scale
     depth = np.full((camera.rows, camera.columns), -np.inf)
     owner = np.full(depth.shape, -1)
     seen = (column + size > 0) & (column - size < camera.columns)
@@ -53,7 +54,8 @@ def blurred(values, size):
         sums = np.cumsum(padded, axis=axis)
         n = values.shape[axis]
         ends = np.arange(2 * size + 1, 2 * size + 1 + n)
-        values = (np.take(sums, ends, axis) - np.take(sums, ends - 2 * size - 1, axis)) / (2 * size + 1)
+        values = (np.take(sums, ends, axis)
+                  - np.take(sums, ends - 2 * size - 1, axis)) / (2 * size + 1)
     return values
 
 
@@ -103,7 +105,8 @@ def render(camera, position, radius, color, background, soft=False):
         around = blurred(filled, max(int(factor * reach / pixel), 1))[hit]
         sky *= 1 - np.clip((around - depth[hit]) / (3 * factor * reach), 0, 0.6)
     facing = normal @ fine.toward
-    brightness = (0.62 + 0.38 * facing) * sky if soft else (0.17 + 0.17 * facing) * sky**2 + 0.95 * sun * sky
+    brightness = (0.62 + 0.38 * facing) * sky if soft else (0.17 + 0.17
+                                                            * facing) * sky**2 + 0.95 * sun * sky
 
     image = np.empty((fine.rows, fine.columns, 3))
     image[:] = background

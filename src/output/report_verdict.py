@@ -1,10 +1,12 @@
-# What a run's results say of its worth, a plain sentence each. docs/report.md tells what each means.
+# What a run's results say of its worth, a plain sentence each. docs/report.md tells what each
+# means.
 # SPDX-License-Identifier: BSD-3-Clause
 from report_run import readable_time
 
 GOOD, NOTE, BAD = "good", "note", "bad"
 ROUND_OFF = 1e-9  # drift of momentum, of the impactor's, that sums of many numbers make
-OF_A_TREE = 1e-4  # drift of angular momentum that gravity's tree may make: the default of its accuracy
+# Drift of angular momentum that gravity's tree may make: the default of its accuracy.
+OF_A_TREE = 1e-4
 ENERGY_CLOSED, ENERGY_OPEN = 0.01, 0.05  # unexplained, of what was dissipated or moves
 SAME_BETA = 0.02  # beta within this of 1 + e is taken for it
 STILL_RISING = 0.02  # of dv between the last two read-outs
@@ -19,7 +21,8 @@ def verdicts(run):
     results = run.results
     found = [ended(run)]
     if results:
-        found += [*shields(results), converged(results), *books(results), *beta(results), rising(results)]
+        found += [*shields(results), converged(results), *books(results), *beta(results),
+                  rising(results)]
     found.append(overlaps(run))
     return [one for one in found if one]
 
@@ -31,7 +34,8 @@ def ended(run):
         return GOOD, f"The run has ended; its last row stands at {reached}."
     if run.under_way:
         return NOTE, f"The run is under way and has reached {reached}: there are no results yet."
-    return BAD, f"The run has not ended: it stopped after {reached} and can be resumed. There are no results yet."
+    return BAD, (f"The run has not ended: it stopped after {reached} and can be resumed. There are "
+                 f"no results yet.")
 
 
 def shields(results):
@@ -39,27 +43,34 @@ def shields(results):
     for wall in (table for section, table in results.items() if section.startswith("shield_")):
         name, thickness, found = wall["wall"], 1e3 * wall["thickness"], wall["verdict"]
         if found == "held":
-            yield GOOD, (f"The wall {name} has held: where it is thinnest, {percent(wall['margin'])} of its {thickness:.3g} mm "
+            yield GOOD, (f"The wall {name} has held: where it is thinnest, "
+                         f"{percent(wall['margin'])} of its {thickness:.3g} mm "
                          "are left.")
         elif found == "perforated":
             holes = "an opening" if wall["openings"] == 1 else f"{wall['openings']} openings"
-            yield NOTE, f"The wall {name} is perforated: it has {holes} of up to {1e3 * wall['hole']:.3g} mm."
+            yield NOTE, (f"The wall {name} is perforated: it has {holes} of up to "
+                         f"{1e3 * wall['hole']:.3g} mm.")
         else:
-            yield NOTE, (f"Spall has detached from the wall {name}: {1e3 * wall['spall_mass']:.2g} g in {wall['spall_pieces']} pieces "
+            yield NOTE, (f"Spall has detached from the wall {name}: {1e3 * wall['spall_mass']:.2g} "
+                         f"g in {wall['spall_pieces']} pieces "
                          f"leave its rear at {wall['spall_speed']:.3g} m/s.")
         if wall["still_coming"] > YET_TO_COME:
-            yield NOTE, (f"The verdict on the wall {name} is not final: {percent(wall['still_coming'])} of the energy that flies "
+            yield NOTE, (f"The verdict on the wall {name} is not final: "
+                         f"{percent(wall['still_coming'])} of the energy that flies "
                          "at it has not met it yet. A longer run may give another.")
         if len(margins := wall["margins"]) > 1:
             before, after = margins[-2:]
             times = [readable_time(time) for time in wall["times"][-2:]]
             if abs(after - before) > STILL_FAILING * abs(after):
-                yield NOTE, (f"The margin of the wall {name} still changed from {before:.3g} to {after:.3g} of its thickness between "
+                yield NOTE, (f"The margin of the wall {name} still changed from {before:.3g} to "
+                             f"{after:.3g} of its thickness between "
                              f"{times[0]} and {times[1]}: a longer run may give another verdict.")
         if wall["opening_at_edge"]:
-            yield NOTE, f"An opening of the wall {name} reaches its edge: a wider wall may give another verdict."
+            yield NOTE, (f"An opening of the wall {name} reaches its edge: a wider wall may give "
+                         f"another verdict.")
         if wall["thickness"] < FEW_LAYERS * wall["spacing"]:
-            yield NOTE, (f"The wall {name} is {wall['thickness'] / wall['spacing']:.2g} spacings of its bodies thick: fewer than "
+            yield NOTE, (f"The wall {name} is {wall['thickness'] / wall['spacing']:.2g} spacings "
+                         f"of its bodies thick: fewer than "
                          f"{FEW_LAYERS} tell little of it.")
 
 
@@ -67,15 +78,20 @@ def converged(results):
     solver = results.get("solver", {})
     steps, failed = solver.get("steps"), solver.get("steps_not_converged")
     if failed is None:
-        return GOOD, "Forces were smooth in all steps: no contact problem was solved, so there is nothing to converge."
+        return GOOD, ("Forces were smooth in all steps: no contact problem was solved, so there is "
+                      "nothing to converge.")
     over, largest = solver.get("steps_over_tolerance", 0), solver.get("residual_max", 0)
     if failed:
-        return BAD, (f"{failed} of {steps} steps did not converge: the solver ran out of iterations. "
+        return BAD, (f"{failed} of {steps} steps did not converge: the solver ran out of "
+                     f"iterations. "
                      f"The largest residual of a contact was {largest:.3g} m/s.")
     if over:
-        return NOTE, (f"All {steps} steps converged as the solver measures it. In {over} of them the residual without its "
-                      f"regularisation missed the tolerance; the largest of a contact was {largest:.3g} m/s.")
-    return GOOD, f"All {steps} steps converged; the largest residual of a contact was {largest:.3g} m/s."
+        return NOTE, (f"All {steps} steps converged as the solver measures it. In {over} of them "
+                      f"the residual without its "
+                      f"regularisation missed the tolerance; the largest of a contact was "
+                      f"{largest:.3g} m/s.")
+    return GOOD, (f"All {steps} steps converged; the largest residual of a contact was "
+                  f"{largest:.3g} m/s.")
 
 
 def books(results):
@@ -83,21 +99,27 @@ def books(results):
     if (drift := conservation.get("linear")) is not None:
         turned = conservation.get("angular", 0)
         if max(drift, turned) <= ROUND_OFF:
-            yield GOOD, f"Momentum is kept to round-off: it drifted by {drift:.1g}, angular momentum by {turned:.1g}."
+            yield GOOD, (f"Momentum is kept to round-off: it drifted by {drift:.1g}, angular "
+                         f"momentum by {turned:.1g}.")
         elif drift <= ROUND_OFF and turned <= OF_A_TREE:
-            yield NOTE, (f"Momentum is kept to round-off, angular momentum drifted by {turned:.2g}: "
-                         "gravity by a tree keeps it to its accuracy alone, by the exact sum to round-off.")
+            yield NOTE, (f"Momentum is kept to round-off, angular momentum drifted by "
+                         f"{turned:.2g}: "
+                         "gravity by a tree keeps it to its accuracy alone, by the exact sum to "
+                         "round-off.")
         else:
-            yield BAD, f"Momentum is not kept to round-off: it drifted by {drift:.2g}, angular momentum by {turned:.2g}."
+            yield BAD, (f"Momentum is not kept to round-off: it drifted by {drift:.2g}, angular "
+                        f"momentum by {turned:.2g}.")
     elif conservation:
-        yield NOTE, "Walls or a uniform field act on the bodies, so their momentum is not kept and no drift is told."
+        yield NOTE, ("Walls or a uniform field act on the bodies, so their momentum is not kept "
+                     "and no drift is told.")
     rest = conservation.get("energy_unexplained")
     if rest is None:
         return
     of = f"{percent(rest)} of " + ("the kinetic energy, as next to nothing was dissipated."
                                    if "energy_measure" in conservation else "what was dissipated.")
     if not conservation.get("dissipated") and "energy_measure" not in conservation:
-        yield NOTE, "Nothing was dissipated, so there is no measure for the energy that no entry explains."
+        yield NOTE, ("Nothing was dissipated, so there is no measure for the energy that no entry "
+                     "explains.")
     elif abs(rest) <= ENERGY_CLOSED:
         yield GOOD, f"The energy account closes: what no entry explains is {of}"
     elif abs(rest) <= ENERGY_OPEN:
@@ -115,7 +137,8 @@ def coupled(deflection):
     """What a rigid hit couples; nothing where the target is a solid."""
     if (share := deflection.get("rigid_share")) is None:
         return ""
-    return (f" A rigid hit leaves {100 * share:.2g} % of the impactor's energy in the body of {deflection['struck_mass']:.3g} kg "
+    return (f" A rigid hit leaves {100 * share:.2g} % of the impactor's energy in the body of "
+            f"{deflection['struck_mass']:.3g} kg "
             "that it meets; beta follows this share, which shock and crushing would change.")
 
 
@@ -126,16 +149,20 @@ def beta(results):
         return
     rebound = elastic / plastic
     if abs(value - rebound) <= SAME_BETA * rebound:
-        yield NOTE, (f"Beta is {value:.3g}, which is only 1 + e = {rebound:.3g}: the impactor bounced off, and ejecta added "
+        yield NOTE, (f"Beta is {value:.3g}, which is only 1 + e = {rebound:.3g}: the impactor "
+                     f"bounced off, and ejecta added "
                      f"nothing.{coupled(deflection)}")
     elif value > rebound:
-        yield GOOD, (f"Beta is {value:.3g}, more than the 1 + e = {rebound:.3g} of a bounce: ejecta carried off "
+        yield GOOD, (f"Beta is {value:.3g}, more than the 1 + e = {rebound:.3g} of a bounce: "
+                     f"ejecta carried off "
                      f"{value - rebound:.2g} of the impactor's momentum.{coupled(deflection)}")
     else:
-        yield NOTE, (f"Beta is {value:.3g}, less than the 1 + e = {rebound:.3g} of a bounce: the impactor kept part of its "
+        yield NOTE, (f"Beta is {value:.3g}, less than the 1 + e = {rebound:.3g} of a bounce: the "
+                     f"impactor kept part of its "
                      "momentum, or bodies left forwards.")
     if (closure := deflection.get("momentum_closure")) is not None and closure > ROUND_OFF:
-        yield BAD, f"The parts of the deflection miss its sum by {closure:.2g} of the impactor's momentum."
+        yield BAD, (f"The parts of the deflection miss its sum by {closure:.2g} of the impactor's "
+                    f"momentum.")
 
 
 def rising(results):
@@ -146,17 +173,21 @@ def rising(results):
     change = (dv[-1] - dv[-2]) / abs(dv[-1])
     between = f"between {readable_time(times[-2])} and {readable_time(times[-1])} after the impact"
     if abs(change) > STILL_RISING:
-        return NOTE, f"The deflection still changed by {percent(change)} {between}: a longer run may give another."
+        return NOTE, (f"The deflection still changed by {percent(change)} {between}: a longer run "
+                      f"may give another.")
     return GOOD, f"The deflection has come to rest: it changed by {percent(change)} {between}."
 
 
 def overlaps(run):
-    """Rigid bodies show by overlaps that a step was long. Smooth methods refuse a step beyond their limit."""
+    """Rigid bodies show by overlaps that a step was long. Smooth methods refuse a step beyond their
+    limit."""
     methods = {phase.get("method", "nonsmooth") for phase in run.case.get("phases", [])}
     if "nonsmooth" not in methods:
         return GOOD, "Steps are within the limits of the force laws: a longer one is refused."
     largest = run.series["overlap"].max(initial=0) if "overlap" in run.series else 0
     if largest > LARGE_OVERLAP:
-        return NOTE, (f"Steps are near their limit: rigid bodies overlapped by up to {percent(largest)} of a radius. "
+        return NOTE, (f"Steps are near their limit: rigid bodies overlapped by up to "
+                      f"{percent(largest)} of a radius. "
                       "Shorter steps would tell whether that matters.")
-    return GOOD, f"Steps are short enough: rigid bodies overlapped by at most {percent(largest)} of a radius."
+    return GOOD, (f"Steps are short enough: rigid bodies overlapped by at most {percent(largest)} "
+                  f"of a radius.")

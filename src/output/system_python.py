@@ -8,7 +8,8 @@ SYSTEM = "/usr/bin/python3"
 
 
 def need(program, *modules):
-    """Goes on in the system's Python where this one lacks a module; ends with a message where that does, too."""
+    """Goes on in the system's Python where this one lacks a module; ends with a message where that
+    does, too."""
     missing = [name for name in modules if importlib.util.find_spec(name) is None]
     if not missing and sys.version_info >= (3, 11):
         return

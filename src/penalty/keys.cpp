@@ -1,6 +1,9 @@
 // One line a key, with its unit, its range and its meaning.
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+
 #include "engine/between.hpp"
+#include "penalty/adhesions.hpp"
 #include "penalty/engine.hpp"
 #include "spall/error.hpp"
 
@@ -8,11 +11,39 @@ namespace spall {
 namespace {
 
 using dimension::spring_constant;
-constexpr Dimension surface_energy{0, 1, -2};
 constexpr Choice<PenaltyModel> models[] = {{"hertz", PenaltyModel::hertz},
                                            {"hooke", PenaltyModel::hooke}};
 constexpr Choice<Adhesion> adhesions[] = {
-    {"none", Adhesion::none}, {"dmt", Adhesion::dmt}, {"jkr", Adhesion::jkr}};
+#define SPALL_ADHESION(name, Law) {#name, Adhesion::name},
+    SPALL_ADHESIONS(SPALL_ADHESION)
+#undef SPALL_ADHESION
+};
+
+AdhesionKey key_of(Adhesion adhesion) {
+  return with_adhesion(adhesion, []<template <class> class Law>() { return Law<double>::key; });
+}
+
+/// A key that tells how strong some laws of adhesion are.
+struct Strength {
+  AdhesionKey key;
+  std::string meaning;  ///< with the names of its laws
+  bool asked = false;   ///< by the law that is chosen
+};
+std::vector<Strength> strengths(Adhesion chosen) {
+  std::vector<Strength> all;
+  for (const auto& [name, adhesion] : adhesions) {
+    const AdhesionKey key = key_of(adhesion);
+    if (!key.name) continue;
+    const auto same = [&](const Strength& s) { return std::string_view(s.key.name) == key.name; };
+    const auto known = std::find_if(all.begin(), all.end(), same);
+    Strength& strength = known == all.end() ? all.emplace_back() : *known;
+    strength.key = key;
+    strength.meaning += strength.meaning.empty() ? fmt::format("{}: {}", key.meaning, name)
+                                                 : fmt::format(", {}", name);
+    strength.asked |= adhesion == chosen;
+  }
+  return all;
+}
 
 /// What a case tells in [penalty].
 struct PenaltyKeys {
@@ -30,11 +61,10 @@ void read_penalty(Section& in, PenaltyKeys& keys) {
   const bool hooke = s.model == PenaltyModel::hooke;
   if (in.reads(!hooke))
     in.take("adhesion", "beside contact.cohesion: hertz", s.adhesion, adhesions);
-  const bool sticks = s.adhesion != Adhesion::none;
   const Quantity ratio{{}, 0, 1, false};
-  if (in.reads(sticks))
-    in.need("work_of_adhesion", "of two surfaces, twice the surface energy: dmt, jkr",
-            s.work_of_adhesion, positive(surface_energy));
+  const std::vector<Strength> adhesive = strengths(s.adhesion);
+  for (const auto& [key, meaning, asked] : adhesive)
+    if (in.reads(asked)) in.need(key.name, meaning, s.adhesion_strength, positive(key.dimension));
   if (in.reads(hooke)) {
     in.need("stiffness", "of a pair: hooke", s.stiffness, positive(spring_constant));
     in.take("tangential_ratio", "tangential stiffness over stiffness: hooke", s.tangential_ratio,
@@ -48,9 +78,9 @@ void read_penalty(Section& in, PenaltyKeys& keys) {
           s.rolling_friction, not_negative({}));
   keys.laws = s;
   keys.between = read_between<PenaltySettings>(in, [&](Section& one, auto& between) {
-    if (one.reads(sticks))
-      between.take(one, "work_of_adhesion", &PenaltySettings::work_of_adhesion,
-                   positive(surface_energy));
+    for (const auto& [key, meaning, asked] : adhesive)
+      if (one.reads(asked))
+        between.take(one, key.name, &PenaltySettings::adhesion_strength, positive(key.dimension));
     if (one.reads(hooke)) {
       between.take(one, "stiffness", &PenaltySettings::stiffness, positive(spring_constant));
       between.take(one, "tangential_ratio", &PenaltySettings::tangential_ratio, ratio);
@@ -118,7 +148,7 @@ void check(const Surroundings& around, std::span<const MaterialUse> uses,
       check_pair(around, penalty->laws, use.material, walls.material(w), phase.place);
     }
   }
-  require(!around.contact.common().cohesion_is_impulse,
+  require(around.contact.common().cohesion_law == CohesionLaw::force,
           "{}.method = \"penalty\": contact.cohesion_law = \"impulse\" is for phases of method = "
           "\"nonsmooth\" only",
           phase.place);
@@ -139,9 +169,12 @@ std::string describe(const Surroundings& around, std::span<const MaterialUse>,
   const int count = static_cast<int>(around.materials.size());
   const bool hooke = laws.common().model == PenaltyModel::hooke;
   if (count == 1 || (hooke && laws.uniform())) return "";
+  const AdhesionKey strength = key_of(laws.common().adhesion);
+  const std::string adhesion =
+      strength.name ? fmt::format("adhesion ({})", si_unit(strength.dimension)) : "adhesion";
   std::string text = fmt::format("\n  {:<24}{:>14}{:>18}{:>10}{:>18}\n", "springs between",
                                  hooke ? "k (N/m)" : "E* (Pa)", hooke ? "k_t (N/m)" : "8 G* (Pa)",
-                                 "rolling", "adhesion (J/m^2)");
+                                 "rolling", adhesion);
   for (int a = 0; a < count; ++a)
     for (int b = a; b < count; ++b) {
       const PenaltySettings& s = laws(a, b);
@@ -150,7 +183,7 @@ std::string describe(const Surroundings& around, std::span<const MaterialUse>,
       if (!(law.normal > 0)) continue;
       text += fmt::format("  {:<24}{:>14.4g}{:>18.4g}{:>10.4g}{:>18.4g}\n",
                           pair_name(around.materials, a, b), law.normal, law.tangential,
-                          s.rolling_friction, s.work_of_adhesion);
+                          s.rolling_friction, s.adhesion_strength);
     }
   return text;
 }

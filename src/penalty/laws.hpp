@@ -1,12 +1,9 @@
-// The laws of penalty contact for eight contacts at once.
+// The force of eight contacts at once, of any normal law.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <bit>
-#include <cmath>
-
 #include "pairs/transfer.hpp"
-#include "penalty/penalty.hpp"
+#include "penalty/normal_force.hpp"
 #include "spall/lanes.hpp"
 #include "spall/types.hpp"
 
@@ -27,125 +24,10 @@ inline LaneVectors operator-(const LaneVectors& a, const LaneVectors& b) {
 inline LaneVectors operator*(const Lanes& s, const LaneVectors& a) {
   return {s * a.x, s * a.y, s * a.z};
 }
-/// A constant of one law for all lanes, or of one for each.
-inline Lanes lanes_of(double constant) {
-  return spread(constant);
-}
-inline const Lanes& lanes_of(const Lanes& constants) {
-  return constants;
-}
 inline LaneVectors only(const LaneMask& mask, const LaneVectors& a) {
   const Lanes zero{};
   return {select(mask, a.x, zero), select(mask, a.y, zero), select(mask, a.z, zero)};
 }
-
-/// What the normal law says of a contact; see `PenaltyLaw`.
-struct NormalForce {
-  Lanes force;       ///< N, without damping
-  Lanes slope;       ///< S, N/m
-  Lanes tangential;  ///< k_t, N/m
-  Lanes attraction;  ///< N, by which the friction bound exceeds the force
-  Lanes growth;      ///< 1/m, of k_t with the overlap: d ln k_t/d delta
-};
-
-/// Each law has: force, energy (J) as a function of overlap, and the energies (J) that are lost as
-/// a contact forms and as it parts. Its constants are those of all lanes, doubles, or lanes.
-template <class Number>
-struct HookeLanes {
-  explicit HookeLanes(const LawConstants<Number>& law) : k(law.normal), kt(law.tangential) {}
-  static constexpr bool sticks = false, adheres = false;
-  NormalForce force(const Lanes& overlap, const Lanes&) const {
-    return {k * overlap, lanes_of(k), lanes_of(kt), Lanes{}, Lanes{}};
-  }
-  Lanes energy(const Lanes& overlap, const Lanes&) const { return 0.5 * k * overlap * overlap; }
-  Number k, kt;
-};
-
-template <bool dmt, class Number>
-struct HertzLanes {
-  explicit HertzLanes(const LawConstants<Number>& law)
-      : modulus(law.normal), kt(law.tangential), pull(law.attraction) {}
-  static constexpr bool sticks = false, adheres = dmt;
-  NormalForce force(const Lanes& overlap, const Lanes& radius) const {
-    const Lanes inverse = inverse_sqrt(radius * overlap), attraction = pull * radius;
-    const Lanes a = radius * overlap * inverse;
-    Lanes f = (4 / 3.0 * modulus) * a * overlap;
-    if constexpr (dmt) f -= attraction;
-    return {f, (2 * modulus) * a, kt * a, attraction, 0.5 * radius * inverse * inverse};
-  }
-  Lanes energy(const Lanes& overlap, const Lanes& radius) const {
-    const Lanes hertz = (8 / 15.0 * modulus) * root_of(radius * overlap) * overlap * overlap;
-    return dmt ? hertz - pull * radius * overlap : hertz;
-  }
-  Number modulus, kt, pull;
-};
-template <class Number>
-using PlainHertzLanes = HertzLanes<false, Number>;
-template <class Number>
-using DmtLanes = HertzLanes<true, Number>;
-
-/// With s = sqrt(a) = b^(1/3) q and b = R sqrt(2 pi w/E*), delta(a) becomes q^4 - q = delta R /
-/// b^(4/3); the branch that is stable at a given distance is q >= 4^(-1/3).
-template <class Number>
-struct JkrLanes {
-  explicit JkrLanes(const LawConstants<Number>& law)
-      : modulus(law.normal), kt(law.tangential), pull(law.attraction), a1(law.neck) {}
-  static constexpr bool sticks = true, adheres = true;
-  static constexpr double q_end = 0.62996052494743658;  // 4^(-1/3)
-  static constexpr double end = -0.47247039371057744;   // q_end^4 - q_end
-
-  /// The scale of a: b^(2/3) = R^(2/3) (2 pi w/E*)^(1/3).
-  Lanes contact_scale(const Lanes& radius) const {
-    const Lanes root = cube_root(radius);
-    return a1 * root * root;
-  }
-  /// m, the overlap at which contacts part: negative.
-  Lanes end_overlap(const Lanes& radius) const {
-    const Lanes a = contact_scale(radius);
-    return end * a * a / radius;
-  }
-  /// The root of q^4 - q = depth, by Newton's method from above, where it cannot miss.
-  static Lanes solve(const Lanes& depth) {
-    const Lanes past = depth - end;
-    const Lanes near = q_end + root_of(larger(past, Lanes{}) * 0.42);
-    const Lanes root = root_of(root_of(larger(depth, Lanes{})));
-    Lanes q = smaller(near, root + 1.0);
-    for (int k = 0; k < 40; ++k) {
-      const Lanes q2 = q * q, q3 = q2 * q;
-      const Lanes step = (q2 * q2 - q - depth) / (4.0 * q3 - 1.0);
-      const Lanes next = q - step;
-      const LaneMask moves = (4.0 * q3 > 1.0) & (step > 1e-8 * q);
-      q = select(4.0 * q3 > 1.0, next, q);
-      if (!any_lane(moves)) break;
-    }
-    return larger(q, spread(q_end));
-  }
-  NormalForce force(const Lanes& overlap, const Lanes& radius) const {
-    const Lanes scale = contact_scale(radius);
-    const Lanes q = solve(overlap * radius / (scale * scale));
-    const Lanes q2 = q * q, q3 = q2 * q, a = scale * q2;
-    // F = 2 pi w R (4/3 q^6 - 2 q^3).
-    const Lanes attraction = pull * radius;
-    // da/ddelta / a, with a = scale q^2 and delta = scale^2/R (q^4 - q).
-    const Lanes growth = 2.0 * radius / (scale * scale * q * (4.0 * q3 - 1.0));
-    return {attraction * q3 * (8 / 9.0 * q3 - 4 / 3.0), (2 * modulus) * a, kt * a, attraction,
-            growth};
-  }
-  /// J, of the integral of F from the end of the unstable branch, a = 0.
-  Lanes energy_at(const Lanes& q, const Lanes& radius) const {
-    const Lanes scale = contact_scale(radius), s2 = scale * scale;
-    const Lanes q2 = q * q, q4 = q2 * q2, q3 = q2 * q;
-    return modulus * s2 * s2 * scale / (radius * radius) * q4 *
-           ((8 / 15.0) * q3 * q3 - (4 / 3.0) * q3 + 0.5);
-  }
-  Lanes energy(const Lanes& overlap, const Lanes& radius) const {
-    const Lanes scale = contact_scale(radius);
-    return energy_at(solve(overlap * radius / (scale * scale)), radius);
-  }
-  Lanes energy_at_start(const Lanes& radius) const { return energy_at(spread(1), radius); }
-  Lanes energy_at_end(const Lanes& radius) const { return energy_at(spread(q_end), radius); }
-  Number modulus, kt, pull, a1;
-};
 
 /// A contact of body j, the partner, with body i.
 struct ContactLanes {

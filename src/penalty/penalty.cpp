@@ -7,7 +7,7 @@
 #include <cmath>
 #include <optional>
 
-#include "penalty/laws.hpp"
+#include "penalty/adhesions.hpp"
 #include "spall/error.hpp"
 
 namespace spall {
@@ -39,13 +39,14 @@ double deepest_overlap(const PenaltyLaw& law, const Reduced& p, double speed) {
   return std::pow(15 * p.mass * speed * speed / (16 * law.normal * std::sqrt(p.radius)), 0.4);
 }
 
-/// N/m, the largest that a collision at `speed` meets; for jkr at least that of a pair at rest.
+/// N/m, the largest that a collision at `speed` meets, and at least that of a pair that adhesion
+/// has pulled together.
 double largest_stiffness(const PenaltyLaw& law, const Reduced& p, double speed) {
   if (law.model == PenaltyModel::hooke) return law.normal;
-  double a = std::sqrt(p.radius * deepest_overlap(law, p, speed));
-  if (law.adhesion == Adhesion::jkr)
-    a = std::max(a, std::cbrt(1.5 * law.attraction * p.radius * p.radius / law.normal));
-  return 2 * law.normal * a;
+  const double at_rest = with_adhesion(law.adhesion, [&]<template <class> class Law>() {
+    return Law<double>::resting_contact(law, p.radius);
+  });
+  return 2 * law.normal * std::max(std::sqrt(p.radius * deepest_overlap(law, p, speed)), at_rest);
 }
 
 constexpr double any_material = -1;
@@ -194,17 +195,9 @@ PenaltyLaw penalty_law(const PenaltySettings& s, const ContactLaw& contact, cons
       break;
   }
   if (s.tangential_damping) law.tangential_damping = *s.tangential_damping;
-  switch (s.adhesion) {
-    case Adhesion::none:
-      break;
-    case Adhesion::dmt:
-      law.attraction = 2 * pi * s.work_of_adhesion;
-      break;
-    case Adhesion::jkr:
-      law.attraction = 3 * pi * s.work_of_adhesion;
-      law.neck = std::cbrt(2 * pi * s.work_of_adhesion / law.normal);
-      break;
-  }
+  with_adhesion(s.adhesion, [&]<template <class> class Law>() {
+    Law<double>::derive(s.adhesion_strength, law);
+  });
   return law;
 }
 
@@ -232,9 +225,10 @@ ByPair<PenaltyLaw> penalty_laws(const World& world, const ByPair<PenaltySettings
 }
 
 double widest_gap(const PenaltyLaw& law, double radius) {
-  // Two of the largest bodies have the longest neck: it grows with R^(1/3).
-  const double neck =
-      law.adhesion == Adhesion::jkr ? -JkrLanes<double>(law).end_overlap(spread(radius / 2))[0] : 0;
+  // Two of the largest bodies have the longest neck: it grows with R.
+  const double neck = with_adhesion(law.adhesion, [&]<template <class> class Law>() {
+    return Law<double>::reach(law, radius / 2);
+  });
   return std::max(neck, law.cohesion_range);
 }
 double widest_gap(const ByPair<PenaltyLaw>& laws, double radius) {

@@ -10,7 +10,7 @@
 namespace spall {
 
 enum class PenaltyModel { hertz, hooke };
-enum class Adhesion { none, dmt, jkr };
+enum class Adhesion : int;  ///< penalty/adhesions.hpp; the first is none
 
 /// What a case tells of a pair in [penalty]; friction, restitution and cohesion are those of
 /// [contact], elastic constants those of the materials. All pairs share model and adhesion.
@@ -20,8 +20,8 @@ struct PenaltySettings {
   double tangential_ratio = 2 / 7.0;           ///< of the stiffness: hooke
   std::optional<double> tangential_damping{};  ///< c_t/c; none: sqrt(k_t/S)
   double rolling_friction = 0;                 ///< bound of the rolling torque over R_eff F_n
-  Adhesion adhesion = Adhesion::none;
-  double work_of_adhesion = 0;  ///< J/m^2, w: twice the surface energy
+  Adhesion adhesion{};
+  double adhesion_strength = 0;  ///< w of dmt and jkr: J/m^2, twice the surface energy
 };
 
 /// The law of a pair with overlap delta, 1/R = 1/r_i + 1/r_j, 1/m = 1/m_i + 1/m_j, contact radius
@@ -49,14 +49,14 @@ struct LawConstants {
   Number rolling_friction{};
   Number cohesion{};        ///< N, attraction at gaps below the range
   Number cohesion_range{};  ///< m
-  Number attraction{};      ///< N/m, of R: 2 pi w of dmt, 3 pi w of jkr
-  Number neck{};            ///< m^(1/3), of R^(2/3): (2 pi w/E*)^(1/3) of jkr
+  Number attraction{};      ///< of adhesion; dmt: 2 pi w, jkr: 3 pi w, N/m, of R
+  Number neck{};            ///< of adhesion; jkr: (2 pi w/E*)^(1/3), m^(1/3), of R^(2/3)
 
   bool operator==(const LawConstants&) const = default;
 };
 struct PenaltyLaw : LawConstants<double> {
   PenaltyModel model = PenaltyModel::hertz;
-  Adhesion adhesion = Adhesion::none;
+  Adhesion adhesion{};
 
   bool operator==(const PenaltyLaw&) const = default;
 };

@@ -7,6 +7,7 @@
 #include <array>
 #include <bit>
 
+#include "penalty/adhesions.hpp"
 #include "penalty/laws.hpp"
 #include "penalty/touch_pairs.hpp"
 
@@ -176,15 +177,9 @@ template <class F>
 auto with_contact_model(const ByPair<PenaltyLaw>& laws, double h, F&& f) {
   const PenaltyLaw& common = laws.common();
   if (common.model == PenaltyModel::hooke) return with_normal_law<HookeLanes>(laws, h, f);
-  switch (common.adhesion) {
-    case Adhesion::none:
-      return with_normal_law<PlainHertzLanes>(laws, h, f);
-    case Adhesion::dmt:
-      return with_normal_law<DmtLanes>(laws, h, f);
-    case Adhesion::jkr:
-      return with_normal_law<JkrLanes>(laws, h, f);
-  }
-  __builtin_unreachable();
+  return with_adhesion(common.adhesion, [&]<template <class> class Law>() {
+    return with_normal_law<Law>(laws, h, f);
+  });
 }
 
 /// Of the bodies whose rows begin at these places.

@@ -4,7 +4,7 @@
 
 #include "engine/type.hpp"
 #include "pairs/neighbours.hpp"
-#include "solver/problem.hpp"
+#include "solver/settings.hpp"
 
 namespace spall {
 

@@ -12,6 +12,7 @@
 #include "rigid/free_turn.hpp"
 #include "rigid/narrow_phase.hpp"
 #include "solver/problem.hpp"
+#include "solver/settings.hpp"
 
 namespace spall {
 namespace {

@@ -9,6 +9,7 @@
 #include "gravity/kick.hpp"
 #include "rigid/narrow_phase.hpp"
 #include "rigid/overlap_correction.hpp"
+#include "solver/problem.hpp"
 #include "spall/error.hpp"
 
 namespace spall {
@@ -25,6 +26,17 @@ double time_in_range(double g, double u, double h, double range) {
   const double enters = g > range ? (u < 0 ? (range - g) / u : h) : 0;
   const double leaves = u > 0 ? (range - g) / u : h;
   return std::clamp(std::min(leaves, h) - enters, 0.0, h);
+}
+
+/// N s, of a pair's cohesion in a step `h` (s) that begins at this gap (m) and speed (m/s).
+double cohesive_impulse(const ContactLaw& law, double gap, double closing, double h) {
+  switch (law.cohesion_law) {
+    case CohesionLaw::force:
+      return law.cohesion * time_in_range(gap, closing, h, law.cohesion_range);
+    case CohesionLaw::impulse:
+      return gap <= law.cohesion_range ? law.cohesion : 0;
+  }
+  __builtin_unreachable();
 }
 
 /// The problem's vectors; `ContactProblem` looks at them.
@@ -101,10 +113,7 @@ ProblemData pose(const World& world, const Contacts& contacts, double h, double 
                          ? data.inverse_mass[i] + (j == ground ? 0 : data.inverse_mass[j])
                          : n.dot(delassus_block(data.view(contacts, 3), c) * n);
     double& cohesive = data.cohesive_impulse[c];
-    if (law.cohesion > 0)
-      cohesive = law.cohesion_is_impulse
-                     ? (gap <= law.cohesion_range ? law.cohesion : 0)
-                     : law.cohesion * time_in_range(gap, closing, h, law.cohesion_range);
+    if (law.cohesion > 0) cohesive = cohesive_impulse(law, gap, closing, h);
     const double open = std::max(gap, 0.0);
     double bias = open / h;
     const bool meets = gap + h * closing < 0 && -closing > driven + 2 * cohesive * w;

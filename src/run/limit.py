@@ -1,4 +1,5 @@
-# The critical diameter or speed of a shield: runs between one that its wall holds and one that it does not.
+# The critical diameter or speed of a shield: runs between one that its wall holds and one that it
+# does not.
 # SPDX-License-Identifier: BSD-3-Clause
 """Finds where a wall begins to fail, by runs of a case with one key varied between two ends.
 
@@ -6,9 +7,11 @@
   spall limit shield.toml --vary 'groups.ball.velocity=[0, 0, "-2 km/s"]..[0, 0, "-8 km/s"]'
 
 The wall is one of [[shields]]. It has failed where its verdict is "detached spall" or "perforated".
-After the two ends each round runs --jobs values that part the bracket evenly; one at a time, that is bisection.
-Each run has a folder of its own below --out. What is done stays, also of other ranges; what was stopped goes on: say
-the same again. table.csv and table.json hold all values with their verdicts, limit.json holds the bracket.
+After the two ends each round runs --jobs values that part the bracket evenly; one at a time, that
+is bisection.
+Each run has a folder of its own below --out. What is done stays, also of other ranges; what was
+stopped goes on: say the same again. table.csv and table.json hold all values with their verdicts,
+limit.json holds the bracket.
 """
 import argparse
 import csv
@@ -34,7 +37,8 @@ def leave(message, code=2):
 
 
 class Range:
-    """A key between two values that are alike but for numbers: a part 0 to 1 of the way gives a text, and back."""
+    """A key between two values that are alike but for numbers: a part 0 to 1 of the way gives a
+    text, and back."""
 
     def __init__(self, text):
         self.key, equals, values = text.partition("=")
@@ -120,12 +124,15 @@ class Search:
         self.states[part] = "done" if code == DONE else "stopped" if code == STOPPED else "failed"
         found = self.verdict(run) if code == DONE else None
         if found is None:
-            print(f"{self.span.value(part)}: {self.states[part]}, see {self.out / run.name}.log", flush=True)
+            print(f"{self.span.value(part)}: {self.states[part]}, see {self.out / run.name}.log",
+                  flush=True)
             return
         self.known[part] = found
-        late = "" if self.final(part) else \
-            f"; not final: {100 * found['still_coming']:.2g} % of the energy that flies at it has not met it"
-        print(f"{self.span.value(part)}: {found['verdict']}, margin {found['margin']:.3g}{late}", flush=True)
+        late = "" if self.final(part) else (
+            f"; not final: {100 * found['still_coming']:.2g} % of the energy that flies at it has "
+            "not met it")
+        print(f"{self.span.value(part)}: {found['verdict']}, margin {found['margin']:.3g}{late}",
+              flush=True)
 
     def learn(self, parts):
         wanted = [part for part in parts if part not in self.known]
@@ -146,7 +153,8 @@ class Search:
                          **{key: found.get(key, "") for key in COLUMNS}})
         others = {row["value"] for row in rows}
         path = self.out / "table.json"
-        rows += [row for row in (json.loads(path.read_text()) if path.is_file() else []) if row["value"] not in others]
+        rows += [row for row in (json.loads(path.read_text()) if path.is_file() else [])
+                 if row["value"] not in others]
         with open(self.out / "table.csv", "w", newline="") as file:
             writer = csv.DictWriter(file, ["value", "state", *COLUMNS])
             writer.writeheader()
@@ -186,21 +194,26 @@ def main():
     parser = argparse.ArgumentParser(prog="spall limit", description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("case", help="case file (TOML)")
-    parser.add_argument("--vary", required=True, metavar="KEY=LOW..HIGH", help="the key that is varied, and its ends")
-    parser.add_argument("--wall", help="whose verdict decides; may be left out where [[shields]] has one")
-    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="change a key; once for each")
+    parser.add_argument("--vary", required=True, metavar="KEY=LOW..HIGH",
+                        help="the key that is varied, and its ends")
+    parser.add_argument("--wall",
+                        help="whose verdict decides; may be left out where [[shields]] has one")
+    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE",
+                        help="change a key; once for each")
     parser.add_argument("--within", type=share, default=0.05, metavar="SHARE",
                         help="end where the bracket is so narrow, of its middle; default: 5%%")
     parser.add_argument("--out", type=Path, help="folder of all runs; default: out/<case>-limit")
     parser.add_argument("--jobs", type=int, default=1, help="runs at a time")
     parser.add_argument("--ranks", type=int, default=1, help="of each run")
-    parser.add_argument("--overwrite", action="store_true", help="forget what --out holds of another search")
+    parser.add_argument("--overwrite", action="store_true",
+                        help="forget what --out holds of another search")
     options = parser.parse_args()
     if options.jobs < 1 or options.ranks < 1:
         leave("--jobs and --ranks are 1 at least")
     options.spall = os.environ.get("SPALL_PROGRAM", "spall")
     case = Path(options.case)
-    out = options.out or Path("out") / f"{case.parent.name if case.stem == 'case' else case.stem}-limit"
+    out = options.out or Path(
+        "out") / f"{case.parent.name if case.stem == 'case' else case.stem}-limit"
     span, fixed = Range(options.vary), {}
     for text in options.set:
         key, equals, value = text.partition("=")
@@ -218,17 +231,23 @@ def main():
     walls = [shield["wall"] for shield in tomllib.loads(case.read_text()).get("shields", [])]
     named = ", ".join(f"\"{wall}\"" for wall in walls)
     if options.wall is None and len(walls) != 1:
-        leave(f"--wall is wanted: {case} judges {named or 'no wall; [[shields]] names those that it should'}")
+        leave(
+            f"--wall is wanted: {case} judges "
+            f"{named or 'no wall; [[shields]] names those that it should'}")
     search.wall = options.wall or walls[0]
     if search.wall not in walls:
-        leave(f"--wall {search.wall}: {case} judges {named or 'no wall; [[shields]] names those that it should'}")
+        leave(
+            f"--wall {search.wall}: {case} judges "
+            f"{named or 'no wall; [[shields]] names those that it should'}")
 
     claim(out, case, {"vary": span.key, **fixed}, options.overwrite, "spall limit")
     (out / "limit.json").unlink(missing_ok=True)
     search.recall()
     search.learn([0, 1, *between(0, 1, options.jobs - 2)])
     if search.holds(0) == search.holds(1):
-        leave(f"{search.told(0)} and {search.told(1)}: the limit is not between them, or there are several", NO_LIMIT)
+        leave(
+            f"{search.told(0)} and {search.told(1)}: the limit is not between them, or there are "
+            f"several", NO_LIMIT)
     while True:
         low, high = search.changes()[0]
         texts = span.value(low), span.value(high)
@@ -241,7 +260,8 @@ def main():
         print(f"the verdict changes more than once: {found}; the first change is told")
     print(f"limit: {search.told(low)}, {search.told(high)}")
     whole = {"key": span.key, "wall": search.wall, "low": texts[0], "high": texts[1],
-             "verdict_low": search.known[low]["verdict"], "verdict_high": search.known[high]["verdict"],
+             "verdict_low": search.known[low]["verdict"],
+             "verdict_high": search.known[high]["verdict"],
              "final": search.final(low) and search.final(high)}
     (out / "limit.json").write_text(json.dumps(whole, indent=1) + "\n")
     print(f"table: {out / 'table.csv'}, {out / 'table.json'}")

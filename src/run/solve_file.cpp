@@ -3,6 +3,7 @@
 #include "run/solve_file.hpp"
 
 #include "output/fclib.hpp"
+#include "solver/settings.hpp"
 #include "spall/error.hpp"
 
 namespace spall {

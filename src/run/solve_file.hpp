@@ -4,10 +4,11 @@
 
 #include <string>
 
-#include "solver/problem.hpp"
 #include "spall/comm.hpp"
 
 namespace spall {
+
+struct SolverSettings;  // solver/settings.hpp
 
 /// Prints, on rank 0, what the method reached, or with `only_evaluate` how good the file's own
 /// solution is. Collective.

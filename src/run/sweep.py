@@ -4,9 +4,11 @@
 
   spall sweep cases/hello/case.toml --set contact.cohesion=1,10,100N --set seed=1..5 --jobs 2
 
-Values stand one after another: 1,10,100N is 1 N, 10 N, 100 N; 1..5 is 1, 2, 3, 4, 5; a list in brackets is one value.
-Each run has a folder of its own below --out. What is done stays; what was stopped goes on: say the same again.
-table.csv and table.json hold what was changed and all numbers and verdicts of results.toml; sweep.png shows those of --show.
+Values stand one after another: 1,10,100N is 1 N, 10 N, 100 N; 1..5 is 1, 2, 3, 4, 5; a list in
+brackets is one value.
+Each run has a folder of its own below --out. What is done stays; what was stopped goes on: say the
+same again. table.csv and table.json hold what was changed and all numbers and verdicts of
+results.toml; sweep.png shows those of --show.
 """
 import argparse
 import csv
@@ -29,7 +31,8 @@ NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 
 
 def values_of(text):
-    """'1,10,100N' -> ['1N', '10N', '100N']; a unit or name behind the last number is that of all."""
+    """'1,10,100N' -> ['1N', '10N', '100N']; a unit or name behind the last number is that of
+    all."""
     if found := re.fullmatch(r"(-?\d+)\.\.(-?\d+)", text):
         first, last = int(found[1]), int(found[2])
         if first > last:
@@ -50,7 +53,8 @@ class Run:
     def __init__(self, out, changes, swept):
         self.changes = changes  # key -> value, all
         short = {key: key.split(".")[-1] for key in swept}
-        names = [f"{short[k] if list(short.values()).count(short[k]) == 1 else k}={changes[k]}" for k in swept]
+        names = [f"{short[k] if list(short.values()).count(short[k]) == 1 else k}={changes[k]}"
+                 for k in swept]
         self.name = "_".join(re.sub(r"[^\w.=+-]+", "-", name) for name in names) or "run"
         self.folder = out / self.name
 
@@ -86,11 +90,13 @@ class Run:
 
 def claim(out, case, fixed, overwrite, program="spall sweep"):
     """Runs of another case, or with other fixed keys, must not stand in the same table."""
-    own = {"case": str(case), "sha256": hashlib.sha256(case.read_bytes()).hexdigest(), "fixed": fixed}
+    own = {"case": str(case), "sha256": hashlib.sha256(case.read_bytes()).hexdigest(),
+           "fixed": fixed}
     path = out / "sweep.json"
     if path.is_file() and json.loads(path.read_text()) != own:
         if not overwrite:
-            sys.exit(f"{program}: {out} holds runs of another case or with other fixed keys ({path}); "
+            sys.exit(f"{program}: {out} holds runs of another case or with other fixed keys "
+                     f"({path}); "
                      "--overwrite forgets them, --out names another folder")
         for old in [*out.glob("*/results.toml"), *out.glob("*/restart*.h5"), *out.glob("table.*")]:
             old.unlink()
@@ -101,7 +107,8 @@ def claim(out, case, fixed, overwrite, program="spall sweep"):
 
 
 def write_tables(out, runs, states):
-    rows = [{"run": run.name, "state": states[run.name], **run.changes, **run.results()} for run in runs]
+    rows = [{"run": run.name, "state": states[run.name], **run.changes, **run.results()}
+            for run in runs]
     columns = list(dict.fromkeys(key for row in rows for key in row))
     with open(out / "table.csv", "w", newline="") as file:
         writer = csv.DictWriter(file, columns)
@@ -125,7 +132,8 @@ def draw(out, rows, swept, show):
     import matplotlib
     matplotlib.use("Agg")
     from matplotlib import pyplot
-    figure, axes = pyplot.subplots(len(show), 1, figsize=(7, 3.2 * len(show)), squeeze=False, layout="constrained")
+    figure, axes = pyplot.subplots(len(show), 1, figsize=(7, 3.2 * len(show)), squeeze=False,
+                                   layout="constrained")
     for axis, name in zip(axes[:, 0], show):
         points = {}
         for row in rows:
@@ -136,7 +144,8 @@ def draw(out, rows, swept, show):
         places = numbers if is_number else list(range(len(points)))
         for place, found in zip(places, points.values()):
             axis.plot([place] * len(found), found, "o", color="#9bb4d4", ms=4)
-        axis.plot(places, [sum(found) / len(found) for found in points.values()], "-s", color="#1f4e8c", ms=5,
+        axis.plot(places, [sum(found) / len(found) for found in points.values()], "-s",
+                  color="#1f4e8c", ms=5,
                   label="mean")
         if is_number and min(places) > 0 and max(places) >= 30 * min(places):
             axis.set_xscale("log")
@@ -153,34 +162,42 @@ def main():
     parser = argparse.ArgumentParser(prog="spall sweep", description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("case", help="case file (TOML)")
-    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUES", help="change a key; once for each")
+    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUES",
+                        help="change a key; once for each")
     parser.add_argument("--out", type=Path, help="folder of all runs; default: out/<case>-sweep")
     parser.add_argument("--jobs", type=int, default=1, help="runs at a time")
     parser.add_argument("--ranks", type=int, default=1, help="of each run")
     parser.add_argument("--show", action="append", default=[], metavar="SECTION.KEY",
-                        help="a result of results.toml to print, and a number to draw, as deflection.beta; once for each")
-    parser.add_argument("--overwrite", action="store_true", help="forget what --out holds of another sweep")
+                        help="a result of results.toml to print, and a number to draw, as "
+                             "deflection.beta; once for each")
+    parser.add_argument("--overwrite", action="store_true",
+                        help="forget what --out holds of another sweep")
     parser.add_argument("--commands", action="store_true",
                         help="run nothing: print a line for each run that is not done")
     parser.add_argument("--only", type=int, metavar="K",
-                        help="run nothing: print case, folder and --set of combination K, counted from 1, a word a line; "
+                        help="run nothing: print case, folder and --set of combination K, counted "
+                             "from 1, a word a line; "
                              "jobs/cluster.slurm does so")
-    parser.add_argument("--table", action="store_true", help="run nothing: gather the results that are there")
+    parser.add_argument("--table", action="store_true",
+                        help="run nothing: gather the results that are there")
     options = parser.parse_args()
     if options.show:
         need("spall sweep --show", "matplotlib")
     spall = os.environ.get("SPALL_PROGRAM", "spall")
     case = Path(options.case)
-    out = options.out or Path("out") / f"{case.parent.name if case.stem == 'case' else case.stem}-sweep"
+    out = options.out or Path(
+        "out") / f"{case.parent.name if case.stem == 'case' else case.stem}-sweep"
 
     keys = {}
     for text in options.set:
         key, equals, value = text.partition("=")
         if not equals or key in keys:
-            sys.exit(f"spall sweep: --set {text}: {'told twice' if equals else 'KEY=VALUES is wanted'}")
+            sys.exit(
+                f"spall sweep: --set {text}: {'told twice' if equals else 'KEY=VALUES is wanted'}")
         keys[key] = values_of(value)
     swept = [key for key, values in keys.items() if len(values) > 1]
-    runs = [Run(out, dict(zip(keys, values)), swept) for values in itertools.product(*keys.values())]
+    runs = [Run(out, dict(zip(keys, values)), swept)
+            for values in itertools.product(*keys.values())]
     if len({run.name for run in runs}) < len(runs):
         sys.exit("spall sweep: two combinations are the same")
     if options.commands:
@@ -192,10 +209,12 @@ def main():
         sys.exit(f"spall sweep: --only {options.only}: there are combinations 1 to {len(runs)}")
 
     # What the first refuses would be refused by all: nothing is begun then.
-    checked = subprocess.run([spall, "check", options.case, *runs[0].options()], stdout=subprocess.DEVNULL)
+    checked = subprocess.run([spall, "check", options.case, *runs[0].options()],
+                             stdout=subprocess.DEVNULL)
     if checked.returncode != 0:
         sys.exit(checked.returncode)
-    claim(out, case, {key: values[0] for key, values in keys.items() if len(values) == 1}, options.overwrite)
+    claim(out, case, {key: values[0] for key, values in keys.items() if len(values) == 1},
+          options.overwrite)
     if options.only is not None:
         run = runs[options.only - 1]
         print(options.case, run.folder, *run.options(), sep="\n")
@@ -211,7 +230,8 @@ def main():
         states[run.name] = "done" if code == DONE else "stopped" if code == STOPPED else "failed"
         count = sum(state != "waits" for state in states.values())
         found = run.results()
-        shown = "".join(f"  {name} = {readable(found[name])}" for name in options.show if name in found)
+        shown = "".join(f"  {name} = {readable(found[name])}" for name in options.show
+                        if name in found)
         print(f"{count} of {len(runs)}  {run.name}: {states[run.name]}{shown}", flush=True)
 
     if not options.table:
@@ -222,7 +242,8 @@ def main():
     for name in options.show:
         if not any(name in row for row in rows):
             sys.exit(f"spall sweep: no run has a result {name}; table.csv names all there are")
-    numbers = [name for name in options.show if not any(isinstance(row.get(name), str) for row in rows)]
+    numbers = [name for name in options.show
+               if not any(isinstance(row.get(name), str) for row in rows)]
     if numbers and swept:
         draw(out, rows, swept, numbers)
     if "failed" in states.values():

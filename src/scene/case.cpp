@@ -33,7 +33,8 @@ constexpr Choice<GravityMethod> gravity_methods[] = {{"none", GravityMethod::non
                                                      {"direct", GravityMethod::direct},
                                                      {"tree", GravityMethod::tree},
                                                      {"auto", GravityMethod::automatic}};
-constexpr Choice<bool> cohesion_laws[] = {{"force", false}, {"impulse", true}};
+constexpr Choice<CohesionLaw> cohesion_laws[] = {{"force", CohesionLaw::force},
+                                                 {"impulse", CohesionLaw::impulse}};
 constexpr Choice<Aiming> aims[] = {{"head-on", Aiming::head_on}, {"line", Aiming::line}};
 constexpr Choice<PhaseEnd> ends[] = {{"time", PhaseEnd::time}, {"settled", PhaseEnd::settled}};
 
@@ -51,7 +52,7 @@ void read_contact(Section& in, Case& scene) {
   in.check("cohesion", law.cohesion == 0 || law.cohesion_range > 0 || !scene.contact_of.empty(),
            "needs a cohesion_range: the gap up to which it acts");
   in.take("cohesion_law", "impulse: cohesion is N s a step, as the reference engine reads it",
-          law.cohesion_is_impulse, cohesion_laws);
+          law.cohesion_law, cohesion_laws);
   scene.contact = law;
   scene.contact_between =
       read_between<ContactLaw>(in, [](Section& s, Between<ContactLaw>& between) {

@@ -102,7 +102,7 @@ void follow(ContactSystem<dimension>& system, const Impulses<dimension, double>&
 /// up, or floats cannot resolve what is asked.
 template <class Real, int dimension>
 void descend(ContactSystem<dimension>& system, ContactBlocks<dimension, Real>& contacts,
-             const SolverSettings& settings, Candidate<dimension>& best, SolverReport& report) {
+             const MethodSettings& settings, Candidate<dimension>& best, SolverReport& report) {
   const double eps = system.prox;
   const double tolerance = settings.tolerance;
   const auto resolved = [&](const Residual& residual) {
@@ -195,7 +195,7 @@ void descend(ContactSystem<dimension>& system, ContactBlocks<dimension, Real>& c
 
 template <int dimension>
 Candidate<dimension> accelerated_gradient(ContactSystem<dimension>& system,
-                                          const SolverSettings& settings,
+                                          const MethodSettings& settings,
                                           Candidate<dimension> start, SolverReport& report) {
   // Floats halve the memory traffic that bounds an iteration; every residual is a double's.
   Candidate<dimension> best = std::move(start);
@@ -205,9 +205,9 @@ Candidate<dimension> accelerated_gradient(ContactSystem<dimension>& system,
   return best;
 }
 
-template Candidate<1> accelerated_gradient(ContactSystem<1>&, const SolverSettings&, Candidate<1>,
+template Candidate<1> accelerated_gradient(ContactSystem<1>&, const MethodSettings&, Candidate<1>,
                                            SolverReport&);
-template Candidate<3> accelerated_gradient(ContactSystem<3>&, const SolverSettings&, Candidate<3>,
+template Candidate<3> accelerated_gradient(ContactSystem<3>&, const MethodSettings&, Candidate<3>,
                                            SolverReport&);
 template Candidate<levers> accelerated_gradient(ContactSystem<levers>&, const SolverSettings&,
                                                 Candidate<levers>, SolverReport&);

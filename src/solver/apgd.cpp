@@ -66,7 +66,7 @@ struct Euclidean {
 }  // namespace
 
 template <int dimension>
-Candidate<dimension> apgd(const ContactSystem<dimension>& system, const SolverSettings& settings,
+Candidate<dimension> apgd(const ContactSystem<dimension>& system, const MethodSettings& settings,
                           Candidate<dimension> start, SolverReport& report) {
   const Euclidean<dimension> space{system};
   const std::size_t blocks = system.contacts.blocks.size();
@@ -123,9 +123,9 @@ Candidate<dimension> apgd(const ContactSystem<dimension>& system, const SolverSe
   return best;
 }
 
-template Candidate<1> apgd(const ContactSystem<1>&, const SolverSettings&, Candidate<1>,
+template Candidate<1> apgd(const ContactSystem<1>&, const MethodSettings&, Candidate<1>,
                            SolverReport&);
-template Candidate<3> apgd(const ContactSystem<3>&, const SolverSettings&, Candidate<3>,
+template Candidate<3> apgd(const ContactSystem<3>&, const MethodSettings&, Candidate<3>,
                            SolverReport&);
 template Candidate<levers> apgd(const ContactSystem<levers>&, const SolverSettings&,
                                 Candidate<levers>, SolverReport&);

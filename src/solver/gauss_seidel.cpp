@@ -138,7 +138,7 @@ std::vector<double> boundary_degrees(const ContactSystem<dimension>& system) {
 
 template <int dimension>
 Candidate<dimension> gauss_seidel(const ContactSystem<dimension>& system,
-                                  const SolverSettings& settings, Candidate<dimension> start,
+                                  const MethodSettings& settings, Candidate<dimension> start,
                                   SolverReport& report) {
   const auto& contacts = system.contacts;
   const std::vector<double> degree = boundary_degrees(system);
@@ -187,9 +187,9 @@ Candidate<dimension> gauss_seidel(const ContactSystem<dimension>& system,
   return best;
 }
 
-template Candidate<1> gauss_seidel(const ContactSystem<1>&, const SolverSettings&, Candidate<1>,
+template Candidate<1> gauss_seidel(const ContactSystem<1>&, const MethodSettings&, Candidate<1>,
                                    SolverReport&);
-template Candidate<3> gauss_seidel(const ContactSystem<3>&, const SolverSettings&, Candidate<3>,
+template Candidate<3> gauss_seidel(const ContactSystem<3>&, const MethodSettings&, Candidate<3>,
                                    SolverReport&);
 
 }  // namespace spall

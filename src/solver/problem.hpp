@@ -3,16 +3,17 @@
 #pragma once
 
 #include <span>
-#include <string>
 #include <vector>
 
-#include "base/choice.hpp"
 #include "domain/ghosts.hpp"
 #include "solver/delassus_matrix.hpp"
+#include "solver/friction_model.hpp"
 #include "solver/report.hpp"
 #include "spall/types.hpp"
 
 namespace spall {
+
+struct SolverSettings;  // solver/settings.hpp
 
 /// Find impulses p (world frame, on j, opposite on i) and velocity changes dv, ds (s = r omega):
 ///
@@ -55,35 +56,6 @@ struct ContactProblem {
 /// 1/kg: the contact's own block D of the Delassus operator with lever arms, u = D p in the world's
 /// frame.
 Mat3 delassus_block(const ContactProblem& problem, Index c);
-
-/// apgd and barzilai_borwein minimise: convex friction only. See solver/methods.hpp.
-enum class SolverMethod { accelerated, apgd, barzilai_borwein, sor };
-enum class FrictionModel { convex, coulomb };
-inline constexpr Choice<SolverMethod> solver_methods[] = {
-    {"accelerated", SolverMethod::accelerated},
-    {"apgd", SolverMethod::apgd},
-    {"bb", SolverMethod::barzilai_borwein},
-    {"sor", SolverMethod::sor}};
-/// Methods that minimise an energy know no exact Coulomb friction.
-constexpr bool needs_convex(SolverMethod method) {
-  return method == SolverMethod::apgd || method == SolverMethod::barzilai_borwein;
-}
-inline constexpr Choice<FrictionModel> friction_models[] = {{"coulomb", FrictionModel::coulomb},
-                                                            {"convex", FrictionModel::convex}};
-
-struct SolverSettings {
-  SolverMethod method = SolverMethod::accelerated;
-  FrictionModel friction = FrictionModel::coulomb;
-  double tolerance = 1e-2;     ///< on E (on E_eps where `prox` > 0): relative to impulses all zero
-  double speed_tolerance = 0;  ///< m/s, on every |R_c| too; 0: `tolerance` of the fastest closing
-                               ///< speed where no impulses of an earlier step serve
-  int max_iterations = 1000;
-  int max_products = std::numeric_limits<int>::max();  ///< checks between iterations go beyond it
-  double prox = 4e-3;  ///< of `accelerated`: weight eps of staying near the warm start; 0: none
-  double relaxation = 1.0;  ///< of `sor`
-  bool impact = true;       ///< something may have met: if no given impulses serve, something has
-  double least_scale = 0;   ///< sqrt(J), E is relative to no less
-};
 
 /// Velocity changes of one body by the impulses: one cache line.
 struct alignas(64) VelocityChange {

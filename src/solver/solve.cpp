@@ -6,6 +6,7 @@
 
 #include "base/kernels.hpp"
 #include "solver/methods.hpp"
+#include "solver/settings.hpp"
 #include "spall/error.hpp"
 
 namespace spall {
@@ -63,9 +64,10 @@ std::int64_t count_bad(const ContactProblem& problem, const std::vector<Vec3>& i
 }
 
 template <int dimension>
-Candidate<dimension> run_method(ContactSystem<dimension>& system, const SolverSettings& settings,
-                                Candidate<dimension> start, SolverReport& report) {
-  switch (settings.method) {
+Candidate<dimension> run_method(ContactSystem<dimension>& system, SolverMethod method,
+                                const MethodSettings& settings, Candidate<dimension> start,
+                                SolverReport& report) {
+  switch (method) {
     case SolverMethod::accelerated:
       return accelerated_gradient(system, settings, std::move(start), report);
     case SolverMethod::apgd:
@@ -162,6 +164,8 @@ SolverResult solve_packed(const ContactProblem& problem, const Ghosts& ghosts,
   SolverResult result;
   SolverReport& report = result.report;
   auto [system, best] = pose<dimension>(problem, ghosts, settings.friction, count);
+  const MethodSettings of_method{settings.tolerance, settings.max_iterations, settings.max_products,
+                                 settings.relaxation};
   const PackedUnits& units = system.units;
   if (best.residual.relative > 0) {
     const double fastest = best.residual.max;
@@ -177,11 +181,11 @@ SolverResult solve_packed(const ContactProblem& problem, const Ghosts& ghosts,
                                                           : infinity;
     if (settings.method == SolverMethod::accelerated && settings.prox > 0)
       system.stay_near(best.impulse, settings.prox);
-    best = run_method(system, settings, std::move(best), report);
+    best = run_method(system, settings.method, of_method, std::move(best), report);
   }
 
   report_residual(best.residual, report);
-  report.converged = best.residual.relative == 0 || met(best.residual, system, settings);
+  report.converged = best.residual.relative == 0 || met(best.residual, system, of_method);
 
   report.over_tolerance = best.residual.relative > settings.tolerance;
   unpack_impulses(problem, units, best.impulse, impulse);

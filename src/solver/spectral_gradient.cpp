@@ -23,7 +23,7 @@ void add_scaled(Blocks& to, double factor, const Blocks& what) {
 
 template <int dimension>
 Candidate<dimension> spectral_gradient(const ContactSystem<dimension>& system,
-                                       const SolverSettings& settings, Candidate<dimension> start,
+                                       const MethodSettings& settings, Candidate<dimension> start,
                                        SolverReport& report) {
   Candidate<dimension> best = std::move(start);
   Impulses<dimension, double> p = best.impulse;
@@ -68,9 +68,9 @@ Candidate<dimension> spectral_gradient(const ContactSystem<dimension>& system,
   return best;
 }
 
-template Candidate<1> spectral_gradient(const ContactSystem<1>&, const SolverSettings&,
+template Candidate<1> spectral_gradient(const ContactSystem<1>&, const MethodSettings&,
                                         Candidate<1>, SolverReport&);
-template Candidate<3> spectral_gradient(const ContactSystem<3>&, const SolverSettings&,
+template Candidate<3> spectral_gradient(const ContactSystem<3>&, const MethodSettings&,
                                         Candidate<3>, SolverReport&);
 template Candidate<levers> spectral_gradient(const ContactSystem<levers>&, const SolverSettings&,
                                              Candidate<levers>, SolverReport&);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include "state/by_pair.hpp"
@@ -9,14 +10,17 @@
 
 namespace spall {
 
+/// What a case's cohesion is: a force (N), or N s in each step, as the reference engine reads it.
+enum class CohesionLaw : std::uint8_t { force, impulse };
+
 /// What happens where two bodies meet.
 struct ContactLaw {
   double friction = 0;
   double restitution = 0;
-  double cohesion = 0;               ///< N, attractive, on every pair with gap <= cohesion_range
-  double cohesion_range = 0;         ///< m
-  bool own_cohesion = false;         ///< an exception that events do not change
-  bool cohesion_is_impulse = false;  ///< cohesion read as N s a step, as the reference engine does
+  double cohesion = 0;        ///< N, attractive, on every pair with gap <= cohesion_range
+  double cohesion_range = 0;  ///< m
+  bool own_cohesion = false;  ///< an exception that events do not change
+  CohesionLaw cohesion_law = CohesionLaw::force;
 };
 
 /// How rigid spheres hold together like the solid.

@@ -2,13 +2,14 @@
 # Kills runs, fills their disks, and lets their writes, syncs, renames and opens fail; looks at what
 # is left behind.
 # SPDX-License-Identifier: BSD-3-Clause
-"""usage: faults.py errors|kills|disks SPALL MPIEXEC CASES WORK [--disk SO] [--count 6] [--ranks 2] [--seed 1]
+"""usage: faults.py errors|kills|disks SPALL MPIEXEC CASES WORK [--disk SO] [--count 6] [--ranks 2]
+[--seed 1]
 
-errors  One call of one rank fails (failing_disk.c). All ranks must be gone within 10 s, with one message
-        that tells the reason where rank 0 knows it. Errors that no call met do not count.
-kills   SIGKILL to all ranks at a random time after the first restart file, in three methods in turn.
-disks   A tmpfs for each run, of sizes from nearly nothing to all that a run needs: the message says
-        that no space is left. Mounting takes root.
+errors  One call of one rank fails (failing_disk.c). All ranks must be gone within 10 s, with one
+        message that tells the reason where rank 0 knows it. Errors that no call met do not count.
+kills   SIGKILL to all ranks at a random time after the first restart file, in three methods in
+turn. disks   A tmpfs for each run, of sizes from nearly nothing to all that a run needs: the
+        message says that no space is left. Mounting takes root.
 
 After each a run goes on from the newest restart file, where there is one, to the results of the run
 that was left alone: bit by bit, but for the seconds that it took."""
@@ -25,9 +26,11 @@ import time
 from pathlib import Path
 
 SCENES = {
-    "nonsmooth": ["hello/case.toml", "groups.cloud.packing.count=40", "groups.cloud.volume.radius=6 m",
+    "nonsmooth": ["hello/case.toml", "groups.cloud.packing.count=40",
+                  "groups.cloud.volume.radius=6 m",
                   "phases.aggregation.duration=40 min"],
-    "penalty": ["column/case.toml", "groups.column.volume.radius=8 mm", "groups.column.volume.height=8 mm",
+    "penalty": ["column/case.toml", "groups.column.volume.radius=8 mm",
+                "groups.column.volume.height=8 mm",
                 'groups.column.volume.center=[0, 0, "6 mm"]', "phases.collapse.duration=0.1 s"],
     "potential": ["bumper/case.toml", 'groups.plate.volume.size=["3 mm", "3 mm", "0.5 mm"]'],
 }
@@ -38,7 +41,8 @@ MOST_SECONDS = 10  # from an error until all ranks are gone
 
 def physics(folder):
     parts = (folder / "results.toml").read_text().split("\n\n")
-    return [part for part in parts if not part.startswith(("[time]", "[communication]", "[provenance]"))]
+    return [part for part in parts
+            if not part.startswith(("[time]", "[communication]", "[provenance]"))]
 
 
 def changed_at(file):
@@ -46,7 +50,8 @@ def changed_at(file):
 
 
 def newest_restart(folder):
-    return max([*folder.glob("restart*.h5"), *folder.glob("after_*.h5")], key=changed_at, default=None)
+    return max([*folder.glob("restart*.h5"), *folder.glob("after_*.h5")], key=changed_at,
+               default=None)
 
 
 def files_of(folder):
@@ -65,10 +70,14 @@ class Runs:
 
     def start(self, *words, **faults):
         """A program of all ranks, in a session of its own."""
-        environment = {**os.environ, "OMPI_MCA_mpi_yield_when_idle": "1", **{key: str(value) for key, value in faults.items()}}
-        command = [self.given.mpiexec, "--oversubscribe", "-n", str(self.given.ranks), self.given.spall]
-        return subprocess.Popen([*command, *map(str, words)], cwd=self.work, env=environment, text=True,
-                                stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, start_new_session=True)
+        environment = {**os.environ, "OMPI_MCA_mpi_yield_when_idle": "1",
+                       **{key: str(value) for key, value in faults.items()}}
+        command = [self.given.mpiexec, "--oversubscribe", "-n", str(self.given.ranks),
+                   self.given.spall]
+        return subprocess.Popen([*command, *map(str, words)], cwd=self.work, env=environment,
+                                text=True,
+                                stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
+                                start_new_session=True)
 
     def end(self, process, limit):
         """Exit code (None: it hung) and lines on standard error."""
@@ -104,7 +113,8 @@ class Runs:
         if code == 0 and physics(self.out) == wanted:
             self.seen["gone on"] += 1
         else:
-            self.wrong.append(f"{label}: {restart.name} does not go on to the same: {code} {said[:2]}")
+            self.wrong.append(
+                f"{label}: {restart.name} does not go on to the same: {code} {said[:2]}")
 
     def kill(self, draw, method):
         _, seconds = self.run_whole(method)
@@ -124,7 +134,8 @@ class Runs:
 
     def error(self, draw, method):
         self.run_whole(method)
-        written = sum(file.stat().st_size for file in (self.work / ("whole-" + method)).rglob("*.h5"))
+        written = sum(file.stat().st_size
+                      for file in (self.work / ("whole-" + method)).rglob("*.h5"))
         fault = draw.choice(["write", *FAULTS])  # rank 0 alone syncs and renames, and writes most
         rank = draw.randrange(self.given.ranks) if fault in ("write", "open") else 0
         at = draw.randint(1, FAULTS.get(fault, written if rank == 0 else written // 6))
@@ -133,8 +144,10 @@ class Runs:
         mark.unlink(missing_ok=True)
         shutil.rmtree(self.out, ignore_errors=True)
         self.fail(method, f"{method}: {fault} {at} of rank {rank}, {os.strerror(reason)}",
-                  os.strerror(reason) if rank == 0 else "", lambda: mark, LD_PRELOAD=self.given.disk,
-                  FAULT=fault, FAULT_AT=at, FAULT_RANK=rank, FAULT_ERRNO=reason, FAULT_FOLDER=self.out,
+                  os.strerror(reason) if rank == 0 else "", lambda: mark,
+                  LD_PRELOAD=self.given.disk,
+                  FAULT=fault, FAULT_AT=at, FAULT_RANK=rank, FAULT_ERRNO=reason,
+                  FAULT_FOLDER=self.out,
                   FAULT_MARK=mark)
 
     def disk(self, draw, method):
@@ -144,7 +157,8 @@ class Runs:
         page = 4096
         size = draw.randint(1, needs // page) * page
         self.out.mkdir(exist_ok=True)
-        subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={size}", "spall-faults", self.out], check=True)
+        subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={size}", "spall-faults", self.out],
+                       check=True)
         try:
             self.fail(method, f"{method}: a disk of {size} bytes", os.strerror(errno.ENOSPC),
                       lambda: max(files_of(self.out), key=changed_at), grown=True)
@@ -152,13 +166,16 @@ class Runs:
             subprocess.run(["umount", self.out], check=True)
 
     def fail(self, method, label, reason, failed, grown=False, **faults):
-        """A run that must end by itself and say the reason; the file `failed()` tells since when."""
+        """A run that must end by itself and say the reason; the file `failed()` tells since
+        when."""
         wanted, seconds = self.run_whole(method)
-        process = self.start(*self.words(method, "out"), "--set", "output.restart_every=50 ms", **faults)
+        process = self.start(*self.words(method, "out"), "--set", "output.restart_every=50 ms",
+                             **faults)
         code, said = self.end(process, 20 * seconds + 100)  # machines may have more to do
         lives = ["pgrep", "-s", str(process.pid), "-r", "D,R,S,T"]
         deadline = time.time() + MOST_SECONDS
-        while time.time() < deadline and subprocess.run(lives, stdout=subprocess.DEVNULL, check=False).returncode == 0:
+        while time.time() < deadline and subprocess.run(lives, stdout=subprocess.DEVNULL,
+                                                        check=False).returncode == 0:
             time.sleep(0.05)
         now = time.time()
         if code == 0:
@@ -202,7 +219,8 @@ def main():
         one(draw, method)
     print(f"{given.what}, {given.ranks} ranks, seed {given.seed}: "
           + ", ".join(f"{count} {what}" for what, count in sorted(runs.seen.items()))
-          + (f"; all ranks gone after {max(runs.gone_after):.1f} s at most" if runs.gone_after else ""))
+          + (f"; all ranks gone after {max(runs.gone_after):.1f} s at most" if runs.gone_after
+             else ""))
     for line in runs.wrong:
         print("FAILED:", line)
     sys.exit(bool(runs.wrong))
