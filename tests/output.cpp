@@ -1,9 +1,12 @@
 // Snapshots, restarts, series, results: what is written is what is read, whatever happens between.
 // SPDX-License-Identifier: BSD-3-Clause
+#include <sys/resource.h>
 #include <toml++/toml.h>
 
 #include <array>
 #include <bit>
+#include <cerrno>
+#include <csignal>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -544,6 +547,30 @@ TEST(StoredBodies, of_another_program_are_checked_field_by_field) {
   expect("body 0 has the mass 0 kg", complaint_about<double>("mass", {0, 1}));
   expect("body 1 has no finite place",
          complaint_about<Vec3>("velocity", {Vec3::Zero(), Vec3::Constant(no_number)}));
+}
+
+/// HDF5 keeps small values back until their data set is closed.
+TEST(File, a_data_set_that_cannot_be_closed_is_an_error) {
+  if (testing_world().rank != 0) return;
+  const std::string path = fresh_folder(alone()) + "/few.h5";
+  rlimit usual{}, none{};
+  getrlimit(RLIMIT_FSIZE, &usual);
+  none.rlim_max = usual.rlim_max;  // files of no byte
+  const auto before = std::signal(SIGXFSZ, SIG_IGN);
+  const auto complaint = [&](const std::function<void(h5::File&)>& write) {
+    h5::File file = h5::File::create(path);
+    setrlimit(RLIMIT_FSIZE, &none);
+    const std::string told = complaint_of([&] { write(file); });
+    setrlimit(RLIMIT_FSIZE, &usual);
+    return told;
+  };
+  const std::string told =
+      fmt::format("H5Dclose of '{}:/few' failed: {}", path, std::strerror(EFBIG));
+  const std::array few{1.5, 2.5};
+  EXPECT_EQ(complaint([&](h5::File& file) { file.write<double>("/few", few); }), told);
+  EXPECT_EQ(complaint([&](h5::File& file) { file.write<double>("/few", few, {0, 2, 2}); }), told);
+  EXPECT_EQ(complaint([&](h5::File& file) { file.write_text("/few", "words"); }), told);
+  std::signal(SIGXFSZ, before);
 }
 
 TEST(File, that_claims_more_than_it_holds_is_refused) {
