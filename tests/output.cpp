@@ -437,7 +437,8 @@ TEST(Restart, another_number_of_ranks_gets_every_body_and_contact_once) {
   }
 }
 
-TEST(Restart, a_killed_writer_leaves_the_former_file) {
+/// What a writer leaves that is killed: tests/faults/faults.py kills some.
+TEST(Restart, half_a_file_beside_the_former_one_is_no_obstacle) {
   const Comm comm = testing_world();
   const std::string path = fresh_folder(comm) + "/restart.h5";
   write_restart(comm, path, some_state(comm, 20));
