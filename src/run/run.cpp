@@ -86,7 +86,8 @@ class Run {
   template <class Self, class F>
   static void for_each_scalar(Self& self, F&& f) {
     f("run.seconds", self.seconds_before_);
-    f("run.rows", self.rows_);
+    f("run.rows", self.rows_.count);
+    f("run.rows_checksum", self.rows_.checksum);
     f("run.snapshots", self.snapshots_written_);
   }
 
@@ -410,7 +411,8 @@ class Run {
   Verdict verdict_;
   RestartState kept_;
   std::int64_t restart_holds_ = -1;  // the step of the state that this run wrote into it last
-  std::int64_t rows_ = 0, snapshots_written_ = 0;  // that the folder has of this run
+  SeriesRows rows_;                  // that the folder has of this run
+  std::int64_t snapshots_written_ = 0;
   double seconds_before_ = 0, seconds_at_start_, last_restart_;
 };
 
