@@ -20,6 +20,7 @@
 #include "output/series.hpp"
 #include "output/snapshot.hpp"
 #include "output/stored_bodies.hpp"
+#include "pairs/lost_motion.hpp"
 #include "run/changes.hpp"
 #include "run/communication.hpp"
 #include "run/debris_log.hpp"
@@ -194,8 +195,7 @@ class Run {
         received = reactions_.received(world());
       }
       const Clock start = clock();
-      const StepReport report = simulation_->advance(
-          most_steps(scene_, clock(), simulation_->steps_left(), world()), row);
+      const StepReport report = advance(row);
       record_.book(report);
       shown_.residual = report.solver.residual;
       if (row) write_row(start, sums, report, received);
@@ -217,6 +217,15 @@ class Run {
       if (comm_.any(MPI_Wtime() - last_restart_ > scene_.output.restart_every)) write_newest();
     }
     return true;
+  }
+
+  StepReport advance(bool row) {
+    try {
+      return simulation_->advance(most_steps(scene_, clock(), simulation_->steps_left(), world()),
+                                  row);
+    } catch (const LostMotion&) {
+      end_as_lost();
+    }
   }
 
   bool passed_multiple(double every) const {
