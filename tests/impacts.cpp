@@ -1,6 +1,7 @@
 // Impacts come out as restitution says, and what bounces comes to rest, with settings as they are.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cmath>
+#include <numbers>
 #include <random>
 
 #include "testing.hpp"
@@ -47,6 +48,33 @@ TEST(FreshImpact, balls_of_a_cradle_a_thousandth_apart_pass_the_impact_on_to_the
   const std::vector<Sphere> after = spheres_of(world);
   for (int k = 0; k < 4; ++k) EXPECT_NEAR(after[k].velocity.x(), 0, 1e-6) << k;
   EXPECT_NEAR(after[4].velocity.x(), 1, 1e-6);
+}
+
+/// As the first step of didymoon's impact, with settings as they are.
+TEST(FreshImpact, on_a_pile_leaves_the_energy_of_the_converged_step_within_a_hundredth) {
+  std::vector<Sphere> pile;
+  constexpr int most = 6;
+  for (int i = -most; i <= most; ++i)
+    for (int j = -most; j <= most; ++j)
+      for (int k = -most; k <= most; ++k)
+        if ((i + j + k) % 2 == 0 && i * i + j * j + k * k <= most * most)
+          pile.push_back(
+              {.position = std::numbers::sqrt2 * Vec3(i, j, k)});  // a lattice that touches
+  pile.push_back({.mass = 0.1,
+                  .position = Vec3(std::numbers::sqrt2 * most + 2.001, 0, 0),
+                  .velocity = Vec3(-4000, 0, 0)});
+  const auto energy_after = [&](const SolverSettings& settings) {
+    Lab world = make_world(testing_world(), pile, {.friction = 0.5, .restitution = 0.3});
+    advance(world, 1e-6, 1, settings);
+    double energy = 0;
+    for (const Sphere& s : spheres_of(world))
+      energy += s.mass * s.velocity.squaredNorm() / 2 +
+                moment_of_inertia(s.mass, s.radius) * s.spin.squaredNorm() / 2;
+    return energy;
+  };
+  const double converged = energy_after({.tolerance = 1e-8, .max_iterations = 20000, .prox = 0});
+  EXPECT_LT(converged, 0.5 * 0.1 * 4000 * 4000 / 2);  // it has hit
+  EXPECT_NEAR(energy_after(as_they_are), converged, 0.01 * converged);
 }
 
 constexpr double g = 9.81;

@@ -1,12 +1,16 @@
 // Snapshots, restarts, series, results: what is written is what is read, whatever happens between.
 // SPDX-License-Identifier: BSD-3-Clause
+#include <sys/resource.h>
 #include <toml++/toml.h>
 
 #include <array>
 #include <bit>
+#include <cerrno>
+#include <csignal>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <map>
 #include <random>
 
@@ -434,7 +438,8 @@ TEST(Restart, another_number_of_ranks_gets_every_body_and_contact_once) {
   }
 }
 
-TEST(Restart, a_killed_writer_leaves_the_former_file) {
+/// What a writer leaves that is killed: tests/faults/faults.py kills some.
+TEST(Restart, half_a_file_beside_the_former_one_is_no_obstacle) {
   const Comm comm = testing_world();
   const std::string path = fresh_folder(comm) + "/restart.h5";
   write_restart(comm, path, some_state(comm, 20));
@@ -546,6 +551,30 @@ TEST(StoredBodies, of_another_program_are_checked_field_by_field) {
          complaint_about<Vec3>("velocity", {Vec3::Zero(), Vec3::Constant(no_number)}));
 }
 
+/// HDF5 keeps small values back until their data set is closed.
+TEST(File, a_data_set_that_cannot_be_closed_is_an_error) {
+  if (testing_world().rank != 0) return;
+  const std::string path = fresh_folder(alone()) + "/few.h5";
+  rlimit usual{}, none{};
+  getrlimit(RLIMIT_FSIZE, &usual);
+  none.rlim_max = usual.rlim_max;  // files of no byte
+  const auto before = std::signal(SIGXFSZ, SIG_IGN);
+  const auto complaint = [&](const std::function<void(h5::File&)>& write) {
+    h5::File file = h5::File::create(path);
+    setrlimit(RLIMIT_FSIZE, &none);
+    const std::string told = complaint_of([&] { write(file); });
+    setrlimit(RLIMIT_FSIZE, &usual);
+    return told;
+  };
+  const std::string told =
+      fmt::format("H5Dclose of '{}:/few' failed: {}", path, std::strerror(EFBIG));
+  const std::array few{1.5, 2.5};
+  EXPECT_EQ(complaint([&](h5::File& file) { file.write<double>("/few", few); }), told);
+  EXPECT_EQ(complaint([&](h5::File& file) { file.write<double>("/few", few, {0, 2, 2}); }), told);
+  EXPECT_EQ(complaint([&](h5::File& file) { file.write_text("/few", "words"); }), told);
+  std::signal(SIGXFSZ, before);
+}
+
 TEST(File, that_claims_more_than_it_holds_is_refused) {
   if (testing_world().rank != 0) return;
   const std::string path = fresh_folder(alone()) + "/claims.h5";
@@ -577,13 +606,17 @@ TEST(File, that_claims_more_than_it_holds_is_refused) {
 TEST(Series, resuming_drops_rows_after_the_restart_and_a_torn_line) {
   const Comm comm = testing_world();
   const std::string folder = fresh_folder(comm), path = folder + "/series.csv";
+  SeriesRows written;
   {
     Series series(comm, folder, {{"energy", "J"}, {"contacts", ""}});
-    for (int step = 1; step <= 5; ++step) series.append(step, 0.1 * step, std::array{1.0 / 3, 2.0});
+    for (int step = 1; step <= 5; ++step) {
+      series.append(step, 0.1 * step, std::array{1.0 / 3, 2.0});
+      if (step == 3) written = series.rows();
+    }
   }
   if (comm.rank == 0) std::ofstream(path, std::ios::app) << "6,0.6,0.3";
   MPI_Barrier(comm.raw);
-  Series series(comm, folder, {{"energy", "J"}, {"contacts", ""}}, 3, 3);
+  Series series(comm, folder, {{"energy", "J"}, {"contacts", ""}}, 3, written);
   series.append(4, 0.5, std::array{-1e-300, std::nan("")});
   series.write_hdf5();
   if (comm.rank == 0) {
@@ -595,40 +628,56 @@ TEST(Series, resuming_drops_rows_after_the_restart_and_a_torn_line) {
               (std::vector<double>{1.0 / 3, 1.0 / 3, 1.0 / 3, -1e-300}));
     EXPECT_EQ(file.read<std::int64_t>("/observables/contacts/step"),
               (std::vector<std::int64_t>{1, 2, 3, 4}));
-    EXPECT_THROW(Series(alone(), folder, {{"energy", "J"}}, 3, 3), Error);
+    EXPECT_THROW(Series(alone(), folder, {{"energy", "J"}}, 3, written), Error);
   }
 }
 
-TEST(Series, that_has_lost_rows_is_refused_and_left_as_it_is) {
+TEST(Series, that_has_lost_or_changed_rows_is_refused_and_left_as_it_is) {
   const Comm comm = testing_world();
   const std::string folder = fresh_folder(comm), path = folder + "/series.csv";
+  std::array<SeriesRows, 6> after;  // each step
   {
     Series series(comm, folder, {{"energy", "J"}});
-    for (int step = 1; step <= 5; ++step) series.append(step, 0.1 * step, std::array{2.0});
-    EXPECT_EQ(series.rows(), 5);
+    for (int step = 1; step <= 5; ++step) {
+      series.append(step, 0.1 * step, std::array{2.0 * step});
+      after[step] = series.rows();
+    }
+    EXPECT_EQ(after[5].count, 5);
   }
+  const auto told = [&](const std::string& text, int step) {
+    MPI_Barrier(comm.raw);
+    on_first_rank(comm, [&] { write_whole(path, text); });
+    const std::string words = complaint_of([&] {
+      Series(comm, folder, {{"energy", "J"}}, step, after[step]);
+    });
+    EXPECT_TRUE(words.empty() || read_whole(path) == text);
+    return words;
+  };
   MPI_Barrier(comm.raw);
   const std::string whole = read_whole(path), torn = whole.substr(0, whole.find("\n4,") + 3);
-  MPI_Barrier(comm.raw);
-  if (comm.rank == 0) write_whole(path, torn);
-  EXPECT_EQ(complaint_of([&] {
-              Series(comm, folder, {{"energy", "J"}}, 4, 4);
-            }),
+  EXPECT_EQ(told(torn, 4),
             fmt::format("'{}' has 3 rows up to step 4, but 4 were written: move the file away to "
                         "resume",
                         path));
-  EXPECT_EQ(read_whole(path), torn);
-  EXPECT_EQ(Series(comm, folder, {{"energy", "J"}}, 3, 3).rows(), 3);
-  MPI_Barrier(comm.raw);
+  EXPECT_EQ(told(torn, 3), "");
+  const std::size_t digit = whole.find("2,0.2,4");
+  for (const auto& [text, other] : {std::pair(0, "1"), {4, "3"}, {6, "5"}}) {
+    std::string changed = whole;
+    changed.replace(digit + text, 1, other);
+    EXPECT_EQ(told(changed, 3),
+              fmt::format("'{}': its rows up to step 3 are not those that were written: move the "
+                          "file away to resume",
+                          path));
+    EXPECT_EQ(told(changed, 1), text == 0 ? fmt::format("'{}' has 2 rows up to step 1, but 1 were "
+                                                        "written: move the file away to resume",
+                                                        path)
+                                          : "");  // what is dropped may be anything
+  }
   for (const char* line :
-       {"1,0.1,x\n", "x,0.1,2\n", "1,0.1\n", "1,0.1,2,3\n", "1,,2\n", "1,0.1,2 3\n"}) {
-    on_first_rank(comm, [&] { write_whole(path, std::string("step,time,energy\n") + line); });
-    EXPECT_EQ(complaint_of([&] {
-                Series(comm, folder, {{"energy", "J"}}, 3, 1);
-              }),
+       {"1,0.1,x\n", "x,0.1,2\n", "1,0.1\n", "1,0.1,2,3\n", "1,,2\n", "1,0.1,2 3\n"})
+    EXPECT_EQ(told(std::string("step,time,energy\n") + line, 3),
               fmt::format("'{}': line 2 is not whole: move the file away to resume", path))
         << line;
-  }
 }
 
 TEST(Results, toml_keeps_every_digit) {

@@ -243,6 +243,40 @@ fi
 diff <(results_of alone) <(results_of stopped) || fail "a stopped run ends otherwise"
 diff <(series_of alone) <(series_of stopped) || fail "a stopped run has another series"
 
+# A body whose motion is no number ends the run, and the last good state goes on with shorter steps. The second
+# falls by g h^2 n (n + 1) / 2 until the middle of step n: after 1,200 steps it is 1e-45 m from the first, and no
+# double holds the force.
+cat >lost.toml <<'END'
+[materials.rock]
+density = 1000
+[pair_potential]
+law = "lennard_jones"
+depth = 1e-3
+distance = 0.0625
+cutoff = 0.125
+[gravity]
+uniform = [0, 0, -128]
+[[groups]]
+name = "held"
+material = "rock"
+fixed = true
+volume = {shape = "sphere", radius = 0.01}
+[[groups]]
+name = "falling"
+material = "rock"
+volume = {shape = "sphere", radius = 0.01, center = [0, 1e-45, 87.9638671875]}
+[[phases]]
+name = "fall"
+method = "potential"
+step = 0.0009765625
+duration = 2
+END
+on_ranks "$ranks" run lost.toml --out lost && fail "a body without a finite motion is not noticed"
+[ "$(wc -l <stderr)" = 1 ] || fail "a lost body: more than a line: $(cat stderr)"
+grep -q "^spall: lost.toml:19:1: phases.fall: body 0 has no finite place, velocity or spin any more after step 1200 of phase fall: the step may be too long; 'lost/restart.h5' is the state of step 1000, before" stderr ||
+  fail "a lost body: $(cat stderr)"
+on_ranks "$ranks" resume lost/restart.h5 --set phases.fall.step=4e-5 || fail "does not go on from before a body was lost: $(cat stderr)"
+
 # A folder belongs to one run.
 refuses() {  # what the one line on standard error says; arguments of the program
   local what=$1

@@ -268,6 +268,24 @@ TEST(Simulation, what_no_step_can_go_on_with_is_refused) {
             "the program's own force on body 2 is not finite");
 }
 
+TEST(Simulation, a_body_without_a_finite_motion_is_named_with_the_step) {
+  // The second falls by g h^2 n (n + 1) / 2 until the middle of step n: by 3.75 m after 15. There
+  // its distance to the first is 1e-45 m, whose force no double holds.
+  Scene scene = Scene::from_text(
+      rock + "[pair_potential]\nlaw = \"lennard_jones\"\ndepth = 1e-3\ndistance = 0.0625\n" +
+      "cutoff = 0.125\n[gravity]\nuniform = [0, 0, -32768]\n" +
+      phase("method = \"potential\"\nstep = 0.0009765625\nduration = 1\n"));
+  scene.add({.material = "rock", .radius = 0.01, .fixed = true});
+  scene.add({.material = "rock", .radius = 0.01, .position = {0, 1e-45, 3.75}});
+  Simulation simulation(testing_world(), scene);
+  EXPECT_EQ(
+      complaint_of([&] {
+        for (int k = 0; k < 20; ++k) simulation.step();
+      }),
+      "scene:14:1: phases.only: body 0 has no finite place, velocity or spin any more after step "
+      "15 of phase only: the step may be too long, or a force of the program no number");
+}
+
 TEST(Simulation, phases_follow_each_other_and_end) {
   Simulation simulation(
       testing_world(),

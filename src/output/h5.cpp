@@ -132,6 +132,10 @@ void fail(const char* call, const std::string& name) {
   throw Error(fmt::format("{} of '{}' failed: {}", call, name, reason));
 }
 
+void Handle::finish(const char* call, const std::string& name) {
+  check(close_(release()), call, name);
+}
+
 void Handle::reset() {
   const hid_t id = std::exchange(id_, -1);
   const bool others_may_be_gone = std::uncaught_exceptions() > 0 && File::Shared::open > 0;
@@ -193,7 +197,8 @@ void File::close() {
 
 void File::group(const std::string& name) {
   make(H5Gcreate2(file_, name.c_str(), with_parents(place(name)), H5P_DEFAULT, H5P_DEFAULT),
-       H5Gclose, "H5Gcreate2", place(name));
+       H5Gclose, "H5Gcreate2", place(name))
+      .finish("H5Gclose", place(name));
 }
 
 void File::add_attribute(const std::string& name, const char* key, hid_t type,
@@ -205,6 +210,8 @@ void File::add_attribute(const std::string& name, const char* key, hid_t type,
   Handle attribute = make(H5Acreate2(object, key, type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose,
                           "H5Acreate2", place(name));
   check(H5Awrite(attribute, type, value), "H5Awrite", place(name));
+  attribute.finish("H5Aclose", place(name));
+  object.finish("H5Oclose", place(name));
 }
 
 void File::attribute(const std::string& name, const char* key, const std::string& text) {
@@ -251,6 +258,7 @@ void File::write_text(const std::string& name, const std::string& text) {
   if (leader_)
     check(H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text.c_str()), "H5Dwrite",
           place(name));
+  set.finish("H5Dclose", place(name));
 }
 
 std::string File::read_text(const std::string& name) const {
@@ -285,11 +293,13 @@ void File::write_rows(const std::string& name, hid_t plain, hsize_t width, const
                       const Rows& rows, bool as_frame, const Names& names) {
   const Handle type = type_of(plain, names, place(name));
   Handle set = create_dataset(name, type, width, rows.total, as_frame);
-  if (rows.total == 0) return;
-  Handle space = make(H5Dget_space(set), H5Sclose, "H5Dget_space", place(name));
-  Handle memory = memory_space(rows, width, place(name));
-  select(memory, space, rows, as_frame, width, place(name));
-  check(H5Dwrite(set, type, memory, space, transfer_, values), "H5Dwrite", place(name));
+  if (rows.total > 0) {
+    Handle space = make(H5Dget_space(set), H5Sclose, "H5Dget_space", place(name));
+    Handle memory = memory_space(rows, width, place(name));
+    select(memory, space, rows, as_frame, width, place(name));
+    check(H5Dwrite(set, type, memory, space, transfer_, values), "H5Dwrite", place(name));
+  }
+  set.finish("H5Dclose", place(name));
 }
 
 void File::write_same(const std::string& name, hid_t type, hsize_t width, const void* values,
@@ -297,6 +307,7 @@ void File::write_same(const std::string& name, hid_t type, hsize_t width, const 
   Handle set = create_dataset(name, type, width, count, false);
   if (leader_ && count > 0)
     check(H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values), "H5Dwrite", place(name));
+  set.finish("H5Dclose", place(name));
 }
 
 void File::write_view_raw(const std::string& name, hid_t plain, hsize_t width,
@@ -331,7 +342,8 @@ void File::write_view_raw(const std::string& name, hid_t plain, hsize_t width,
           "H5Pset_virtual", place(name));
   }
   make(H5Dcreate2(file_, name.c_str(), type, space, with_parents(place(name)), list, H5P_DEFAULT),
-       H5Dclose, "H5Dcreate2", place(name));
+       H5Dclose, "H5Dcreate2", place(name))
+      .finish("H5Dclose", place(name));
 }
 
 bool File::exists(const std::string& name) const {

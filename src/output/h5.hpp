@@ -27,6 +27,7 @@ Code check(Code code, const char* call, const std::string& name) {
 
 /// An HDF5 identifier that closes itself. Not where an error is on its way through a file of
 /// several ranks: to close talks to ranks that may not be there, and the error would never be said.
+/// What was written is closed by `finish`: small values reach the disk only then.
 class Handle {
  public:
   using Close = herr_t (*)(hid_t);
@@ -42,6 +43,7 @@ class Handle {
   }
   operator hid_t() const { return id_; }
   hid_t release() { return std::exchange(id_, -1); }
+  void finish(const char* call, const std::string& name);  ///< closes, or throws Error
 
  private:
   void reset();

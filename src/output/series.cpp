@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "base/first_rank.hpp"
+#include "base/hash.hpp"
 #include "output/files.hpp"
 #include "output/h5.hpp"
 #include "spall/error.hpp"
@@ -40,7 +41,7 @@ std::optional<Row> parse_row(const std::string& line, std::size_t columns) {
 }  // namespace
 
 Series::Series(const Comm& comm, const std::string& folder, std::vector<Column> columns,
-               std::int64_t resume_step, std::int64_t rows)
+               std::int64_t resume_step, const SeriesRows& written)
     : path_(folder + "/series.csv"), columns_(std::move(columns)), writes_(comm.rank == 0) {
   make_folder(comm, folder);
   std::string heading = "step,time";
@@ -57,26 +58,40 @@ Series::Series(const Comm& comm, const std::string& folder, std::vector<Column> 
                 k + 1);
         if (row->step > resume_step) continue;
         text += lines[k] + "\n";
-        ++rows_;
+        count(lines[k]);
       }
-      require(rows_ == rows,
+      require(rows_.count == written.count,
               "'{}' has {} rows up to step {}, but {} were written: move the file away to resume",
-              path_, rows_, resume_step, rows);
+              path_, rows_.count, resume_step, written.count);
+      require(rows_.checksum == written.checksum,
+              "'{}': its rows up to step {} are not those that were written: move the file away to "
+              "resume",
+              path_, resume_step);
     }
     write_whole(path_, text);
     file_.open(path_, std::ios::app);
     require(file_.good(), "cannot write '{}': {}", path_, std::strerror(errno));
   });
-  rows_ = comm.sum(rows_);  // rank 0's
+  rows_.count = comm.sum(rows_.count);  // rank 0's
+}
+
+void Series::count(const std::string& line) {
+  ++rows_.count;
+  auto sum = static_cast<std::uint64_t>(rows_.checksum);
+  for (const char c : line) sum = mix(sum << 8 | static_cast<unsigned char>(c)) >> 12;
+  rows_.checksum = static_cast<std::int64_t>(sum);
 }
 
 void Series::append(std::int64_t step, double time, std::span<const double> values) {
   require(values.size() == columns_.size(), "a row of {} values for {} columns", values.size(),
           columns_.size());
-  ++rows_;
-  if (!writes_) return;
+  if (!writes_) {
+    ++rows_.count;
+    return;
+  }
   std::string line = fmt::format("{},{}", step, time);
   for (double value : values) line += fmt::format(",{}", value);
+  count(line);
   errno = 0;
   file_ << line << '\n' << std::flush;
   const int reason = errno;

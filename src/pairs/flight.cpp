@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-#include "spall/error.hpp"
+#include "pairs/lost_motion.hpp"
 
 namespace spall {
 
@@ -54,7 +54,7 @@ double approach_since_search(const World& world, const NearPairs& near) {
 
 void book_motion(const Comm& comm, const Box& velocities, double h, NearPairs& near) {
   near.moved += h * velocities.united(comm).diagonal();
-  require(std::isfinite(near.moved), "velocities are no longer finite: the step is too long");
+  if (!std::isfinite(near.moved)) throw LostMotion("velocities are no longer finite");
 }
 
 Crowd crowd_of(const Comm& comm, const Bodies& bodies, double largest) {

@@ -20,6 +20,7 @@
 #include "output/series.hpp"
 #include "output/snapshot.hpp"
 #include "output/stored_bodies.hpp"
+#include "pairs/lost_motion.hpp"
 #include "run/changes.hpp"
 #include "run/communication.hpp"
 #include "run/debris_log.hpp"
@@ -86,7 +87,8 @@ class Run {
   template <class Self, class F>
   static void for_each_scalar(Self& self, F&& f) {
     f("run.seconds", self.seconds_before_);
-    f("run.rows", self.rows_);
+    f("run.rows", self.rows_.count);
+    f("run.rows_checksum", self.rows_.checksum);
     f("run.snapshots", self.snapshots_written_);
   }
 
@@ -193,8 +195,7 @@ class Run {
         received = reactions_.received(world());
       }
       const Clock start = clock();
-      const StepReport report = simulation_->advance(
-          most_steps(scene_, clock(), simulation_->steps_left(), world()), row);
+      const StepReport report = advance(row);
       record_.book(report);
       shown_.residual = report.solver.residual;
       if (row) write_row(start, sums, report, received);
@@ -216,6 +217,15 @@ class Run {
       if (comm_.any(MPI_Wtime() - last_restart_ > scene_.output.restart_every)) write_newest();
     }
     return true;
+  }
+
+  StepReport advance(bool row) {
+    try {
+      return simulation_->advance(most_steps(scene_, clock(), simulation_->steps_left(), world()),
+                                  row);
+    } catch (const LostMotion&) {
+      end_as_lost();
+    }
   }
 
   bool passed_multiple(double every) const {
@@ -410,7 +420,8 @@ class Run {
   Verdict verdict_;
   RestartState kept_;
   std::int64_t restart_holds_ = -1;  // the step of the state that this run wrote into it last
-  std::int64_t rows_ = 0, snapshots_written_ = 0;  // that the folder has of this run
+  SeriesRows rows_;                  // that the folder has of this run
+  std::int64_t snapshots_written_ = 0;
   double seconds_before_ = 0, seconds_at_start_, last_restart_;
 };
 

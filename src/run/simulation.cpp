@@ -11,6 +11,7 @@
 #include "engine/type.hpp"
 #include "gravity/kick.hpp"
 #include "output/stored_bodies.hpp"
+#include "pairs/lost_motion.hpp"
 #include "run/later_steps.hpp"
 #include "run/record.hpp"
 #include "scene/scene.hpp"
@@ -235,19 +236,27 @@ StepSummary Simulation::step(int most) {
       "an error broke off a step before: bodies and time no longer belong together; begin anew");
   state_->broken = true;
   if (clock().step_in_phase == 0) begin_phase();
-  const StepReport report =
-      advance(static_cast<int>(std::min<std::int64_t>(most, steps_left())), false);
+  const auto check_finite = [&] {
+    const double lost = first_lost_id(world().comm, world().bodies);
+    require(!std::isfinite(lost),
+            "{}: body {} has no finite place, velocity or spin any more after step {} of phase {}: "
+            "the step may be too long, or a force of the program no number",
+            phase().place, lost, clock().step, phase().name);
+  };
+  const StepReport report = [&] {
+    try {
+      return advance(static_cast<int>(std::min<std::int64_t>(most, steps_left())), false);
+    } catch (const LostMotion&) {
+      check_finite();
+      throw;
+    }
+  }();
   StepSummary summary{.steps = report.steps,
                       .contacts = world().comm.sum(report.contacts),
                       .residual = report.solver.residual,
                       .converged = report.solver.converged,
                       .overlap = world().comm.max(report.overlap)};
-  const double lost = first_lost_id(world().comm, world().bodies);
-  require(
-      !std::isfinite(lost),
-      "{}: body {} has no finite place, velocity or spin any more after step {} of phase {}: the "
-      "step may be too long, or a force of the program no number",
-      phase().place, lost, clock().step, phase().name);
+  check_finite();
   if (steps_left() <= 0 ||
       (phase().until == PhaseEnd::settled && synchronous() && settled(diagnose(world()))))
     end_phase();

@@ -1,24 +1,30 @@
-// A disk that fails: loaded before libc, it lets one call after another of a rank fail.
+// A disk that fails: loaded before libc, it lets one call after another of a rank fail, or ends the rank there.
 // SPDX-License-Identifier: BSD-3-Clause
 //
 // FAULT        write, fsync, rename or open, of files below FAULT_FOLDER
 // FAULT_AT     the call that fails first, from 1; of `write` the byte
 // FAULT_RANK   the rank whose calls fail; none: every rank's
 // FAULT_ERRNO  what they fail with
+// FAULT_ONCE   if given: that call alone fails, later ones do not
+// FAULT_DOES   what else befalls the rank there: kill (SIGKILL), crash (a segmentation fault), memory (no more of it),
+//              hang (the call never returns, whatever signals come), stop (SIGSTOP)
 // FAULT_MARK   a file that is made when the first call fails
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <signal.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/uio.h>
 #include <unistd.h>
 
 static long long done = 0;
+static int has_failed = 0;
 
 static int is_watched(const char* path) {
   const char* folder = getenv("FAULT_FOLDER");
@@ -34,6 +40,16 @@ static int is_watched_descriptor(int descriptor) {
   return is_watched(path);
 }
 
+// Instead of a call that fails; returns where the rank lives on.
+static void befall(const char* what) {
+  if (strcmp(what, "kill") == 0) raise(SIGKILL);
+  if (strcmp(what, "crash") == 0) *(volatile int*)0 = 0;
+  if (strcmp(what, "stop") == 0) raise(SIGSTOP);
+  while (strcmp(what, "hang") == 0) pause();
+  const struct rlimit none = {0, 0};
+  if (strcmp(what, "memory") == 0) setrlimit(RLIMIT_AS, &none);
+}
+
 // Counts `amount`; whether this call fails.
 static int fails(const char* call, long long amount) {
   const char *fault = getenv("FAULT"), *rank = getenv("FAULT_RANK");
@@ -42,8 +58,14 @@ static int fails(const char* call, long long amount) {
   if (rank && own && strcmp(rank, own) != 0) return 0;
   done += amount;
   if (done < atoll(getenv("FAULT_AT"))) return 0;
+  if (has_failed && (getenv("FAULT_ONCE") || getenv("FAULT_DOES"))) return 0;
+  has_failed = 1;
   const char* mark = getenv("FAULT_MARK");
   if (mark && access(mark, F_OK) != 0) mknod(mark, S_IFREG | 0644, 0);
+  if (getenv("FAULT_DOES")) {
+    befall(getenv("FAULT_DOES"));
+    return 0;
+  }
   errno = atoi(getenv("FAULT_ERRNO"));
   return 1;
 }

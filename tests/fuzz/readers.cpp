@@ -86,7 +86,7 @@ void seals(const std::string& bytes) {
 
 void series(const std::string& text) {
   file_of("series.csv", text);
-  Series(self(), folder, {{"energy", "J"}, {"contacts", ""}}, 2, 2).write_hdf5();
+  Series(self(), folder, {{"energy", "J"}, {"contacts", ""}}, 2, {.count = 2}).write_hdf5();
 }
 
 const std::map<std::string, void (*)(const std::string&)> readers = {
