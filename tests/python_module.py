@@ -101,6 +101,12 @@ class Module(unittest.TestCase):
         self.assertAlmostEqual(sim.energies()["kinetic"] / kinetic, 1, places=12)
         with self.assertRaisesRegex(AttributeError, "bodies have no mas; they have id,"):
             sim.bodies.mas
+        kept = []
+        sim.change_bodies(kept.append)
+        if len(kept[0]) > 0:
+            with self.assertRaises(ValueError):  # when the call is over, they are as others
+                kept[0].velocity[0] = 1
+            self.assertTrue(np.shares_memory(kept[0].velocity, sim.bodies.velocity))
 
     def test_memory_of_a_view_lives_as_long_as_the_view(self):
         sim = apart(1e-2)

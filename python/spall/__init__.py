@@ -84,7 +84,7 @@ class Bodies:
     """This rank's bodies: each field of `spall keys` as a NumPy array, its rows the owned bodies.
 
     The arrays are the simulation's own memory. They hold until its next step, when bodies may move to other rows and
-    ranks: ask for them again then, or copy them. Ids stay.
+    ranks: ask for them again then, or copy them. Ids stay. What is asked for is the present state, whenever this was got.
     """
 
     def __init__(self, fields):
@@ -94,22 +94,23 @@ class Bodies:
         raise AttributeError(f"bodies.{name} = ... would change no body: in change_bodies write bodies.{name}[:] = ...")
 
     def __getattr__(self, name):
-        try:
-            return self._fields[name]
-        except KeyError:
-            raise AttributeError(f"bodies have no {name}; they have {', '.join(self._fields)}") from None
+        values = self._fields.get(name)
+        if values is None:
+            raise AttributeError(f"bodies have no {name}; they have {', '.join(self._fields.names())}")
+        return values
 
     def __dir__(self):
-        return list(self._fields)
+        return self._fields.names()
 
     def __len__(self):
-        return len(self._fields["id"])
+        return len(self._fields)
 
     def frame(self):
         """A pandas frame of copies, by id."""
         import pandas
         columns = {}
-        for name, values in self._fields.items():
+        for name in self._fields.names():
+            values = self._fields.get(name)
             if values.ndim == 2:
                 columns.update({f"{name}_{axis}": values[:, k].copy() for k, axis in enumerate("xyz")})
             else:
