@@ -124,7 +124,7 @@ class Simulation:
     def __init__(self, case=None, set=None, **tables):
         self._scene = case if isinstance(case, Scene) else Scene(case, set, **tables)
         self._made = None
-        self._forces = []
+        self._bodies = None
 
     def add(self, *args, **sphere):
         """As Scene.add; before the first question or step."""
@@ -161,7 +161,9 @@ class Simulation:
 
     @property
     def bodies(self):
-        return Bodies(self._simulation.bodies())
+        if self._bodies is None:
+            self._bodies = Bodies(self._simulation.bodies())
+        return self._bodies
 
     def step(self, most=1):
         """One step, or up to `most` where forces are smooth; a dict of how many, contacts, residual, overlap."""
