@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Tests that take longer than those of jobs/test.sh: more faults, on more ranks, fuzzing, valgrind, and the Debian packages. Hours on two cores.
+# Tests that take longer than those of jobs/test.sh: more faults, on more ranks, fuzzing, valgrind, the Debian packages, pip. Hours on two cores.
 # As root also full disks: filling one takes a mount.
 # usage: long_tests.sh [COUNT [RANKS…]]    so many kills over three numbers of ranks; seventeen times as many errors, half as
 #                                          many disks, ten times as many seconds a fuzzer; default: 60 on 1 2 4
@@ -25,4 +25,5 @@ done
 /usr/bin/python3 tests/fuzz/fuzz.py "$build" $((count * 10)) || failures=$((failures + 1))
 tests/valgrind.sh "$build" || failures=$((failures + 1))
 packaging/try_debian.sh || failures=$((failures + 1))
+jobs/try_pip.sh || failures=$((failures + 1))
 exit $((failures > 0))
