@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.colors import LinearSegmentedColormap, LogNorm
 from matplotlib.ticker import NullFormatter
 
-from report_run import readable_time
+from report_run import readable_length, readable_time
 from report_spheres import Camera, render
 
 SKY = np.array([0.035, 0.043, 0.066])
@@ -40,7 +40,7 @@ def scale_bar(axes, camera):
     bar = nice_length(camera.width / 5)
     x, y = -camera.width / 2 * 0.93, -camera.height / 2 * 0.92
     axes.plot([x, x + bar], [y, y], color="white", lw=2, solid_capstyle="butt")
-    axes.text(x + bar / 2, y + camera.height * 0.015, f"{bar:g} m", color="white", ha="center",
+    axes.text(x + bar / 2, y + camera.height * 0.015, readable_length(bar), color="white", ha="center",
               va="bottom", fontsize=9)
 
 
@@ -217,7 +217,7 @@ def read_outs(table, lines):
                       fontsize=9, color=BLUE)
     for value, name in lines:
         axes.axhline(value * 1e3, color=GREY, ls="--", lw=1)
-        axes.text(0.995, value * 1e3, name, color="#5b6472", fontsize=8, ha="right", va="bottom",
+        axes.text(0.005, value * 1e3, name, color="#5b6472", fontsize=8, ha="left", va="bottom",  # values stand right
                   transform=axes.get_yaxis_transform())
     top = max([*dv, *(value for value, _ in lines)]) * 1e3
     axes.set(xlabel="time since the impact (s)", ylabel="dv of the largest clump (mm/s)",
