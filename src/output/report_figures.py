@@ -61,7 +61,8 @@ def pile_size(frame):
 
 def before_and_after(run):
     """The bodies before the impact and at the end, seen from where the impactor came."""
-    middle, size = pile_size(run.before)
+    _, size = pile_size(run.before)
+    size = min(max(size, pile_size(run.after)[1]), 2 * size)  # what spreads further would leave too little to see
     side, up = run.side_view()
     toward = 0.85 * side - 0.62 * run.flight + 0.42 * up
     figure, axes = plt.subplots(1, 2, figsize=(12, 6.2), facecolor=tuple(SKY))
@@ -114,8 +115,8 @@ def velocities(run):
     near = near[np.argsort(-speed[near])][:400]
     x, y, _ = camera.project(frame.position[near])
     length = 0.16 * size * np.sqrt(speed[near] / norm.vmax)
-    u = frame.velocity[near] @ camera.right / speed[near] * length
-    v = frame.velocity[near] @ camera.up / speed[near] * length
+    direction = frame.velocity[near] / np.maximum(speed[near], np.finfo(float).tiny)[:, None]  # none of what rests
+    u, v = direction @ camera.right * length, direction @ camera.up * length
     panel.quiver(x, y, u, v, angles="xy", scale_units="xy", scale=1, width=0.0026,
                  color="#7fd4ff", clip_on=True)
     if run.has_impact:
