@@ -76,18 +76,63 @@ py::array view(const T* data, py::ssize_t rows, py::handle owner, bool writable)
     array = py::array_t<double>({rows, columns<T>}, reinterpret_cast<const double*>(data), owner);
   else
     array = py::array_t<T>({rows}, data, owner);
-  if (!writable) array.attr("setflags")(py::arg("write") = false);
+  // As array.setflags(write=False) does, which takes longer than all the rest of this.
+  if (!writable)
+    py::detail::array_proxy(array.ptr())->flags &= ~py::detail::npy_api::NPY_ARRAY_WRITEABLE_;
   return array;
 }
 
-/// Name -> view of the owned rows, of every field that the bodies have.
-py::dict views(const Bodies& bodies, py::handle owner, bool writable) {
-  py::dict fields;
-  for_each_field(bodies, [&](const auto& info, const auto& field) {
-    const bool changeable = writable && info.field != Field::id;
-    fields[info.name] = view(field.data(), bodies.owned, owner, changeable);
-  });
-  return fields;
+/// Bodies as Python sees them. A view of a field is made when it is asked for: to make all of them
+/// after each step would be a share of a short one.
+class Fields {
+ public:
+  /// Of the simulation at any time, read-only.
+  explicit Fields(py::object simulation) : simulation_(std::move(simulation)) {}
+  /// Of `bodies` until `end_call`, and then of the simulation.
+  Fields(py::object simulation, const Bodies& bodies, bool writable)
+      : simulation_(std::move(simulation)), during_call_(&bodies), writable_(writable) {}
+  void end_call() {
+    during_call_ = nullptr;
+    writable_ = false;
+  }
+
+  /// A view of the owned rows; none where bodies have no such field.
+  py::object get(const std::string& name) const {
+    py::object found = py::none();
+    const Bodies& of = bodies();
+    for_each_field(of, [&](const auto& info, const auto& field) {
+      const bool changeable = writable_ && info.field != Field::id;
+      if (info.name == name) found = view(field.data(), of.owned, simulation_, changeable);
+    });
+    return found;
+  }
+  std::vector<std::string> names() const {
+    std::vector<std::string> all;
+    for_each_field(bodies(), [&](const auto& info, const auto&) { all.emplace_back(info.name); });
+    return all;
+  }
+  Index rows() const { return bodies().owned; }
+
+ private:
+  const Bodies& bodies() const {
+    return during_call_ ? *during_call_ : simulation_.cast<Running&>().get().bodies();
+  }
+
+  py::object simulation_;  // keeps the memory
+  const Bodies* during_call_ = nullptr;
+  bool writable_ = false;
+};
+
+/// Calls `f(fields)` with those of `bodies`, which may be gone when it returns.
+template <class F>
+void call_with_fields(const py::handle& simulation, const Bodies& bodies, bool writable, F&& f) {
+  const auto owner = py::reinterpret_borrow<py::object>(simulation);
+  const py::object fields = py::cast(Fields(owner, bodies, writable));
+  struct Call {
+    Fields& fields;
+    ~Call() { fields.end_call(); }
+  } call{fields.cast<Fields&>()};
+  f(fields);
 }
 
 py::dict energies_of(const Energies& e) {
@@ -155,6 +200,10 @@ PYBIND11_MODULE(_spall, module) {
                        {folder, overwrite ? Former::overwrite : Former::refuse, overrides, false});
   });
 
+  py::class_<Fields>(module, "Fields")
+      .def("get", &Fields::get)
+      .def("names", &Fields::names)
+      .def("__len__", &Fields::rows);
   py::class_<Running>(module, "Simulation")
       .def(py::init<const Scene&>())
       .def_property_readonly("time", [](Running& r) { return r.get().time(); })
@@ -166,19 +215,20 @@ PYBIND11_MODULE(_spall, module) {
                            const std::function<void()>& each) { r.get().run_until(time, each); })
       .def("energies", [](Running& r) { return energies_of(r.get().energies()); })
       .def("pairs", [](Running& r) { return pairs_of(r.get()); })
-      .def("bodies",
-           [](py::object self) { return views(self.cast<Running&>().get().bodies(), self, false); })
+      .def("bodies", [](py::object self) { return Fields(std::move(self)); })
       .def("change_bodies",
            [](py::object self, const py::function& change) {
              self.cast<Running&>().get().change_bodies(
-                 [&](Bodies& bodies) { change(views(bodies, self, true)); });
+                 [&](Bodies& bodies) { call_with_fields(self, bodies, true, change); });
            })
       .def("add_force", [](py::object self, py::function force) {
         // `self` lives longer than its simulation; a reference to it would keep both for ever.
         const py::handle owner = self;
         self.cast<Running&>().get().add_force(
             [force, owner](const Bodies& bodies, std::span<Vec3> forces) {
-              force(views(bodies, owner, false), view(forces.data(), bodies.owned, owner, true));
+              call_with_fields(owner, bodies, false, [&](const py::object& fields) {
+                force(fields, view(forces.data(), bodies.owned, owner, true));
+              });
             });
       });
 }

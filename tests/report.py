@@ -26,7 +26,7 @@ sys.path[:0] = [str(SOURCE / "src" / "output")]
 import report_bodies  # noqa: E402
 import report_page  # noqa: E402
 import report_verdict  # noqa: E402
-from report_run import Run  # noqa: E402
+from report_run import Run, readable_length  # noqa: E402
 
 WORK = Path("report_of_runs")
 
@@ -231,6 +231,13 @@ class Verdicts(unittest.TestCase):
                    "still changed from 0.8 to 0.62 of its thickness between 1 µs and 2 µs")
         self.check(wall("perforated", opening_at_edge=True), "note", "reaches its edge")
         self.check(wall("held", spacing=2e-3), "note", "2.4 spacings")
+        self.check(wall("held", wall="wall"), "good", "The wall has held")
+        three = wall("held", thickness=1.2e-3, spacing=0.4e-3)  # which in binary is not below three by round-off
+        self.assertEqual([one for one in three if "spacings" in str(one)], [])
+
+    def test_lengths_have_the_units_that_a_reader_would_take(self):
+        lengths = (2e-7, 5e-3, 0.001, 0.5, 1, 200, 1e3)
+        self.assertEqual([readable_length(one) for one in lengths], ["0.2 µm", "5 mm", "1 mm", "500 mm", "1 m", "200 m", "1 km"])
 
     def test_overlaps_of_rigid_bodies_tell_of_long_steps(self):
         self.check(self.of({}, overlap=0.02), "note", "overlapped by up to 2 %")

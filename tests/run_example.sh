@@ -8,6 +8,7 @@ work=example_${example%.*}
 rm -rf "$work"
 mkdir "$work" && cd "$work"
 ln -s "$source/cases" "$source/docs" .
+mkdir build && ln -s "$build" build/release # as the README calls it
 export PATH="$build:$PATH" PYTHONPATH="$build/python" MPLBACKEND=Agg
 case $example in
   *.py) /usr/bin/python3 "docs/examples/$example" ;;

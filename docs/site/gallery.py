@@ -23,7 +23,7 @@ WIDEST, COLOURS = 900, 64
 
 
 def first_picture(report):
-    found = re.search(r"data:image/png;base64,([^'\"]+)", report.read_text())
+    found = re.search(r"data:image/\w+;base64,([^'\"]+)", report.read_text())
     return Image.open(io.BytesIO(base64.b64decode(found[1]))).convert("RGB")
 
 

@@ -91,8 +91,8 @@ class Scene:
 class Bodies:
     """This rank's bodies: each field of `spall keys` as a NumPy array, its rows the owned bodies.
 
-    The arrays are the simulation's own memory. They hold until its next step, when bodies may move
-    to other rows and ranks: ask for them again then, or copy them. Ids stay.
+    The arrays are the simulation's own memory. They hold until its next step, when bodies may move to other rows and
+    ranks: ask for them again then, or copy them. Ids stay. What is asked for is the present state, whenever this was got.
     """
 
     def __init__(self, fields):
@@ -104,23 +104,23 @@ class Bodies:
             f"...")
 
     def __getattr__(self, name):
-        try:
-            return self._fields[name]
-        except KeyError:
-            raise AttributeError(
-                f"bodies have no {name}; they have {', '.join(self._fields)}") from None
+        values = self._fields.get(name)
+        if values is None:
+            raise AttributeError(f"bodies have no {name}; they have {', '.join(self._fields.names())}")
+        return values
 
     def __dir__(self):
-        return list(self._fields)
+        return self._fields.names()
 
     def __len__(self):
-        return len(self._fields["id"])
+        return len(self._fields)
 
     def frame(self):
         """A pandas frame of copies, by id."""
         import pandas
         columns = {}
-        for name, values in self._fields.items():
+        for name in self._fields.names():
+            values = self._fields.get(name)
             if values.ndim == 2:
                 columns.update(
                     {f"{name}_{axis}": values[:, k].copy() for k, axis in enumerate("xyz")})
@@ -135,7 +135,7 @@ class Simulation:
     def __init__(self, case=None, set=None, **tables):
         self._scene = case if isinstance(case, Scene) else Scene(case, set, **tables)
         self._made = None
-        self._forces = []
+        self._bodies = None
 
     def add(self, *args, **sphere):
         """As Scene.add; before the first question or step."""
@@ -172,7 +172,9 @@ class Simulation:
 
     @property
     def bodies(self):
-        return Bodies(self._simulation.bodies())
+        if self._bodies is None:
+            self._bodies = Bodies(self._simulation.bodies())
+        return self._bodies
 
     def step(self, most=1):
         """One step, or up to `most` where forces are smooth; a dict of how many, contacts,

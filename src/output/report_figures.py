@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.colors import LinearSegmentedColormap, LogNorm
 from matplotlib.ticker import NullFormatter
 
+from report_run import readable_length, readable_time
 from report_spheres import Camera, render
 
 SKY = np.array([0.035, 0.043, 0.066])
@@ -40,7 +41,7 @@ def scale_bar(axes, camera):
     bar = nice_length(camera.width / 5)
     x, y = -camera.width / 2 * 0.93, -camera.height / 2 * 0.92
     axes.plot([x, x + bar], [y, y], color="white", lw=2, solid_capstyle="butt")
-    axes.text(x + bar / 2, y + camera.height * 0.015, f"{bar:g} m", color="white", ha="center",
+    axes.text(x + bar / 2, y + camera.height * 0.015, readable_length(bar), color="white", ha="center",
               va="bottom", fontsize=9)
 
 
@@ -61,7 +62,8 @@ def pile_size(frame):
 
 def before_and_after(run):
     """The bodies before the impact and at the end, seen from where the impactor came."""
-    middle, size = pile_size(run.before)
+    _, size = pile_size(run.before)
+    size = min(max(size, pile_size(run.after)[1]), 2 * size)  # what spreads further would leave too little to see
     side, up = run.side_view()
     toward = 0.85 * side - 0.62 * run.flight + 0.42 * up
     figure, axes = plt.subplots(1, 2, figsize=(12, 6.2), facecolor=tuple(SKY))
@@ -117,8 +119,8 @@ def velocities(run):
     near = near[np.argsort(-speed[near])][:400]
     x, y, _ = camera.project(frame.position[near])
     length = 0.16 * size * np.sqrt(speed[near] / norm.vmax)
-    u = frame.velocity[near] @ camera.right / speed[near] * length
-    v = frame.velocity[near] @ camera.up / speed[near] * length
+    direction = frame.velocity[near] / np.maximum(speed[near], np.finfo(float).tiny)[:, None]  # none of what rests
+    u, v = direction @ camera.right * length, direction @ camera.up * length
     panel.quiver(x, y, u, v, angles="xy", scale_units="xy", scale=1, width=0.0026,
                  color="#7fd4ff", clip_on=True)
     if run.has_impact:
@@ -222,7 +224,7 @@ def read_outs(table, lines):
                       fontsize=9, color=BLUE)
     for value, name in lines:
         axes.axhline(value * 1e3, color=GREY, ls="--", lw=1)
-        axes.text(0.995, value * 1e3, name, color="#5b6472", fontsize=8, ha="right", va="bottom",
+        axes.text(0.005, value * 1e3, name, color="#5b6472", fontsize=8, ha="left", va="bottom",  # values stand right
                   transform=axes.get_yaxis_transform())
     top = max([*dv, *(value for value, _ in lines)]) * 1e3
     axes.set(xlabel="time since the impact (s)", ylabel="dv of the largest clump (mm/s)",

@@ -25,6 +25,13 @@ def readable_time(seconds):
     return f"{seconds / 3600:.3g} h"
 
 
+def readable_length(meters):
+    for limit, unit, name in ((1e-3, 1e-6, "µm"), (1, 1e-3, "mm"), (1e3, 1, "m")):
+        if meters < limit * (1 - 1e-9):  # round-off: 1 mm is one
+            return f"{meters / unit:.3g} {name}"
+    return f"{meters / 1e3:.3g} km"
+
+
 class Frame:
     """The bodies that are there at one time."""
 

@@ -12,6 +12,7 @@ SAME_BETA = 0.02  # beta within this of 1 + e is taken for it
 STILL_RISING = 0.02  # of dv between the last two read-outs
 YET_TO_COME = 0.01  # of the energy that flies at a wall, beyond which its verdict is not final
 STILL_FAILING = 0.05  # of the margin between the last two snapshots
+ROUND_OFF = 1e-9  # of three spacings
 FEW_LAYERS = 3  # of bodies in a wall, fewer than which tell little of it
 LARGE_OVERLAP = 0.01  # of the smaller radius: rigid bodies should have none
 
@@ -41,36 +42,31 @@ def ended(run):
 def shields(results):
     """What became of each wall that the case asks a verdict of."""
     for wall in (table for section, table in results.items() if section.startswith("shield_")):
-        name, thickness, found = wall["wall"], 1e3 * wall["thickness"], wall["verdict"]
+        # A group that is called "wall", as most are, is not named twice.
+        name = wall["wall"] if "wall" in wall["wall"] else f"wall {wall['wall']}"
+        thickness, found = 1e3 * wall["thickness"], wall["verdict"]
         if found == "held":
-            yield GOOD, (f"The wall {name} has held: where it is thinnest, "
-                         f"{percent(wall['margin'])} of its {thickness:.3g} mm "
+            yield GOOD, (f"The {name} has held: where it is thinnest, {percent(wall['margin'])} of its {thickness:.3g} mm "
                          "are left.")
         elif found == "perforated":
             holes = "an opening" if wall["openings"] == 1 else f"{wall['openings']} openings"
-            yield NOTE, (f"The wall {name} is perforated: it has {holes} of up to "
-                         f"{1e3 * wall['hole']:.3g} mm.")
+            yield NOTE, f"The {name} is perforated: it has {holes} of up to {1e3 * wall['hole']:.3g} mm."
         else:
-            yield NOTE, (f"Spall has detached from the wall {name}: {1e3 * wall['spall_mass']:.2g} "
-                         f"g in {wall['spall_pieces']} pieces "
+            yield NOTE, (f"Spall has detached from the {name}: {1e3 * wall['spall_mass']:.2g} g in {wall['spall_pieces']} pieces "
                          f"leave its rear at {wall['spall_speed']:.3g} m/s.")
         if wall["still_coming"] > YET_TO_COME:
-            yield NOTE, (f"The verdict on the wall {name} is not final: "
-                         f"{percent(wall['still_coming'])} of the energy that flies "
+            yield NOTE, (f"The verdict on the {name} is not final: {percent(wall['still_coming'])} of the energy that flies "
                          "at it has not met it yet. A longer run may give another.")
         if len(margins := wall["margins"]) > 1:
             before, after = margins[-2:]
             times = [readable_time(time) for time in wall["times"][-2:]]
             if abs(after - before) > STILL_FAILING * abs(after):
-                yield NOTE, (f"The margin of the wall {name} still changed from {before:.3g} to "
-                             f"{after:.3g} of its thickness between "
+                yield NOTE, (f"The margin of the {name} still changed from {before:.3g} to {after:.3g} of its thickness between "
                              f"{times[0]} and {times[1]}: a longer run may give another verdict.")
         if wall["opening_at_edge"]:
-            yield NOTE, (f"An opening of the wall {name} reaches its edge: a wider wall may give "
-                         f"another verdict.")
-        if wall["thickness"] < FEW_LAYERS * wall["spacing"]:
-            yield NOTE, (f"The wall {name} is {wall['thickness'] / wall['spacing']:.2g} spacings "
-                         f"of its bodies thick: fewer than "
+            yield NOTE, f"An opening of the {name} reaches its edge: a wider wall may give another verdict."
+        if wall["thickness"] < FEW_LAYERS * wall["spacing"] * (1 - ROUND_OFF):
+            yield NOTE, (f"The {name} is {wall['thickness'] / wall['spacing']:.2g} spacings of its bodies thick: fewer than "
                          f"{FEW_LAYERS} tell little of it.")
 
 

@@ -77,7 +77,8 @@ void read_sizes(Section& in, Sizes& sizes, std::int64_t count) {
   if (in.reads(sizes.law == SizeLaw::power))
     in.need("exponent", "of power: N(>r) ~ r^-exponent", sizes.exponent, any(number));
   if (in.reads(sizes.law == SizeLaw::lognormal)) {
-    in.need("median", "of lognormal without limits: radius", sizes.median, positive(length));
+    in.need("median", "of lognormal, before smallest and largest cut it: radius", sizes.median,
+            positive(length));
     in.need("spread", "of lognormal: standard deviation of ln r", sizes.spread, positive(number));
     constexpr double least = 0.01;
     in.check("median", !(sizes.median > 0 && sizes.spread > 0) || part_inside(sizes) >= least,

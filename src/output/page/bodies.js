@@ -3,7 +3,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 import * as THREE from "three";
 import { OrbitControls } from "orbit";
-import { unpack, unpackField, readableNumber, readableTime, escapeHtml } from "packed";
+import { unpack, unpackField, readableLength, readableNumber, readableTime, escapeHtml } from "packed";
 import { findSeen } from "seen";
 import { gradient, nameColor, paint, paintNames, paintRock, rangeOf } from "colors";
 
@@ -466,7 +466,7 @@ export class View {
     const length = power * [5, 2, 1].find((factor) => factor * power <= wanted);
     const scale = this.find(".scale");
     scale.style.width = `${(length / (wide * this.size)) * width}px`;
-    scale.textContent = `${readableNumber(length)} m`;
+    scale.textContent = readableLength(length);
     const e = this.camera.matrixWorldInverse.elements;
     this.find(".axes").innerHTML = [0, 1, 2].map((c) => {
       const [x, y] = [20 * e[4 * c], -20 * e[4 * c + 1]];

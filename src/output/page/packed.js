@@ -35,6 +35,12 @@ export function readableTime(seconds) {
   return `${readableNumber(seconds / 3600)} h`;
 }
 
+export function readableLength(meters) {
+  for (const [limit, unit, name] of [[1e-3, 1e-6, "µm"], [1, 1e-3, "mm"], [1e3, 1, "m"]])
+    if (meters < limit * (1 - 1e-9)) return `${readableNumber(meters / unit)} ${name}`;  // round-off: 1 mm is one
+  return `${readableNumber(meters / 1e3)} km`;
+}
+
 export function escapeHtml(text) {
   return String(text).replace(/[&<>"']/g, (sign) => `&#${sign.charCodeAt(0)};`);
 }

@@ -1,0 +1,13 @@
+# A run with files, and what it left.
+# SPDX-License-Identifier: BSD-3-Clause
+import matplotlib
+import spall
+
+matplotlib.use("Agg")
+
+run = spall.run("cases/hello/case.toml", out="out/hello", set={"seed": 2})
+print(run["deflection"]["beta"])   # results.toml
+run.series.plot("time", "kinetic") # series.csv, a pandas frame
+for time, bodies in run.frames():  # trajectory.h5
+    print(time, bodies["position"].mean(axis=0))
+run.report()                       # report.html
