@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "base/reduce.hpp"
 #include "engine/prescribed.hpp"
 #include "engine/type.hpp"
 #include "gravity/kick.hpp"
@@ -231,11 +232,14 @@ StepSummary Simulation::step(int most) {
   if (clock().step_in_phase == 0) begin_phase();
   const StepReport report =
       advance(static_cast<int>(std::min<std::int64_t>(most, steps_left())), false);
+  auto contacts = static_cast<double>(report.contacts);
+  double overlap = report.overlap;
+  reduce(world().comm, {&contacts, 1}, {&overlap, 1});
   StepSummary summary{.steps = report.steps,
-                      .contacts = world().comm.sum(report.contacts),
+                      .contacts = static_cast<std::int64_t>(contacts),
                       .residual = report.solver.residual,
                       .converged = report.solver.converged,
-                      .overlap = world().comm.max(report.overlap)};
+                      .overlap = overlap};
   const double lost = first_lost_id(world().comm, world().bodies);
   require(
       !std::isfinite(lost),
