@@ -172,7 +172,7 @@ void run(const Comm& comm, const std::string& name, std::size_t count) {
       exchange_times.push_back(seconds(comm, [&] { complete(comm, settings, std::move(octree)); }));
       const double scale = count / few_count * (count / few_count);
       direct_times.push_back(scale * seconds(comm, [&] {
-                               evaluate_gravity_direct(comm, 1, few.mass, few.position, {});
+                               evaluate_gravity_direct(comm, 1, few.mass, few.position, {}, false);
                              }));
       plain_times.push_back(plain_scale *
                             seconds(comm, [&] { attract<false, false>(plain, sources); }));

@@ -20,7 +20,8 @@ GravityField tree(const Comm& comm, const Points& mine, double accuracy) {
 }
 
 GravityField direct(const Comm& comm, const Points& mine) {
-  return evaluate_gravity_direct(comm, constant, mine.mass, mine.position, mine.velocity);
+  const bool rates = comm.any(!mine.velocity.empty());
+  return evaluate_gravity_direct(comm, constant, mine.mass, mine.position, mine.velocity, rates);
 }
 
 double rms_error(const Comm& comm, const GravityField& field, const GravityField& exact) {

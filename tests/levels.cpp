@@ -97,7 +97,7 @@ TEST(Levels, gravity) {
       const GravityField field =
           tree ? evaluate_gravity_tree(comm, 1, tree_settings(1e-3), mine.mass, mine.position,
                                        mine.velocity)
-               : evaluate_gravity_direct(comm, 1, mine.mass, mine.position, mine.velocity);
+               : evaluate_gravity_direct(comm, 1, mine.mass, mine.position, mine.velocity, true);
       std::vector<double> numbers(field.potential);
       for (const Vec3& a : field.acceleration)
         numbers.insert(numbers.end(), a.data(), a.data() + 3);

@@ -8,9 +8,11 @@
 #include "domain/bisection.hpp"
 #include "domain/halo.hpp"
 #include "domain/migration.hpp"
+#include "engine/engine.hpp"
 #include "gravity/essential_tree.hpp"
 #include "gravity/field.hpp"
 #include "spall/spall.hpp"
+#include "state/world.hpp"
 #include "testing.hpp"
 
 namespace spall {
@@ -163,9 +165,10 @@ TEST(ManyRanks, what_gravity_tells_grows_with_the_logarithm_of_the_ranks) {
   EXPECT_EQ(told[2].gathered, 0);
 }
 
-/// J: the kinetic energy of a gas of grains after some steps.
-double energy_after(const Comm& comm, const std::string& method, double step) {
-  Simulation simulation(comm, Scene::from_text(fmt::format(R"(
+/// A gas of grains, with `more` keys.
+Simulation gas(const Comm& comm, const std::string& method, double step,
+               const std::string& more = "") {
+  return Simulation(comm, Scene::from_text(fmt::format(R"(
 [materials.rock]
 density = 2000
 [contact]
@@ -188,10 +191,43 @@ name = "only"
 method = "{}"
 step = {}
 duration = 1
+{}
 )",
-                                                           method, step)));
+                                                       method, step, more)));
+}
+
+/// J: the kinetic energy after some steps.
+double energy_after(const Comm& comm, const std::string& method, double step) {
+  Simulation simulation = gas(comm, method, step);
   simulation.run_until(20 * step);
   return simulation.energies().kinetic;
+}
+
+/// Calls that all ranks take part in, of a step between searches: the median of some, without those
+/// of the contact solver.
+std::int64_t collectives_of_a_step(const std::string& method, const std::string& more = "") {
+  Simulation simulation = gas(testing_world(), method, 1e-6, more);
+  simulation.step();
+  std::vector<std::int64_t> calls;
+  for (int step = 0; step < 9; ++step) {
+    const auto of_solver = [&] { return simulation.world().stages["solver"].traffic.collectives; };
+    const std::int64_t before = traffic().collectives - of_solver();
+    simulation.advance(1, false);
+    calls.push_back(traffic().collectives - of_solver() - before);
+  }
+  std::ranges::nth_element(calls, calls.begin() + 4);
+  return calls[4];
+}
+
+TEST(ManyRanks, a_step_waits_for_all_ranks_four_times_at_most) {
+  // A run asks once more after each step: for signals, restart files and lost bodies.
+  for (const char* method : {"nonsmooth", "penalty"}) {
+    const std::int64_t calls = collectives_of_a_step(method);
+    EXPECT_LE(calls + 1, 4) << method;
+    EXPECT_EQ(collectives_of_a_step(method, "[gravity]\nuniform = [0, 0, -1]"), calls) << method;
+    // Its check, all bodies or their forces, and what follows from it.
+    EXPECT_LE(collectives_of_a_step(method, "[gravity]\nmethod = \"direct\""), calls + 4) << method;
+  }
 }
 
 TEST(ManyRanks, steps_agree_with_those_of_one_rank) {

@@ -7,15 +7,18 @@
 #include <petscsys.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <limits>
+#include <map>
 #include <new>
 #include <numeric>
 
 #include "base/kernels.hpp"
+#include "base/reduce.hpp"
 #include "base/traffic.hpp"
 #include "spall/error.hpp"
 
@@ -50,13 +53,28 @@ T reduce(MPI_Comm comm, T value, MPI_Op op) {
   return result;
 }
 
+/// Of rows [number of sums, sums, largest ones].
+void add_and_compare(void* from, void* to, int* rows, MPI_Datatype* type) {
+  int bytes = 0;
+  MPI_Type_size(*type, &bytes);
+  const auto width = static_cast<std::size_t>(bytes) / sizeof(double);
+  const auto* theirs = static_cast<const double*>(from);
+  auto* own = static_cast<double*>(to);
+  for (int row = 0; row < *rows; ++row, theirs += width, own += width)
+    for (std::size_t k = 1; k < width; ++k)
+      own[k] =
+          k <= static_cast<std::size_t>(own[0]) ? own[k] + theirs[k] : std::max(own[k], theirs[k]);
+}
+
 template <class T>
-std::vector<T> all_gather_values(const Comm& comm, std::span<const T> values) {
+std::vector<T> all_gather_values(const Comm& comm, std::span<const T> values,
+                                 std::size_t* first = nullptr) {
   const int count = static_cast<int>(values.size());
   std::vector<int> counts(comm.size), starts(comm.size + 1, 0);
   check_mpi(MPI_Allgather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, comm.raw),
             "MPI_Allgather");
   std::partial_sum(counts.begin(), counts.end(), starts.begin() + 1);
+  if (first) *first = static_cast<std::size_t>(starts[comm.rank]);
   std::vector<T> all(starts.back());
   check_mpi(MPI_Allgatherv(values.data(), count, mpi_type<T>(), all.data(), counts.data(),
                            starts.data(), mpi_type<T>(), comm.raw),
@@ -197,6 +215,28 @@ void Comm::max(std::span<double> values) const {
   reduce(raw, values, MPI_MAX);
 }
 
+void reduce(const Comm& comm, std::span<double> sums, std::span<double> largest) {
+  static MPI_Op operation = MPI_OP_NULL;  // one for the life of MPI, as the types
+  static std::map<std::size_t, MPI_Datatype> types;
+  std::vector<double> row{static_cast<double>(sums.size())};
+  row.insert(row.end(), sums.begin(), sums.end());
+  row.insert(row.end(), largest.begin(), largest.end());
+  if (operation == MPI_OP_NULL)
+    check_mpi(MPI_Op_create(add_and_compare, true, &operation), "MPI_Op_create");
+  const auto [type, is_new] = types.try_emplace(row.size(), MPI_DATATYPE_NULL);
+  if (is_new) {
+    check_mpi(MPI_Type_contiguous(static_cast<int>(row.size()), MPI_DOUBLE, &type->second),
+              "MPI_Type_contiguous");
+    check_mpi(MPI_Type_commit(&type->second), "MPI_Type_commit");
+  }
+  ++traffic().collectives;
+  traffic().reduced += static_cast<std::int64_t>(row.size() * sizeof(double));
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, row.data(), 1, type->second, operation, comm.raw),
+            "MPI_Allreduce");
+  const auto after = std::copy_n(row.begin() + 1, sums.size(), sums.begin()) - sums.begin();
+  std::copy(row.begin() + 1 + after, row.end(), largest.begin());
+}
+
 std::int64_t Comm::sum_before(std::int64_t value) const {
   ++traffic().collectives;
   std::int64_t before = 0;
@@ -212,6 +252,10 @@ void Comm::broadcast(std::span<double> values, int root) const {
 
 std::vector<double> Comm::all_gather(std::span<const double> values) const {
   return all_gather_values(*this, values);
+}
+std::vector<double> all_gather(const Comm& comm, std::span<const double> values,
+                               std::size_t& first) {
+  return all_gather_values(comm, values, &first);
 }
 std::vector<std::int64_t> Comm::all_gather(std::span<const std::int64_t> values) const {
   return all_gather_values(*this, values);

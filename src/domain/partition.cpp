@@ -11,6 +11,7 @@
 #include <numeric>
 #include <set>
 
+#include "base/reduce.hpp"
 #include "domain/bisection.hpp"
 #include "spall/error.hpp"
 
@@ -191,16 +192,18 @@ std::vector<int> partition(const Comm& comm, const Bodies& bodies, std::span<con
 }
 
 double imbalance(const Comm& comm, double work) {
-  return imbalance(comm.size, comm.max(work), comm.sum(work));
+  double total = work, most = work;
+  reduce(comm, {&total, 1}, {&most, 1});
+  return imbalance(comm.size, most, total);
 }
 
 bool needs_cut(const Comm& comm, std::span<const double> work, const Ghosts& ghosts,
                const LastCut& last) {
   const bool mixed = ghosts.ghosts() > ghost_limit * last.ghosts + 0.1 * ghosts.owned();
-  const double own = sum(work);
-  std::array<double, 2> most{own, mixed ? 1.0 : 0.0};
-  comm.max(most);
-  const double now = imbalance(comm.size, most[0], comm.sum(own));
+  double total = sum(work);
+  std::array<double, 2> most{total, mixed ? 1.0 : 0.0};
+  reduce(comm, {&total, 1}, most);
+  const double now = imbalance(comm.size, most[0], total);
   return last.imbalance == 0 || now > imbalance_limit * last.imbalance || most[1] > 0 ||
          last.searches >= longest_without_cut;
 }

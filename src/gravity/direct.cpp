@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "base/kernels.hpp"
+#include "base/reduce.hpp"
 #include "gravity/attract.hpp"
 
 namespace spall {
@@ -44,15 +45,16 @@ std::vector<Eight> pack(std::span<const double> rows, bool rates) {
 
 SPALL_KERNEL(GravityField, evaluate_gravity_direct,
              (const Comm& comm, double constant, std::span<const double> mass,
-              std::span<const Vec3> position, std::span<const Vec3> velocity),
-             (comm, constant, mass, position, velocity)) {
+              std::span<const Vec3> position, std::span<const Vec3> velocity, bool rates),
+             (comm, constant, mass, position, velocity, rates)) {
   const std::size_t owned = mass.size();
-  const bool rates = comm.any(!velocity.empty());
   const std::size_t width = body_width(rates);
   std::vector<double> rows(owned * width);
   for (std::size_t b = 0; b < owned; ++b)
     write_body(position[b], mass[b], rates ? &velocity[b] : nullptr, rows.data() + b * width);
-  rows = comm.all_gather(rows);
+  std::size_t first = 0;
+  rows = all_gather(comm, rows, first);
+  first /= width;
   std::vector<Eight> all = pack(rows, rates);
   if (rates)
     attract_share<true>(comm, all);
@@ -70,7 +72,6 @@ SPALL_KERNEL(GravityField, evaluate_gravity_direct,
   field.acceleration.resize(owned);
   field.potential.resize(owned);
   field.rate.resize(rates ? owned : 0);
-  const auto first = static_cast<std::size_t>(comm.sum_before(static_cast<std::int64_t>(owned)));
   // d/dt of d/d^3 is (1 - 3 n n^T) dv / d^3, and that matrix stretches by at most 2.
   const double bound = 2 * (1 + estimate_error);
   for (std::size_t b = 0; b < owned; ++b) {

@@ -13,10 +13,11 @@
 namespace spall {
 namespace {
 
-/// How many bodies all ranks have. Throws on every rank if any has rows that gravity cannot work
-/// with.
-std::int64_t require_sound(const Comm& comm, std::span<const double> mass,
-                           std::span<const Vec3> position, std::span<const Vec3> velocity) {
+/// How many bodies all ranks have, and whether any rank gives velocities. Throws on every rank if
+/// any has rows that gravity cannot work with.
+std::pair<std::int64_t, bool> require_sound(const Comm& comm, std::span<const double> mass,
+                                            std::span<const Vec3> position,
+                                            std::span<const Vec3> velocity) {
   const auto bad_masses =
       std::ranges::count_if(mass, [](double m) { return !(m >= 0 && std::isfinite(m)); });
   const auto bad_places =
@@ -33,7 +34,7 @@ std::int64_t require_sound(const Comm& comm, std::span<const double> mass,
   require(sums[2] == 0, "self-gravity: {} bodies are at a place that is not finite", sums[2]);
   require(sums[3] == 0 && (sums[4] == 0 || sums[5] == 0),
           "self-gravity: numbers of masses, positions and velocities differ");
-  return static_cast<std::int64_t>(sums[0]);
+  return {static_cast<std::int64_t>(sums[0]), sums[4] > 0};
 }
 
 /// Bodies for which a tree costs as much as the exact sum, in which a body meets all others.
@@ -73,9 +74,9 @@ GravityField evaluate_gravity(const Comm& comm, const GravitySettings& settings,
   if (settings.method == GravityMethod::none)
     return {std::vector<Vec3>(mass.size(), Vec3::Zero()), std::vector<double>(mass.size(), 0.0),
             std::vector<double>(velocity.size(), 0.0)};
-  const std::int64_t bodies = require_sound(comm, mass, position, velocity);
+  const auto [bodies, rates] = require_sound(comm, mass, position, velocity);
   if (choose_gravity(settings, bodies) == GravityMethod::direct)
-    return evaluate_gravity_direct(comm, settings.constant, mass, position, velocity);
+    return evaluate_gravity_direct(comm, settings.constant, mass, position, velocity, rates);
   return evaluate_gravity_tree(comm, settings.constant, tree_settings(settings.accuracy), mass,
                                position, velocity);
 }
@@ -95,18 +96,19 @@ GravityField evaluate_gravity_at(const Comm& comm, const GravitySettings& settin
   return field;
 }
 
-double holding_time(const Comm& comm, const GravitySettings& settings, std::span<const double> mass,
-                    const GravityField& field) {
-  std::array<double, 2> sums{0, static_cast<double>(mass.size())};  // of N^2, bodies
-  double fastest_change = 0;                                        // N/s
+ForceChange force_change(std::span<const double> mass, const GravityField& field) {
+  ForceChange change;
+  change.bodies = static_cast<double>(mass.size());
   for (std::size_t b = 0; b < mass.size(); ++b) {
-    sums[0] += mass[b] * mass[b] * field.acceleration[b].squaredNorm();
-    fastest_change = std::max(fastest_change, mass[b] * field.rate[b]);
+    change.squares += mass[b] * mass[b] * field.acceleration[b].squaredNorm();
+    change.fastest = std::max(change.fastest, mass[b] * field.rate[b]);
   }
-  comm.sum(sums);
-  fastest_change = comm.max(fastest_change);
-  if (sums[0] == 0 || fastest_change == 0) return infinity;
-  return settings.refresh * std::sqrt(sums[0] / sums[1]) / fastest_change;
+  return change;
+}
+
+double holding_time(const GravitySettings& settings, const ForceChange& of_all) {
+  if (of_all.squares == 0 || of_all.fastest == 0) return infinity;
+  return settings.refresh * std::sqrt(of_all.squares / of_all.bodies) / of_all.fastest;
 }
 
 }  // namespace spall

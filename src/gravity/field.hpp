@@ -41,10 +41,19 @@ GravityMethod choose_gravity(const GravitySettings& settings, std::int64_t bodie
 /// The chosen method in words, for the log of a run.
 std::string describe_gravity(const GravitySettings& settings, std::int64_t bodies);
 
-/// How long `field` may be held: until some force m_b |da_b| may have changed by `refresh` times
+/// Of some bodies; of all, the sums of what ranks have, and the fastest.
+struct ForceChange {
+  double squares = 0;  ///< N^2, sum of forces squared
+  double bodies = 0;   ///< how many
+  double fastest = 0;  ///< N/s, the largest m_b |da_b/dt|
+};
+
+/// Of owned bodies. The field needs rates.
+ForceChange force_change(std::span<const double> mass, const GravityField& field);
+
+/// How long a field may be held: until some force m_b |da_b| may have changed by `refresh` times
 /// the rms force m |a| over all bodies. Seconds; infinite without forces. It holds for the
-/// velocities at which the field was evaluated. Collective.
-double holding_time(const Comm& comm, const GravitySettings& settings, std::span<const double> mass,
-                    const GravityField& field);
+/// velocities at which the field was evaluated.
+double holding_time(const GravitySettings& settings, const ForceChange& of_all);
 
 }  // namespace spall

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "base/reduce.hpp"
 #include "gravity/field.hpp"
 #include "spall/error.hpp"
 
@@ -38,7 +39,8 @@ void evaluate_field(World& world) {
   const auto velocity = std::span(bodies.velocity).first(kick.may_hold ? owned : 0);
   const GravityField field = evaluate_gravity(world.comm, world.gravity, mass,
                                               std::span(bodies.position).first(owned), velocity);
-  std::array<double, 2> most{};  // acceleration, and over a radius
+  const ForceChange own = kick.may_hold ? force_change(mass, field) : ForceChange{};
+  std::array<double, 3> most{0, 0, own.fastest};  // acceleration, and over a radius
   double potential = 0;
   for (Index b = 0; b < bodies.owned; ++b) {
     if (!std::isfinite(bodies.mass[b])) continue;
@@ -49,12 +51,14 @@ void evaluate_field(World& world) {
     potential +=
         bodies.mass[b] * (field.potential[b] / 2 - world.uniform_gravity.dot(bodies.position[b]));
   }
-  world.comm.max(most);
+  std::array<double, 3> sums{potential, own.squares, own.bodies};
+  reduce(world.comm, sums, most);
   kick.largest = most[0];
-  kick.potential = world.comm.sum(potential);
+  kick.potential = sums[0];
   kick.fall = world.uniform_gravity.isZero(0) ? std::sqrt(longest_fall / most[1]) : 0;
-  kick.hold =
-      kick.may_hold ? std::min(kick.fall, holding_time(world.comm, world.gravity, mass, field)) : 0;
+  kick.hold = kick.may_hold
+                  ? std::min(kick.fall, holding_time(world.gravity, {sums[1], sums[2], most[2]}))
+                  : 0;
   ++kick.evaluations;
 }
 

@@ -12,6 +12,7 @@
 
 #include "base/first_rank.hpp"
 #include "base/process.hpp"
+#include "base/reduce.hpp"
 #include "gravity/kick.hpp"
 #include "output/files.hpp"
 #include "output/restart.hpp"
@@ -168,10 +169,11 @@ class Run {
   }
 
   /// What a rank knows that all must act upon, the most pressing last.
-  enum class News { none, warned, stop, lost };
+  enum class News { none, restart_due, warned, stop, lost };
 
   News news_of_ranks(const SignalGuard& signals) const {
     News own = News::none;
+    if (MPI_Wtime() - last_restart_ > scene_.output.restart_every) own = News::restart_due;
     if (signals.warned()) own = News::warned;
     if (signals.stops()) own = News::stop;
     if (first_lost(world().bodies) < world().bodies.owned) own = News::lost;
@@ -204,17 +206,14 @@ class Run {
       const News news = news_of_ranks(signals);
       if (news == News::lost) end_as_lost();
       if (keep_due(scene_, clock())) keep();
-      if (news == News::warned) {
-        signals.forget_warning();
-        write_newest();
-      }
+      if (news == News::warned) signals.forget_warning();
+      if (news == News::warned || news == News::restart_due) write_newest();
       if (news == News::stop) {
         write_newest();
         progress_.say(
             fmt::format("stopped by a signal; go on with: spall resume {}", restart_file()));
         return false;
       }
-      if (comm_.any(MPI_Wtime() - last_restart_ > scene_.output.restart_every)) write_newest();
     }
     return true;
   }
@@ -254,12 +253,12 @@ class Run {
   void write_row(const Clock& start, const Diagnostics& sums, const StepReport& report,
                  std::vector<double>& received) {
     StageTimer timer(world().stages, "output");
-    // One reduction for what the ranks know in parts, one for what is largest on one of them.
     const std::array<double, 3> own{report.energy, static_cast<double>(report.contacts),
                                     report.gravity_work};
     std::vector<double> parts(own.begin(), own.end());
     parts.insert(parts.end(), received.begin(), received.end());
-    comm_.sum(parts);
+    double overlap = report.overlap;
+    reduce(comm_, parts, {&overlap, 1});
     std::copy(parts.begin() + own.size(), parts.end(), received.begin());
     // Velocities lag by half an interval; the kick's work up to this instant makes up for it.
     const GravityKick& kick = world().kick;
@@ -267,8 +266,8 @@ class Run {
     const Balance balance = simulation_->account().balance(sums, kick.potential + lag, parts[0]);
     shown_.rms_speed = sums.rms_speed;
     shown_.contacts = static_cast<std::int64_t>(parts[1]);
-    std::vector<double> values = Record::row(start.phase, shown_.contacts, balance, report,
-                                             comm_.max(report.overlap), world().stages);
+    std::vector<double> values =
+        Record::row(start.phase, shown_.contacts, balance, report, overlap, world().stages);
     const std::vector<double> forces = reactions_.row(start.time, received);
     values.insert(values.end(), forces.begin(), forces.end());
     series_->append(start.step, start.time, values);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "base/reduce.hpp"
 #include "engine/prescribed.hpp"
 #include "engine/type.hpp"
 #include "gravity/kick.hpp"
@@ -251,11 +252,14 @@ StepSummary Simulation::step(int most) {
       throw;
     }
   }();
+  auto contacts = static_cast<double>(report.contacts);
+  double overlap = report.overlap;
+  reduce(world().comm, {&contacts, 1}, {&overlap, 1});
   StepSummary summary{.steps = report.steps,
-                      .contacts = world().comm.sum(report.contacts),
+                      .contacts = static_cast<std::int64_t>(contacts),
                       .residual = report.solver.residual,
                       .converged = report.solver.converged,
-                      .overlap = world().comm.max(report.overlap)};
+                      .overlap = overlap};
   check_finite();
   if (steps_left() <= 0 ||
       (phase().until == PhaseEnd::settled && synchronous() && settled(diagnose(world()))))
