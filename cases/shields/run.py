@@ -14,6 +14,7 @@ import datetime
 import hashlib
 import math
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -166,7 +167,7 @@ def run(options, shot, seed):
         "still_coming": f"{wall['still_coming']:.3g}", "opening_at_edge": wall["opening_at_edge"],
         "hole_mm": f"{1e3 * wall['hole']:.4g}", "spall_mg": f"{1e6 * wall['spall_mass']:.4g}",
         "energy_unexplained": f"{books['energy_unexplained'] * books['dissipated'] / struck:.2e}",
-        "bodies": results["system"]["bodies"], "steps": results["solver"]["steps"],
+        "bodies": re.search(r"(\d+) bodies, ", (folder / "log.txt").read_text())[1], "steps": results["solver"]["steps"],
         "commit": results["provenance"]["commit"]}
 
 
