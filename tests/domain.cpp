@@ -391,6 +391,45 @@ TEST(Windows, list_each_pair_once_for_any_sizes_and_images) {
   }
 }
 
+TEST(NearPairs, of_two_spacings_are_those_whose_grown_spheres_meet) {
+  const Comm comm = testing_world();
+  // Two balls of lattices, one half as wide as the other, side by side.
+  const double wide = 0.4, radii = 1.7, skin = 0.15;
+  Bodies all;
+  for (const auto& [d, x0] : {std::pair(wide, 0.0), std::pair(wide / 2, 2.1)})
+    for (int i = -6; i <= 6; ++i)
+      for (int j = -6; j <= 6; ++j)
+        for (int k = -6; k <= 6; ++k) {
+          if ((i + j + k) % 2 != 0 || i * i + j * j + k * k > 20) continue;
+          const Index b = all.size();
+          resize(all, b + 1);
+          all.id[b] = b;
+          all.radius[b] = d / 2;
+          all.position[b] = d / std::sqrt(2.0) * Vec3(i, j, k) + Vec3(x0, 0, 0);
+        }
+  all.owned = all.size();
+  for (const double edge : {0.0, 6.0}) {
+    Bodies mine = share(all, comm);
+    NearPairs near;
+    search_near_pairs(comm, mine, {.size = Vec3(edge, 0, 0)}, {2 * radii * wide / 2, radii}, skin,
+                      {}, near);
+    EXPECT_EQ(near.reach, radii * wide);
+    PairSet found;
+    for_each_pair(near.windows, [&](std::size_t, std::size_t, std::size_t, Index a, Index b) {
+      EXPECT_TRUE(found.insert(std::minmax(mine.id[a], mine.id[b])).second) << "twice";
+    });
+    const std::set<BodyId> here(mine.id.begin(), mine.id.begin() + mine.owned);
+    PairSet expected;
+    for (Index i = 0; i < all.size(); ++i)
+      for (Index j = i + 1; j < all.size(); ++j)
+        if ((here.contains(i) || here.contains(j)) &&
+            (all.position[j] - all.position[i]).norm() <
+                radii * (all.radius[i] + all.radius[j]) + skin)
+          expected.emplace(i, j);
+    EXPECT_EQ(found, expected);
+  }
+}
+
 /// Flies 300 bodies, all of them `faster` than they are, for 60 steps, looks for missed contacts in
 /// each, and returns how often pairs were searched.
 int fly(const Vec3& faster) {

@@ -287,6 +287,104 @@ TEST(SolidStep, two_materials_with_two_spacings_keep_momenta_and_energy) {
   EXPECT_NEAR(after.kinetic + after.internal + contacts, before.kinetic, 1e-2 * before.kinetic);
 }
 
+// --- parted steps ---
+
+Lab parted(Lab world, double courant = usual_courant) {
+  world.solid.courant = courant;
+  return world;
+}
+/// s: how long sound takes across a spacing.
+const double crossing = d / ductile.sound_speed();
+
+TEST(PartedSteps, energy_error_is_of_second_order) {
+  std::vector<double> errors;
+  for (const double courant : {0.2, 0.1, 0.05}) {
+    auto spheres = ball(turned, 2.6 * d);
+    for (Sphere& s : spheres) {
+      const Vec3 x = s.position / d;
+      s.velocity = 20 * Vec3(std::sin(x.y()), x.x() * 0.3, std::cos(x.x() + x.z()));
+    }
+    Lab world = parted(world_of(alone(), spheres, elastic), courant);
+    const double before = sums_of(world).kinetic;
+    solid_steps(world, 4 * d / elastic.sound_speed(), 1);
+    const Sums after = sums_of(world);
+    errors.push_back(std::abs(after.kinetic + after.internal - before) / before);
+  }
+  EXPECT_LT(errors[0], 0.01);
+  for (int k = 0; k < 2; ++k) EXPECT_NEAR(std::log2(errors[k] / errors[k + 1]), 2, 0.5);
+}
+
+TEST(PartedSteps, momenta_and_energy_are_kept_where_pieces_meet_and_yield) {
+  const double speed = 1500;
+  Lab world = parted(world_of_two(testing_world(), speed, ductile));
+  const Sums before = sums_of(world);
+  const double scale = before.kinetic / speed;
+  for (int k = 0; k < 4; ++k) solid_steps(world, crossing, 3);
+  const Sums after = sums_of(world);
+  EXPECT_LE((after.momentum - before.momentum).norm(), 1e-12 * scale);
+  EXPECT_LE((after.angular - before.angular).norm(), 1e-12 * scale * 3 * d);
+  EXPECT_GT(after.heat, 0.1 * before.kinetic);
+  const double contacts = world.solid.energy(world) - (after.internal - after.heat);
+  EXPECT_NEAR(after.kinetic + after.internal + contacts, before.kinetic, 1e-2 * before.kinetic);
+}
+
+TEST(PartedSteps, are_as_long_as_the_fastest_that_is_near_allows) {
+  const double rest = usual_courant * crossing, speed = 3000;
+  const double met = usual_courant * d / (ductile.sound_speed() + 4 * ductile.slope * speed);
+  const double mass = copper.density * d * d * d / std::sqrt(2.0);
+  const auto parts = [&](double distance, double closing, double lasts, bool one_piece) {
+    std::vector<Sphere> two(2, {.radius = d / 2, .mass = mass});
+    two[1].position = {distance, 0, 0};
+    for (Sphere& s : two) s.velocity = {0, 0, 5 * speed};  // a common motion counts for nothing
+    two[0].velocity.x() = closing;
+    Lab world = parted(world_of(testing_world(), two, ductile));
+    for (Index b = 0; b < world.bodies.owned; ++b)
+      world.bodies.group[b] = one_piece ? 0 : static_cast<int>(world.bodies.id[b]);
+    solid_steps(world, lasts, 1);
+    return world.solid.parts;
+  };
+  for (const bool one_piece : {true, false}) {
+    // In one piece they press each other, and sound is faster then.
+    EXPECT_GE(parts(1.6 * d, speed, 3 * met, one_piece), 3);
+    EXPECT_EQ(parts(1.3 * d, -speed, 3 * met, one_piece), 3);
+    EXPECT_EQ(parts(1.8 * d, -speed, 2.5 * rest, one_piece), 3);  // even parts
+    EXPECT_EQ(parts(1.6 * d, 0, 10.5 * rest, one_piece), 11);
+  }
+}
+
+TEST(PartedSteps, are_no_longer_than_what_they_are_parts_of) {
+  Lab world = parted(world_of_two(testing_world(), 10, ductile));
+  solid_steps(world, 0.01 * crossing, 30);
+  EXPECT_EQ(world.solid.parts, 30);
+}
+
+TEST(PartedSteps, motion_is_the_same_on_any_number_of_ranks) {
+  Lab one = parted(world_of_two(alone(), 1500, ductile)),
+      many = parted(world_of_two(testing_world(), 1500, ductile));
+  for (int part = 0; part < 3; ++part) {
+    solid_steps(one, 2 * crossing, 1);
+    solid_steps(many, 2 * crossing, 1);
+  }
+  EXPECT_EQ(one.solid.parts, many.solid.parts);
+  const auto p = spheres_of(one), q = spheres_of(many);
+  for (std::size_t k = 0; k < p.size(); ++k)
+    EXPECT_LE((p[k].position - q[k].position).norm(), 1e-9 * d) << k;
+}
+
+TEST(PartedSteps, go_on_from_bodies_alone_with_the_same_bits) {
+  Lab first = parted(world_of_two(testing_world(), 1500, ductile));
+  solid_steps(first, 2 * crossing, 2);
+  first.solid.restart_pairs(first, {});
+  Lab resumed = parted(World(first));
+  resumed.solid.laws = {ductile};
+  for (Lab* world : {&first, &resumed}) solid_steps(*world, 2 * crossing, 2);
+  const auto p = spheres_of(first), q = spheres_of(resumed);
+  for (std::size_t k = 0; k < p.size(); ++k) {
+    EXPECT_EQ(p[k].position, q[k].position);
+    EXPECT_EQ(p[k].velocity, q[k].velocity);
+  }
+}
+
 // --- plastic ---
 
 TEST(SolidStep, flows_at_the_stress_of_johnson_and_cook) {
@@ -402,6 +500,8 @@ TEST(SolidCase, refuses_what_it_does_not_model) {
                 .find("packing.kind = \"fcc\" or \"hcp\""),
             std::string::npos);
   EXPECT_NE(complaint("[solid]\nfriction = 0.3\n").find("solid.friction"), std::string::npos);
+  EXPECT_EQ(complaint("[solid]\ncourant = 2\n"),
+            "x.toml:22:11: solid.courant = 2: 0 to 1 is wanted");
 }
 
 TEST(SolidCase, tells_a_step_that_would_do) {
@@ -410,6 +510,8 @@ TEST(SolidCase, tells_a_step_that_would_do) {
     world.solid.check_steps(world, {1e-6, 1e-3, "x.toml: phases.only"});
   });
   EXPECT_NE(message.find("step = 1e-06 s is too long for copper"), std::string::npos) << message;
+  world.solid.courant = usual_courant;
+  world.solid.check_steps(world, {1e-6, 1e-3, "x.toml: phases.only"});  // it is parted
 }
 
 }  // namespace

@@ -140,22 +140,33 @@ void book_search(const Comm& comm, NearPairs& near) {
   near.pairs = comm.sum(pairs);
 }
 
-void find_near_pairs(const Comm& comm, Bodies& bodies, const Period& period, double reach,
+void find_near_pairs(const Comm& comm, Bodies& bodies, const Period& period, const PairReach& reach,
                      double skin, const BondReach& bonded, const std::optional<Bonds>& bonds,
                      NearPairs& near) {
   near.bonds = {};
   near.bonds_break = static_cast<bool>(bonded);
-  near.reach = reach;
-  near.skin = skin = skin_within(period, reach, skin);
+  near.reach = reach.most;
+  near.skin = skin = skin_within(period, reach.most, skin);
+  const double widest = reach.most + skin;
   {
     std::vector<double> halo(bodies.owned);
-    for (Index b = 0; b < bodies.owned; ++b) halo[b] = (reach + skin) / 2 - bodies.radius[b];
+    for (Index b = 0; b < bodies.owned; ++b) {
+      const double own = reach.radii > 0 ? 2 * reach.radii * bodies.radius[b] + skin : widest;
+      halo[b] = own / 2 - bodies.radius[b];
+    }
     find_ghosts(comm, bodies, period, halo, near);
   }
   near.cells =
-      period.any() ? MotionCells() : MotionCells(comm, near.found_at, motion_cell * (reach + skin));
-  find_near_pairs(bodies, {.common = (reach + skin) / 2, .points = true, .skin = skin},
-                  Grouping::by_partners, near.windows);
+      period.any() ? MotionCells() : MotionCells(comm, near.found_at, motion_cell * widest);
+  if (reach.radii > 0) {
+    std::vector<double> own(bodies.radius);
+    for (double& r : own) r = reach.radii * r + skin / 2;
+    find_near_pairs(bodies, {.of_rows = own, .points = true, .skin = skin}, Grouping::by_partners,
+                    near.windows);
+  } else {
+    find_near_pairs(bodies, {.common = widest / 2, .points = true, .skin = skin},
+                    Grouping::by_partners, near.windows);
+  }
   if (bonded && bonds)
     recall_bonds(bodies, *bonds, near);
   else if (bonded)
@@ -163,8 +174,9 @@ void find_near_pairs(const Comm& comm, Bodies& bodies, const Period& period, dou
   book_search(comm, near);
 }
 
-void search_near_pairs(const Comm& comm, Bodies& bodies, const Period& period, double reach,
-                       double skin, const BondReach& bonded, NearPairs& near) {
+void search_near_pairs(const Comm& comm, Bodies& bodies, const Period& period,
+                       const PairReach& reach, double skin, const BondReach& bonded,
+                       NearPairs& near) {
   require(!bonded || bodies.has(Field::bonds),
           "bonds that break need fields that the bodies were made without");
   search_anew(

@@ -44,7 +44,7 @@ struct NearPairs : Search {
   std::vector<NearWindow> windows;
   bool bonds_break = false;    ///< the pairs tell which are bound
   std::optional<Bonds> bonds;  ///< for the first search, where there were any before
-  double reach = 0;            ///< m, between centres, up to which bodies may act on each other
+  double reach = 0;            ///< m, between centres, up to which any bodies may act on each other
   double skin = 0;             ///< m, beyond it, up to which pairs are listed; 0: search now
   MotionCells cells;           ///< of the places where pairs were found, where none repeats
   double moved = 0;  ///< m: no two bodies have come nearer to each other by more since then
@@ -61,18 +61,25 @@ enum class Grouping { by_partners, by_near_partners };
 void find_near_pairs(const Bodies& bodies, const Reach& reach, Grouping grouping,
                      std::vector<NearWindow>& windows);
 
+/// How far two bodies may act on each other, between their centres.
+struct PairReach {
+  double most;       ///< m, any two
+  double radii = 0;  ///< not 0: so many times the sum of their radii, no more than `most`
+};
+
 /// Finds ghosts and pairs up to `reach` + `skin` (m) anew. Without `bonds` from before, bodies
 /// nearer than `bonded` says are bound. The skin is less, and Error is thrown, as `skin_within`
 /// says. Collective.
-void find_near_pairs(const Comm& comm, Bodies& bodies, const Period& period, double reach,
+void find_near_pairs(const Comm& comm, Bodies& bodies, const Period& period, const PairReach& reach,
                      double skin, const BondReach& bonded, const std::optional<Bonds>& bonds,
                      NearPairs& near);
 
 /// Finds ghosts and pairs up to `reach` + `skin` (m) anew; cuts the domain before where the ranks'
 /// work differs by more than a tenth. Where bonds break they stay with their pairs; the first
 /// search binds bodies nearer than `bonded` says. Collective.
-void search_near_pairs(const Comm& comm, Bodies& bodies, const Period& period, double reach,
-                       double skin, const BondReach& bonded, NearPairs& near);
+void search_near_pairs(const Comm& comm, Bodies& bodies, const Period& period,
+                       const PairReach& reach, double skin, const BondReach& bonded,
+                       NearPairs& near);
 
 /// Calls `f(slot, own, partners)` for every slot of a window, with the places of eight pairs.
 template <class F>

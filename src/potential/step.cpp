@@ -90,7 +90,7 @@ void update_pairs(World& world, Potential& engine, bool velocities) {
         best_skin(world.comm, world.bodies, near, {}, near.reach, skins_of_lattice(spacing));
     take_rows(world, engine);
     wrap_bodies(world);
-    search_near_pairs(world.comm, world.bodies, world.period, reach_of(engine.law), skin,
+    search_near_pairs(world.comm, world.bodies, world.period, {reach_of(engine.law)}, skin,
                       bonds_to_make(world, engine.law), near);
     engine.at_walls = bodies_at_walls(world, engine.law, near.skin);
     fill_rows(world, engine);
@@ -411,7 +411,7 @@ struct Found {
 
   Found(const World& from, const Potential& of) : world(from), engine(of.law) {
     resize(world.bodies, world.bodies.owned);
-    find_near_pairs(world.comm, world.bodies, world.period, reach_of(engine.law), 0,
+    find_near_pairs(world.comm, world.bodies, world.period, {reach_of(engine.law)}, 0,
                     bonds_to_make(world, engine.law), bonds_of(from.bodies, of.near), engine.near);
     engine.at_walls = bodies_at_walls(world, engine.law, 0);
     fill_rows(world, engine);

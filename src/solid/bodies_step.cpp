@@ -135,8 +135,9 @@ struct Body {
   const SolidLaw& law;
   Index row;
   double volume, rest_volume, h;
+  double late;         ///< s, over which new stresses have worked
   double stiffness;    ///< of its shear modulus at rest
-  double gained;       ///< J, by the power of old stresses, over half of h
+  double gained;       ///< J, by the power of old stresses
   double growth;       ///< tr L, 1/s
   double shear_power;  ///< s : L, W/m^3, of the trial stress
   double mises;        ///< Pa, of the trial stress
@@ -246,9 +247,9 @@ Pressed pressed(const Bodies& bodies, const Body& b, const Sheared& sheared, boo
   const double filled = plain ? 1 : law.filled;
   const double x = bodies.compression[b.row] * filled;
   const double rest_volume = b.rest_volume * filled;
-  const double half = b.h / 2 * b.volume;
+  const double acts = b.late * b.volume;
   const double before =
-      bodies.internal_energy[b.row] + b.gained + half * sheared.scale * b.shear_power;
+      bodies.internal_energy[b.row] + b.gained + acts * sheared.scale * b.shear_power;
   ColdCurve::State cold;
   // P = P_c + Gamma rho Q/m of matter so pressed, and Q depends on the work of P. The rest of the
   // volume are pores and voids.
@@ -257,7 +258,7 @@ Pressed pressed(const Bodies& bodies, const Body& b, const Sheared& sheared, boo
     const double share = x / matter;
     const double per_heat = share * law.gruneisen / rest_volume * std::min(1.0, matter);
     const double given = before - rest_volume * cold.energy - sheared.energy;
-    return (share * cold.pressure + per_heat * given) / (1 + per_heat * half * b.growth);
+    return (share * cold.pressure + per_heat * given) / (1 + per_heat * acts * b.growth);
   };
   Pressed after{.pressure = pressure_of(alpha * x), .damage = damage, .crushed = crushed};
   if (!plain && alpha > 1 && law.yields && after.pressure > law.crushing_pressure(crushed)) {
@@ -286,7 +287,7 @@ Pressed pressed(const Bodies& bodies, const Body& b, const Sheared& sheared, boo
     }
     after.pressure = pressure;
   }
-  after.energy = before - half * after.pressure * b.growth;
+  after.energy = before - acts * after.pressure * b.growth;
   after.heat = after.energy - rest_volume * cold.energy - sheared.energy;
   after.sound_speed2 = cold.slope2;
   return after;
@@ -340,9 +341,9 @@ std::vector<double> rest_volumes(const Bodies& bodies, const std::vector<SolidLa
 
 SPALL_KERNEL(double, update_bodies,
              (Bodies & bodies, const std::vector<SolidLaw>& laws,
-              const std::vector<double>& rest_volume, double h, const ShapeRow* shapes,
+              const std::vector<double>& rest_volume, double h, double late, const ShapeRow* shapes,
               MotionRow* rows, ResponseRow* responses),
-             (bodies, laws, rest_volume, h, shapes, rows, responses)) {
+             (bodies, laws, rest_volume, h, late, shapes, rows, responses)) {
   double heat = 0;
   for (Index first = 0; first < bodies.owned; first += lane_count) {
     // The last group is filled up by its last body, which comes to the same each time.
@@ -408,7 +409,7 @@ SPALL_KERNEL(double, update_bodies,
     const LaneTensor trial = turned(turning + half_step, q) + half_step;
 
     const Lanes gained =
-        0.5 * h * old_volume * (contracted(s_old, L_old) - pressure * L_old.trace());
+        (h - late) * old_volume * (contracted(s_old, L_old) - pressure * L_old.trace());
     const Lanes shear_power = contracted(trial, L), growth = L.trace();
     const Lanes mises = root_of(1.5 * contracted(trial, trial));
     // The pressure of single bodies has noise, which alternates from neighbour to neighbour.
@@ -431,6 +432,7 @@ SPALL_KERNEL(double, update_bodies,
                          .volume = volume[l],
                          .rest_volume = rest_volume[b],
                          .h = h,
+                         .late = late,
                          .stiffness = stiffness[l],
                          .gained = gained[l],
                          .growth = growth[l],

@@ -27,9 +27,10 @@ std::vector<double> rest_volumes(const Bodies& bodies, const std::vector<SolidLa
 /// voids have been at most, of those at which nothing is borne; or the sum of plastic strain over
 /// Johnson and Cook's strain at failure; of a brittle solid, what its cracks have taken the load
 /// from (solid/flaws.hpp). At 1 the body bears pressure alone. The energy grows by
-/// the power of the pairs' forces, half at either end. Returns the heat (J) that bodies gained.
+/// the power of the pairs' forces: by that of the new stress over `late` (s), by that of the old
+/// one over the rest of h. Returns the heat (J) that bodies gained.
 double update_bodies(Bodies& bodies, const std::vector<SolidLaw>& laws,
-                     const std::vector<double>& rest_volume, double h, const ShapeRow* shapes,
-                     MotionRow* rows, ResponseRow* responses);
+                     const std::vector<double>& rest_volume, double h, double late,
+                     const ShapeRow* shapes, MotionRow* rows, ResponseRow* responses);
 
 }  // namespace spall

@@ -14,11 +14,17 @@ namespace spall {
 
 struct SolidSettings {
   bool elastic = false;        ///< nothing yields or tears
+  double courant = 0;          ///< as in `Elastoplastic`
   std::vector<SolidLaw> laws;  ///< by material, once derived; of those that no body is of, none
 };
 
 struct Elastoplastic final : Engine {
   std::vector<SolidLaw> laws;  ///< by material
+  /// 0: steps are as they are asked for. Else each is parted, as in `longest_step`, by the spacing
+  /// and the speed of sound of compressed bodies and by the speeds of neighbours, step by step.
+  double courant = 0;
+  double next_part = 0;    ///< s, that the last step leaves to the next; 0: not known
+  std::int64_t parts = 0;  ///< steps made with their forces, since it was made
   NearPairs near;
   SamePiece same;                   ///< of the pairs
   SolidContacts contacts;           ///< of the pairs
@@ -29,7 +35,8 @@ struct Elastoplastic final : Engine {
   std::vector<ResponseRow> responses;
   std::vector<PushRow> forces;
 
-  explicit Elastoplastic(std::vector<SolidLaw> of_materials) : laws(std::move(of_materials)) {}
+  explicit Elastoplastic(std::vector<SolidLaw> of_materials, double of_spacing = 0)
+      : laws(std::move(of_materials)), courant(of_spacing) {}
 
   void check_steps(const World& world, const PlannedSteps& steps) const override;
   StepReport advance(World& world, const StepRequest& request) override;
@@ -39,8 +46,13 @@ struct Elastoplastic final : Engine {
   LinkedBodies links(const World& world) const override;
 };
 
-/// s, of steps of bodies of this spacing (m) that meet at up to `speed` (m/s).
-double longest_step(const SolidLaw& law, double spacing, double speed);
+/// Of a spacing: what sound and bodies that meet cross in a step at most.
+inline constexpr double usual_courant = 0.2;
+
+/// s, of steps of bodies of this spacing d (m) that meet at up to `speed` V (m/s):
+/// courant d/(c + 4 s V), with the slope s of the shock speed.
+double longest_step(const SolidLaw& law, double spacing, double speed,
+                    double courant = usual_courant);
 
 extern const EngineType solid_engine;
 

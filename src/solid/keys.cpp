@@ -15,6 +15,10 @@ void read(Section& in, EngineSettings& settings) {
   SolidSettings solid;
   in.table("solid", "bodies with a stress, in phases with method = \"solid\"", [&](Section& s) {
     s.take("elastic", "true: nothing yields, melts or tears", solid.elastic);
+    s.take("courant",
+           "steps are parted: sound and bodies that meet cross this share of a spacing in a part; "
+           "0: they are not",
+           solid.courant, Quantity{dimension::number, 0, 1});
   });
   settings.set(solid);
 }
@@ -157,13 +161,18 @@ std::string describe(const Surroundings& around, std::span<const MaterialUse> us
     } else {
       text += "    elastic: nothing yields, melts or tears\n";
     }
-    text += fmt::format("    steps of at most {:.3g} s at rest\n", longest_step(law, spacing, 0));
+    if (solid.courant > 0)
+      text += fmt::format("    steps are parted: parts of {:.3g} s at rest\n",
+                          longest_step(law, spacing, 0, solid.courant));
+    else
+      text += fmt::format("    steps of at most {:.3g} s at rest\n", longest_step(law, spacing, 0));
   }
   return text;
 }
 
 std::unique_ptr<Engine> make(const EngineSettings& settings) {
-  return std::make_unique<Elastoplastic>(settings.get<SolidSettings>().laws);
+  const auto solid = settings.get<SolidSettings>();
+  return std::make_unique<Elastoplastic>(solid.laws, solid.courant);
 }
 
 }  // namespace

@@ -88,6 +88,23 @@ inline void sweep_shapes(const std::vector<NearWindow>& windows, const SamePiece
   }
 }
 
+/// 1/s^2: the largest v^2/R^2 of bodies nearer than R to each other, of any pieces; v their
+/// velocity against each other, R the mean of both reaches.
+inline double fastest_pair(const std::vector<NearWindow>& windows, const double* reach,
+                           const MotionRow* rows) {
+  Lanes fastest{};
+  for (const NearWindow& window : windows)
+    for_each_slot(window, [&](std::size_t, const Index* own, const Index* partners) {
+      const MotionLanes i(rows, own), j(rows, partners);
+      const Lanes R = 0.5 * (gather(reach, rows_at(own)) + gather(reach, rows_at(partners)));
+      const Lanes x = j.x - i.x, y = j.y - i.y, z = j.z - i.z;
+      const Lanes u = j.u - i.u, v = j.v - i.v, w = j.w - i.w;
+      const Lanes R2 = R * R, speed2 = u * u + v * v + w * w;
+      fastest = larger(fastest, select(x * x + y * y + z * z < R2, speed2 / R2, Lanes{}));
+    });
+  return largest_lane(fastest);
+}
+
 /// How eight bodies answer.
 struct ResponseLanes {
   Lanes t[9], d[6], linear, square, u, v, w, volume, failed;
