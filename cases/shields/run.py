@@ -43,6 +43,7 @@ WALL_RIM = 1.5  # ball diameters that the wall is wider than the cloud's core, o
 CLOUD = 0.2  # radius of the core at the wall over the stand-off
 FLIGHT = 2.5  # times that which the ball would need at its speed from the bumper to the wall
 RINGING = 40  # times that which sound needs through the wall
+COURANT = 0.2  # steps are parted by it
 SOUND = 5350  # m/s, of aluminium: where a duration or a cost is estimated
 SLOPE = 1.34  # of aluminium's shock speed
 DEAREST = 4e9  # body-steps: shots that need more are left out
@@ -80,7 +81,7 @@ def set_up(shot, across):
     disc = 1 if angle else math.pi / 4
     bodies = per_volume * (math.pi / 6 * d**3 / ball**3 + disc * (BUMPER_WIDTH * d)**2 / math.cos(angle) * t / bumper**3
                            + disc * (width + sideways) * width * w / wall**3)
-    step = 0.2 * min(ball, bumper, wall) / (SOUND + 4 * SLOPE * v)
+    step = COURANT * min(ball, bumper, wall) / (SOUND + 4 * SLOPE * v)
     return Setting(ball, bumper, wall, width + sideways, width, sideways / 2, duration, bodies, duration / step)
 
 
@@ -124,12 +125,13 @@ def case_of(shot, setting, seed):
             f'degrees, {shot.metals[0]} on {shot.metals[1]} and {shot.metals[2]}"', f"seed = {seed}"]
     for part, library in zip(("ball", "bumper", "wall"), libraries):
         text += ["", f"[materials.{part}]", f'library = "{library}"']
+    text += ["", "[solid]", f"courant = {COURANT}"]
     for name, spacing, filled, velocity in groups:
         text += ["", "[[groups]]", f'name = "{name}"', f'material = "{name}"', f"volume = {filled}",
                  f'packing = {{kind = "fcc", diameter = {spacing:.9g}, orientation = "random"}}']
         if velocity:
             text += [f"velocity = [{', '.join(f'{x:.9g}' for x in velocity)}]"]
-    text += ["", "[[phases]]", 'name = "shot"', 'method = "solid"', 'step = "auto"',
+    text += ["", "[[phases]]", 'name = "shot"', 'method = "solid"', f"step = {setting.duration / 200:.6g}",
              f"duration = {setting.duration:.6g}", "", "[[shields]]", 'wall = "wall"', "rear = [0, 0, -1]", "",
              "[output]", f"series_every = {setting.duration / 50:.6g}",
              f"snapshot_every = {setting.duration / 10:.6g}", ""]
