@@ -29,6 +29,12 @@ duration = "10 s"
 )";
 const std::string impactor =
     "impactor = {mass = 1, radius = 0.1, speed = \"1 km/s\", distance = 1}\n";
+/// Hit by point-source theory.
+std::string coupled_by(const std::string& more) {
+  return "impactor = {mass = 1, radius = 0.1, speed = 10, distance = 1, coupling = {law = "
+         "\"point_source\", density = 1, hand_over = 1" +
+         more + "}}\n";
+}
 const std::string springs = "[contact]\nrestitution = 0.5\n[penalty]\nmodel = \"hooke\"\n";
 const std::string by_springs = "method = \"penalty\"\n";
 const std::string law = "[pair_potential]\nlaw = \"lennard_jones\"\ndepth = 1\ndistance = 2\n";
@@ -169,6 +175,18 @@ const std::vector<Refused> table = {
     {bodies + phase +
          "impactor = {mass = 1, radius = 0.1, speed = 1, offset = [0, 0, 5], distance = 1}\n",
      "x.toml:15:12: phases.only.impactor: the impactor misses"},
+    {bodies + phase + coupled_by(""),
+     "x.toml:15:82: phases.only.impactor.coupling.law needs ground"},
+    {bodies + phase + coupled_by(", ground = \"mud\""),
+     "x.toml:15:143: phases.only.impactor.coupling.ground is none of rock, weakly_cemented_basalt"},
+    {bodies + phase + coupled_by(", ground = \"sand\", mu = 0.7"),
+     "x.toml:15:156: phases.only.impactor.coupling.mu is not between 1/3 and 2/3"},
+    {bodies + phase + coupled_by(", ground = \"sand\", n1 = 20"),
+     "x.toml:15:12: phases.only.impactor.coupling.hand_over = 1 m lies within 2 m"},
+    {bodies + phase + coupled_by(", ground = \"rock\", crater_radius = 0.5"),
+     "x.toml:15:12: phases.only.impactor.coupling.hand_over = 1 m lies beyond 0.5 m"},
+    {bodies + phase + coupled_by(", ground = \"sand\"") + "[[planes]]\npoint = [0, 0, -9]\n",
+     "x.toml:15:12: phases.only.impactor.coupling: a wall would take a part of the recoil"},
     {bodies + "[materials.impactor]\ndensity = 5\n" + phase + impactor,
      "x.toml:17:12: phases.only.impactor: its mass and radius give 238.732 kg/m^3"},
     // Methods.

@@ -139,12 +139,18 @@ class Run {
     const bool meets = std::ranges::count(phase().engine->tables, "contact") > 0;
     const double struck_mass = comm_.max(own && meets ? bodies.mass[row] : 0.0);
     const std::string coupled = verdict_.impactor_added(
-        world(), events.impactor,
-        world().contact(phase().impactor->material, static_cast<int>(material)).restitution,
+        events, world().contact(phase().impactor->material, static_cast<int>(material)).restitution,
         struck_mass);
     progress_.say(fmt::format("impactor: {:.4g} kg at {:.4g} m/s, aimed at body {}",
                               phase().impactor->mass, phase().impactor->speed, events.aim->struck));
     if (!coupled.empty()) progress_.say(coupled);
+    if (events.flow)
+      progress_.say(fmt::format(
+          "its flow: {:.4g} kg get {:.4g} of its momentum back, beyond {:.4g} m; {:.4g} leave from "
+          "within with its body; {:.3g} % of its energy moves bodies, the rest is booked as heat",
+          events.flow->found_mass, events.flow->given_momentum / verdict_.impactor_momentum(),
+          events.flow->hand_over, events.flow->inner_momentum / verdict_.impactor_momentum(),
+          100 * events.flow->flow_energy / events.flow->energy));
   }
 
   /// Of a run that goes on from a restart file: what there is nothing left to do of.
@@ -371,6 +377,7 @@ class Run {
     table.add("time", "ranks", static_cast<std::int64_t>(comm_.size));
     add_communication(world(), clock().step - std::max<std::int64_t>(resumes_at_, 0), table);
     progress_.say("\n" + table.text());
+    if (const std::string warning = verdict_.warning(); !warning.empty()) progress_.say(warning);
     for (const std::string& line : judged) progress_.say(line);
     write_results(comm_, folder_.path(), table, provenance_);
     snapshots_->write_index();

@@ -356,12 +356,19 @@ PhaseEvents Simulation::begin_phase(const std::function<void(const World&)>& bef
       }
       if (phase().impactor) {
         if (before_impactor) before_impactor(world);
-        events.impactor = world.comm.sum(static_cast<std::int64_t>(world.bodies.owned));
+        const BodyId id = world.comm.sum(static_cast<std::int64_t>(world.bodies.owned));
         events.aim = add_impactor(world.comm, scene(), *phase().impactor, world.bodies);
+        events.before = before_impact(world.comm, world.bodies, id);
+        if (phase().impactor->coupling)
+          events.flow = hand_over_flow(world.comm, *phase().impactor, id, world.bodies);
         state_->clock.since_impact = 0;
       }
       world.kick.interval = 0;
     });
+  if (events.flow) {  // all that the impactor brought and no body carries
+    if (world.comm.rank == 0) world.ledger.dissipated += events.flow->heat;
+    state_->account.book_energy(events.flow->heat);
+  }
   engine->restart_pairs(world, std::move(memory));
   if (phase().cohesion) set_cohesion(world.contact, *phase().cohesion);
   world.time = clock().time;

@@ -4,10 +4,12 @@
 
 #include <optional>
 
+#include "analysis/deflection.hpp"
 #include "engine/engine.hpp"
 #include "output/restart.hpp"
 #include "run/account.hpp"
 #include "scene/case.hpp"
+#include "scene/hand_over.hpp"
 #include "scene/impactor.hpp"
 #include "spall/simulation.hpp"
 
@@ -15,8 +17,9 @@ namespace spall {
 
 /// What changed the bodies at the start of a phase.
 struct PhaseEvents {
-  std::optional<Aim> aim;  ///< of the impactor, where one was added
-  BodyId impactor = -1;
+  std::optional<Aim> aim;        ///< of the impactor, where one was added
+  BeforeImpact before;           ///< as it flies at the target
+  std::optional<HandOver> flow;  ///< where its flow was handed to the bodies
 };
 
 }  // namespace spall

@@ -10,18 +10,48 @@
 
 namespace spall {
 
+namespace {
+
+/// What crossed from the formulas to the bodies.
+void add_flow(const HandOver& flow, double unit, ResultTable& table) {
+  const auto add = [&](const char* key, double value, const char* of, const char* note) {
+    table.add("coupling", key, value, of, note);
+  };
+  add("impactor_radius", flow.a, "m", "");
+  add("impactor_density", flow.delta, "kg/m^3", "");
+  add("hand_over", flow.hand_over, "m", "from there on bodies got the flow");
+  add("reach", flow.reach, "m", "to there");
+  add("bodies", flow.count, "", "that got some of it");
+  add("inner_mass", flow.inner_mass, "kg", "launched within, by the formulas; stays with bodies");
+  add("inner_momentum", flow.inner_momentum / unit, "m U",
+      "against the flight; leaves with the impactor's body");
+  add("inner_energy", flow.inner_energy / flow.energy, "m U^2/2", "of that mass; in the heat");
+  add("outer_mass", flow.outer_mass, "kg", "launched beyond, by the formulas");
+  add("outer_momentum", flow.outer_momentum / unit, "m U", "the sum of sizes");
+  add("outer_energy", flow.outer_energy / flow.energy, "m U^2/2", "");
+  add("found_mass", flow.found_mass, "kg", "of bodies where that is launched");
+  add("given_momentum", flow.given_momentum / unit, "m U", "that these got, against the flight");
+  add("flow_energy", flow.flow_energy / flow.energy, "m U^2/2", "that bodies of the target got");
+  add("heat", flow.heat, "J", "the rest of the impactor's energy, booked as dissipated");
+  add("momentum_closure", flow.momentum_closure, "m U", "open after the recoil");
+  add("angular_closure", flow.angular_closure, "m U times the target's reach", "the same");
+}
+
+}  // namespace
+
 void Verdict::look_at_pile(const World& world) {
   pile_ = measure_interior(world.comm, world.bodies, std::vector<char>(world.bodies.owned, 1),
                            world.shapes);
 }
 
-std::string Verdict::impactor_added(const World& world, BodyId impactor, double restitution,
+std::string Verdict::impactor_added(const PhaseEvents& events, double restitution,
                                     double struck_mass) {
-  before_ = before_impact(world.comm, world.bodies, impactor);
-  before_.struck_mass = struck_mass;
+  before_ = events.before;
+  flow_ = events.flow;
+  before_.struck_mass = flow_ ? 0 : struck_mass;
   restitution_ = restitution;
   rows_.clear();
-  if (struck_mass == 0) return "";
+  if (before_.struck_mass == 0) return "";
   return fmt::format(
       "a rigid hit leaves {:.2g} % of its energy in that body of {:.4g} kg; ejecta and beta follow "
       "this share",
@@ -55,6 +85,21 @@ std::string Verdict::read_out(const World& world, const Engine& engine, double s
       "ejecta {:.5g}), beta {:.4g}, {} ejecta of {:.4g} kg",
       since_impact, d.dv, d.dv_impactor, d.dv_rebound, d.dv_ejecta, d.beta, d.ejecta.count,
       d.ejecta.mass);
+}
+
+std::string Verdict::warning() const {
+  if (rows_.empty() || flow_ || before_.struck_mass == 0) return "";
+  // Bodies of the ejecta bring less than this part of m U: beta tells of the bounce alone.
+  constexpr double resolved = 0.02;
+  const Row& last = rows_.back();
+  if (last.dv_ejecta > resolved * last.dv_impactor) return "";
+  return fmt::format(
+      "WARNING: beta {:.4g} is that of a bounce alone, 1 + e at most: ejecta brought {:.2g} of m "
+      "U. "
+      "The body that was hit weighs {:.3g} impactors, so nothing of a crater is resolved. Bodies "
+      "lighter than the impactor at the site, or impactor.coupling, would tell of ejecta",
+      last.beta_along, last.dv_ejecta / last.dv_impactor,
+      before_.struck_mass / before_.impactor_mass);
 }
 
 void Verdict::add_to(ResultTable& table, const std::optional<Binary>& binary) const {
@@ -91,6 +136,8 @@ void Verdict::add_to(ResultTable& table, const std::optional<Binary>& binary) co
     table.add("deflection", "rigid_share", rigid_share(before_, restitution_), "",
               "of the impactor's energy, left in it by a rigid head-on hit: beta follows it");
   }
+  if (flow_) add_flow(*flow_, impactor_momentum(), table);
+  if (const std::string told = warning(); !told.empty()) table.add("deflection", "warning", told);
   if (binary) {
     const Orbit orbit = new_orbit(*binary, last.dv);
     table.add("deflection", "a_new", orbit.a_new, "m",
@@ -140,6 +187,7 @@ void Verdict::for_each_scalar(Self& self, F&& f) {
   f("verdict.pile.extent", self.pile_.extent);
   f("verdict.pile.mean_diameter", self.pile_.mean_diameter);
   vector("verdict.pile.axes", self.pile_.axes);
+  if (self.flow_) HandOver::for_each_scalar(*self.flow_, f);
   for (std::size_t r = 0; r < self.rows_.size(); ++r) {
     auto& row = self.rows_[r];
     int k = 0;
@@ -152,6 +200,7 @@ void Verdict::for_each_scalar(Self& self, F&& f) {
 }
 
 void Verdict::save(Scalars& scalars) const {
+  scalars["verdict.has_flow"] = flow_ ? 1 : 0;
   scalars["verdict.impactor"] = static_cast<double>(before_.impactor);
   scalars["verdict.read_outs"] = static_cast<double>(rows_.size());
   save_scalars(*this, scalars);
@@ -160,6 +209,8 @@ void Verdict::save(Scalars& scalars) const {
 void Verdict::load(const Scalars& scalars) {
   before_.impactor = static_cast<BodyId>(find_scalar(scalars, "verdict.impactor"));
   rows_.resize(static_cast<std::size_t>(find_scalar(scalars, "verdict.read_outs")));
+  const auto flow = scalars.find("verdict.has_flow");  // files of before know none
+  if (flow != scalars.end() && flow->second != 0) flow_.emplace();
   load_scalars(*this, scalars);
 }
 

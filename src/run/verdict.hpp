@@ -11,6 +11,7 @@
 #include "engine/engine.hpp"
 #include "output/restart.hpp"
 #include "output/results.hpp"
+#include "run/simulation.hpp"
 
 namespace spall {
 
@@ -19,10 +20,9 @@ class Verdict {
   /// Looks at the pile as it is before the impactor is added, or at the end where there is none.
   /// Collective.
   void look_at_pile(const World& world);
-  /// Called when the impactor is in the world with this id; `struck_mass` as in BeforeImpact.
-  /// Returns a line to show, or nothing. Collective.
-  std::string impactor_added(const World& world, BodyId impactor, double restitution,
-                             double struck_mass);
+  /// Called when the impactor is in the world; `struck_mass` as in BeforeImpact. Returns a line to
+  /// show, or nothing.
+  std::string impactor_added(const PhaseEvents& events, double restitution, double struck_mass);
   std::size_t read_outs() const { return rows_.size(); }
   /// Measures the deflection at this instant, `since_impact` seconds after the impactor was added.
   /// Velocities and positions must belong to the same instant. Returns a line to show. Collective.
@@ -30,6 +30,9 @@ class Verdict {
 
   /// Adds its sections: [pile], [deflection], [orbit], [ejecta], [read_out].
   void add_to(ResultTable& table, const std::optional<Binary>& binary) const;
+
+  /// What a reader of `beta` must know, or nothing: no ejecta were resolved.
+  std::string warning() const;
 
   bool has_impact() const { return before_.impactor >= 0; }
   /// kg m/s; the unit in which drifts are judged.
@@ -51,6 +54,7 @@ class Verdict {
 
   BeforeImpact before_;
   Interior pile_;
+  std::optional<HandOver> flow_;
   double restitution_ = 0;
   double closure_ = 0;  // largest of the read-outs
   std::vector<Row> rows_;

@@ -74,6 +74,10 @@ void read_impactor(Section& in, Impactor& impactor) {
           any(length));
   in.take("aim", "head-on: the line is shifted through the centre of the first sphere it meets",
           impactor.aim, aims);
+  PointSource coupling;
+  if (in.table("coupling", "its flow is handed to the bodies; left out: it hits as a rigid body",
+               [&](Section& s) { read_point_source(s, coupling); }))
+    impactor.coupling = coupling;
   in.check("direction", !impactor.direction.isZero(0), "is zero");
   impactor.direction.normalize();
   impactor.place = in.place();

@@ -14,6 +14,7 @@
 #include "engine/type.hpp"
 #include "gravity/map.hpp"
 #include "keys/input_files.hpp"
+#include "scene/point_source.hpp"
 #include "scene/surface_mesh.hpp"
 #include "spall/scene.hpp"
 #include "spall/types.hpp"
@@ -112,6 +113,8 @@ struct Impactor {
   double distance = 0;         ///< m flown before the first contact; head-on: the gap at the start
   Vec3 offset = Vec3::Zero();  ///< m, of the aiming line from the target's centre of mass
   Aiming aim = Aiming::head_on;
+  /// Its flow is handed to the bodies; without it, it hits them as a rigid body.
+  std::optional<PointSource> coupling = std::nullopt;
 };
 
 enum class PhaseEnd { time, settled };

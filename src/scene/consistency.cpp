@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "scene/orbit.hpp"
+#include "scene/shape.hpp"
 #include "spall/error.hpp"
 
 namespace spall {
@@ -59,6 +60,33 @@ void check_removal_of_drift(const Case& scene, const Phase& phase) {
   refuse_beside(has_fixed_sphere(scene), "a fixed sphere of the program");
 }
 
+/// The flow of an impact is known of loose ground, and its recoil of a target that is free.
+void check_coupling(const Case& scene, const Phase& phase) {
+  const Impactor& impactor = *phase.impactor;
+  const PointSource& source = *impactor.coupling;
+  const std::string place = impactor.place + ".coupling";
+  require(std::ranges::count(phase.engine->tables, "contact") > 0,
+          "{}: the flow is handed to loose bodies, but with method = \"{}\" they are parts of a "
+          "solid",
+          place, phase.engine->name);
+  const LaunchFlow flow(source, impactor.radius, impactor.mass / ball_volume(impactor.radius),
+                        impactor.speed);
+  require(source.hand_over > flow.begin(),
+          "{}.hand_over = {:g} m lies within {:.4g} m, n1 radii of the impactor, where nothing is "
+          "launched",
+          place, source.hand_over, flow.begin());
+  require(source.hand_over < flow.end(),
+          "{}.hand_over = {:g} m lies beyond {:.4g} m, n2 radii of the crater, where the flow ends",
+          place, source.hand_over, flow.end());
+  const auto refuse_beside = [&](bool there, std::string_view what) {
+    require(!there, "{}: {} would take a part of the recoil, which is the free target's", place,
+            what);
+  };
+  refuse_beside(scene.walls().size() > 0, "a wall");
+  refuse_beside(scene.period.any(), "the box of [periodic]");
+  refuse_beside(find_held(scene) || has_fixed_sphere(scene), "a held body");
+}
+
 void check_gravity(const Case& scene) {
   if (scene.gravity.method == GravityMethod::none) return;
   if (const Group* held = find_held(scene))
@@ -109,6 +137,8 @@ void check_consistency(const Case& scene) {
   check_methods(scene);
   for (const Phase& phase : scene.phases)
     if (phase.remove_drift) check_removal_of_drift(scene, phase);
+  for (const Phase& phase : scene.phases)
+    if (phase.impactor && phase.impactor->coupling) check_coupling(scene, phase);
   require(!scene.binary || std::ranges::any_of(scene.phases, has_impactor),
           "{} asks for the orbit after an impact, but no phase has an impactor",
           scene.binary ? scene.binary->place : "");

@@ -1,0 +1,289 @@
+// Rings about the line of flight, rays in each, and then the recoil of all that stays.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "scene/hand_over.hpp"
+
+#include <Eigen/Dense>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "scene/shape.hpp"
+#include "spall/error.hpp"
+
+namespace spall {
+namespace {
+
+/// Ends of a ring differ by this part; so do neighbouring rays of a ring. What a body gets is wrong
+/// by about this part of the distance over its radius; what all get is not.
+constexpr double fineness = 0.02;
+
+/// A body of the target, its place relative to the line of flight.
+struct Boulder {
+  BodyId id;
+  Vec3 place;  ///< m: across, across, along the flight
+  double radius, density;
+  double mass = 0;               ///< kg, launched
+  Vec3 momentum = Vec3::Zero();  ///< kg m/s, in the same axes
+};
+
+/// Momentum, and angular momentum about the world's origin.
+struct Motion {
+  Vec3 linear = Vec3::Zero(), angular = Vec3::Zero();
+  double energy = 0;
+};
+
+double spin_inertia(const Bodies& bodies, Index b) {
+  return 0.4 * bodies.mass[b] * bodies.radius[b] * bodies.radius[b];
+}
+
+Motion motion_of(const Comm& comm, const Bodies& bodies) {
+  std::array<double, 7> sums{};
+  Eigen::Map<Vec3> linear(sums.data()), angular(sums.data() + 3);
+  const bool spins = bodies.has(Field::angular_velocity);
+  for (Index b = 0; b < bodies.owned; ++b) {
+    const Vec3 p = bodies.mass[b] * bodies.velocity[b];
+    linear += p;
+    angular += bodies.position[b].cross(p);
+    sums[6] += p.dot(bodies.velocity[b]) / 2;
+    if (!spins) continue;
+    const Vec3& spin = bodies.angular_velocity[b];
+    angular += spin_inertia(bodies, b) * spin;
+    sums[6] += spin_inertia(bodies, b) * spin.squaredNorm() / 2;
+  }
+  comm.sum(sums);
+  return {Vec3(sums[0], sums[1], sums[2]), Vec3(sums[3], sums[4], sums[5]), sums[6]};
+}
+
+/// The target's outward normal where a line along the flight enters its ellipsoid of moments.
+class Ellipsoid {
+ public:
+  explicit Ellipsoid(const std::vector<Boulder>& boulders) {
+    double mass = 0;
+    for (const Boulder& one : boulders) mass += mass_of(one);
+    for (const Boulder& one : boulders) center_ += mass_of(one) / mass * one.place;
+    Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
+    for (const Boulder& one : boulders) {
+      const Vec3 x = one.place - center_;
+      second += mass_of(one) / mass *
+                (x * x.transpose() + one.radius * one.radius / 5 * Eigen::Matrix3d::Identity());
+    }
+    // A uniform ellipsoid's second moment along a semi-axis s is s^2 / 5.
+    form_ = (5 * second).inverse();
+  }
+
+  /// Beside the ellipsoid that of its limb: the point of the line that is nearest to it.
+  Vec3 normal(double y, double z) const {
+    // q(t) = (x + t e)^T F (x + t e) = 1 with x on the plane through the centre, e along z.
+    const Vec3 x(y - center_.x(), z - center_.y(), 0), e = Vec3::UnitZ();
+    const double ee = e.dot(form_ * e), xe = x.dot(form_ * e), xx = x.dot(form_ * x);
+    const double root = std::sqrt(std::max(xe * xe - ee * (xx - 1), 0.0));
+    return (form_ * (x + (-xe - root) / ee * e)).normalized();
+  }
+
+ private:
+  static double mass_of(const Boulder& one) { return one.density * ball_volume(one.radius); }
+  Vec3 center_ = Vec3::Zero();
+  Eigen::Matrix3d form_;
+};
+
+/// Of one ray: adds to the outermost boulders `column` kg/m^2 of their mass, times `area`, with the
+/// momentum `of_mass` m/s times that. Returns the mass found, kg.
+class Rays {
+ public:
+  explicit Rays(std::vector<Boulder>& boulders) : boulders_(boulders) {
+    for (const Boulder& one : boulders) largest_ = std::max(largest_, one.radius);
+  }
+
+  double launch(double y, double z, double column, double area, const Vec3& velocity) {
+    hits_.clear();
+    const auto first = std::ranges::lower_bound(boulders_, y - largest_, {}, across);
+    for (auto one = first; one != boulders_.end() && one->place.x() <= y + largest_; ++one) {
+      const double dy = one->place.x() - y, dz = one->place.y() - z;
+      const double half2 = one->radius * one->radius - dy * dy - dz * dz;
+      if (half2 <= 0) continue;
+      const double half = std::sqrt(half2);
+      hits_.push_back({one->place.z() - half, 2 * half, &*one});
+    }
+    std::ranges::sort(hits_, [](const Hit& a, const Hit& b) {
+      return a.enters < b.enters || (a.enters == b.enters && a.boulder->id < b.boulder->id);
+    });
+    double left = column;
+    for (const Hit& hit : hits_) {
+      const double taken = std::min(left, hit.boulder->density * hit.chord);
+      hit.boulder->mass += taken * area;
+      hit.boulder->momentum += taken * area * velocity;
+      left -= taken;
+      if (left <= 0) break;
+    }
+    return (column - left) * area;
+  }
+
+ private:
+  static double across(const Boulder& one) { return one.place.x(); }
+  struct Hit {
+    double enters, chord;  ///< m
+    Boulder* boulder;
+  };
+  std::vector<Boulder>& boulders_;
+  double largest_ = 0;
+  std::vector<Hit> hits_;
+};
+
+/// All boulders of the target on every rank, in an order that no rank changes.
+std::vector<Boulder> gather_target(const Comm& comm, const Bodies& bodies, BodyId impactor,
+                                   const Vec3& on_line, const Eigen::Matrix3d& axes) {
+  std::vector<double> own;
+  for (Index b = 0; b < bodies.owned; ++b) {
+    if (bodies.id[b] == impactor) continue;
+    const Vec3 place = axes.transpose() * (bodies.position[b] - on_line);
+    const double r = bodies.radius[b];
+    own.insert(own.end(), {static_cast<double>(bodies.id[b]), place.x(), place.y(), place.z(), r,
+                           bodies.mass[b] / ball_volume(r)});
+  }
+  const std::vector<double> all = comm.all_gather(std::span<const double>(own));
+  std::vector<Boulder> boulders;
+  for (std::size_t k = 0; k < all.size(); k += 6)
+    boulders.push_back({static_cast<BodyId>(all[k]), Vec3(all[k + 1], all[k + 2], all[k + 3]),
+                        all[k + 4], all[k + 5]});
+  std::ranges::sort(boulders, [](const Boulder& a, const Boulder& b) {
+    return a.place.x() < b.place.x() || (a.place.x() == b.place.x() && a.id < b.id);
+  });
+  return boulders;
+}
+
+/// Lets the mass that is not launched recoil rigidly, by `linear` and `angular` about the origin.
+/// `launched`: kg, of each owned body.
+void recoil(const Comm& comm, const Vec3& linear, const Vec3& angular,
+            const std::vector<double>& launched, Bodies& bodies) {
+  const bool spins = bodies.has(Field::angular_velocity);
+  std::array<double, 4> first{};
+  for (Index b = 0; b < bodies.owned; ++b) {
+    const double w = bodies.mass[b] - launched[b];
+    first[0] += w;
+    for (int k = 0; k < 3; ++k) first[1 + k] += w * bodies.position[b][k];
+  }
+  comm.sum(first);
+  const Vec3 center = Vec3(first[1], first[2], first[3]) / first[0];
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
+  for (Index b = 0; b < bodies.owned; ++b) {
+    const double w = bodies.mass[b] - launched[b];
+    const Vec3 x = bodies.position[b] - center;
+    const double own = spins ? spin_inertia(bodies, b) * w / bodies.mass[b] : 0;
+    inertia += w * (x.squaredNorm() * Eigen::Matrix3d::Identity() - x * x.transpose()) +
+               own * Eigen::Matrix3d::Identity();
+  }
+  comm.sum(std::span<double>(inertia.data(), 9));
+  const Vec3 shift = linear / first[0];
+  // Bodies on one line have no moment about it, nor anything that could turn them so.
+  const Vec3 turn = inertia.completeOrthogonalDecomposition().solve(angular - center.cross(linear));
+  for (Index b = 0; b < bodies.owned; ++b) {
+    const double share = 1 - launched[b] / bodies.mass[b];
+    bodies.velocity[b] += share * (shift + turn.cross(bodies.position[b] - center));
+    if (spins) bodies.angular_velocity[b] += share * turn;
+  }
+}
+
+}  // namespace
+
+HandOver hand_over_flow(const Comm& comm, const Impactor& impactor, BodyId id, Bodies& bodies) {
+  const PointSource& source = *impactor.coupling;
+  const Motion before = motion_of(comm, bodies);
+  std::array<double, 7> sums{};  // the impactor's place, the target's mass and momentum
+  Eigen::Map<Vec3> on_line(sums.data()), momentum(sums.data() + 4);
+  for (Index b = 0; b < bodies.owned; ++b) {
+    if (bodies.id[b] == id) {
+      on_line = bodies.position[b];
+      continue;
+    }
+    sums[3] += bodies.mass[b];
+    momentum += bodies.mass[b] * bodies.velocity[b];
+  }
+  comm.sum(sums);
+  const Vec3 drift = momentum / sums[3], d = impactor.direction;
+
+  Eigen::Matrix3d axes;
+  axes.col(2) = d;
+  axes.col(0) = d.unitOrthogonal();
+  axes.col(1) = d.cross(axes.col(0));
+  std::vector<Boulder> boulders = gather_target(comm, bodies, id, on_line, axes);
+
+  HandOver result;
+  result.a = impactor.radius;
+  result.delta = impactor.mass / ball_volume(impactor.radius);
+  result.hand_over = source.hand_over;
+  const LaunchFlow flow(source, result.a, result.delta, impactor.speed);
+  double farthest = 0;
+  for (const Boulder& one : boulders)
+    farthest = std::max(farthest, one.place.head<2>().norm() + one.radius);
+  result.reach = std::min(farthest, flow.end());
+
+  const Launched inner = flow.between(flow.begin(), source.hand_over);
+  result.inner_mass = inner.mass;
+  result.inner_momentum = inner.momentum * std::sin(source.angle);
+  result.inner_energy = inner.energy;
+
+  const Ellipsoid ellipsoid(boulders);
+  Rays rays(boulders);
+  const double across = std::log(result.reach / source.hand_over);
+  const int rings = std::max(0, static_cast<int>(std::ceil(across / fineness)));
+  const int around = static_cast<int>(std::ceil(2 * pi / fineness));
+  for (int ring = 0; ring < rings; ++ring) {
+    const double from = source.hand_over * std::exp(across * ring / rings);
+    const double to = source.hand_over * std::exp(across * (ring + 1) / rings);
+    const Launched here = flow.between(from, to);
+    result.outer_mass += here.mass;
+    result.outer_momentum += here.momentum;
+    result.outer_energy += here.energy;
+    const double x = std::sqrt((from * from + to * to) / 2);  // halves the area
+    const double area = pi * (to * to - from * from) / around;
+    for (int k = 0; k < around; ++k) {
+      const double phi = 2 * pi * (k + 0.5) / around;
+      const Vec3 out(std::cos(phi), std::sin(phi), 0);
+      const Vec3 normal = source.surface == LaunchSurface::ellipsoid
+                              ? ellipsoid.normal(x * out.x(), x * out.y())
+                              : Vec3(0, 0, -1);
+      const Vec3 along = (out - out.dot(normal) * normal).normalized();
+      const Vec3 launch = std::sin(source.angle) * normal + std::cos(source.angle) * along;
+      result.found_mass += rays.launch(x * out.x(), x * out.y(), here.mass / (around * area), area,
+                                       here.momentum / here.mass * launch);
+    }
+  }
+  require(result.found_mass > 0,
+          "{}: no body lies where the flow launches matter, {:.4g} m and more from the site: a "
+          "smaller hand_over is wanted",
+          impactor.place, source.hand_over);
+
+  std::ranges::sort(boulders, {}, &Boulder::id);
+  std::vector<double> launched(bodies.owned, 0.0);
+  for (Index b = 0; b < bodies.owned; ++b) {
+    if (bodies.id[b] == id) {
+      // Its own momentum has gone into the flow; it takes the inner part's along.
+      launched[b] = bodies.mass[b];
+      bodies.velocity[b] = drift - result.inner_momentum / bodies.mass[b] * d;
+      continue;
+    }
+    const Boulder& one = *std::ranges::lower_bound(boulders, bodies.id[b], {}, &Boulder::id);
+    launched[b] = std::min(one.mass, bodies.mass[b]);
+    bodies.velocity[b] += axes * one.momentum / bodies.mass[b];
+  }
+  for (const Boulder& one : boulders) {
+    result.given_momentum -= one.momentum.z();
+    result.count += one.mass > 0;
+  }
+  const Motion thrown = motion_of(comm, bodies);
+  recoil(comm, before.linear - thrown.linear, before.angular - thrown.angular, launched, bodies);
+
+  const Motion after = motion_of(comm, bodies);
+  const double unit = impactor.mass * impactor.speed;
+  result.momentum_closure = (after.linear - before.linear).norm() / unit;
+  result.angular_closure = (after.angular - before.angular).norm() / (unit * farthest);
+  result.energy = impactor.mass * impactor.speed * impactor.speed / 2;
+  result.heat = before.energy - after.energy;
+  result.carrier_energy = result.inner_momentum * result.inner_momentum / (2 * impactor.mass);
+  result.flow_energy = result.energy - result.carrier_energy - result.heat;
+  return result;
+}
+
+}  // namespace spall
