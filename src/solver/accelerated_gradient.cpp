@@ -209,7 +209,7 @@ template Candidate<1> accelerated_gradient(ContactSystem<1>&, const MethodSettin
                                            SolverReport&);
 template Candidate<3> accelerated_gradient(ContactSystem<3>&, const MethodSettings&, Candidate<3>,
                                            SolverReport&);
-template Candidate<levers> accelerated_gradient(ContactSystem<levers>&, const SolverSettings&,
+template Candidate<levers> accelerated_gradient(ContactSystem<levers>&, const MethodSettings&,
                                                 Candidate<levers>, SolverReport&);
 
 }  // namespace spall

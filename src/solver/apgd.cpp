@@ -127,7 +127,7 @@ template Candidate<1> apgd(const ContactSystem<1>&, const MethodSettings&, Candi
                            SolverReport&);
 template Candidate<3> apgd(const ContactSystem<3>&, const MethodSettings&, Candidate<3>,
                            SolverReport&);
-template Candidate<levers> apgd(const ContactSystem<levers>&, const SolverSettings&,
+template Candidate<levers> apgd(const ContactSystem<levers>&, const MethodSettings&,
                                 Candidate<levers>, SolverReport&);
 
 }  // namespace spall

@@ -72,7 +72,7 @@ template Candidate<1> spectral_gradient(const ContactSystem<1>&, const MethodSet
                                         Candidate<1>, SolverReport&);
 template Candidate<3> spectral_gradient(const ContactSystem<3>&, const MethodSettings&,
                                         Candidate<3>, SolverReport&);
-template Candidate<levers> spectral_gradient(const ContactSystem<levers>&, const SolverSettings&,
+template Candidate<levers> spectral_gradient(const ContactSystem<levers>&, const MethodSettings&,
                                              Candidate<levers>, SolverReport&);
 
 }  // namespace spall
