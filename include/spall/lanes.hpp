@@ -194,6 +194,20 @@ inline bool any_lane(const LaneMask& mask) {
 #endif
 }
 
+/// Of half as many lanes: in AVX2 they fill a register, and lanes of eight are taken to pieces
+/// where they are compared.
+using HalfMask = decltype(RowHalf{} < RowHalf{});
+inline std::uint8_t bits_of_mask(const HalfMask& mask) {
+#if defined(__AVX__) && !defined(SPALL_SCALAR)
+  return static_cast<std::uint8_t>(_mm256_movemask_pd(reinterpret_cast<__m256d>(mask)));
+#else
+  return static_cast<std::uint8_t>((mask[0] & 1) | (mask[1] & 2) | (mask[2] & 4) | (mask[3] & 8));
+#endif
+}
+inline bool any_lane(const HalfMask& mask) {
+  return bits_of_mask(mask) != 0;
+}
+
 /// Pairwise, so that round-off stays small and does not depend on the instruction set.
 inline double sum_of_lanes(const Lanes& v) {
   return ((v[0] + v[1]) + (v[2] + v[3])) + ((v[4] + v[5]) + (v[6] + v[7]));
@@ -351,6 +365,12 @@ template <class V>
   return v;
 }
 
+#if defined(__AVX__) && !defined(SPALL_SCALAR)
+inline RowHalf square_root(const RowHalf& v) {
+  return _mm256_sqrt_pd(v);
+}
+#endif
+
 #ifdef SPALL_AVX512
 /// 1/sqrt(v) to 2^-14; 0 where v is 0.
 inline Lanes estimate_inverse_sqrt(const Lanes& v) {
@@ -374,9 +394,17 @@ inline Lanes inverse_sqrt(const Lanes& v) {
 #endif
 }
 
+inline RowHalf inverse_sqrt(const RowHalf& v) {
+  return select(v > 0.0, 1.0 / square_root(v), RowHalf{});
+}
+
 /// sqrt(v) of what is positive or zero.
 inline Lanes root_of(const Lanes& v) {
   return v * inverse_sqrt(v);
+}
+
+inline RowHalf root_of(const RowHalf& v) {
+  return square_root(v);
 }
 
 /// sqrt(v) to a relative error below `estimate_error`.

@@ -1,4 +1,4 @@
-// Tensors are worked on for eight bodies at once; curves, yield and failure body by body.
+// Tensors are worked on for some bodies at once; curves, yield and failure body by body.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "solid/bodies_step.hpp"
 
@@ -75,21 +75,21 @@ void resolve(const LaneTensor& K, std::size_t l, Shapes& shapes) {
 
 Shapes shapes_of(const LaneTensor& K) {
   const LaneTensor adjoint = adjugate(K);
-  const Lanes det = determinant(K, adjoint), mean = K.trace() / 3.0;
-  const LaneMask sure = det > surely_resolved * mean * mean * mean;
-  Shapes shapes{.inverse = select(sure, 1.0 / det, Lanes{}) * adjoint,
-                .projector = LaneTensor::diagonal(spread(1))};
+  const PairLanes det = determinant(K, adjoint), mean = K.trace() / 3.0;
+  const PairMask sure = det > surely_resolved * mean * mean * mean;
+  Shapes shapes{.inverse = select(sure, 1.0 / det, PairLanes{}) * adjoint,
+                .projector = LaneTensor::diagonal(spread_pairs(1))};
   const std::uint8_t unsure = static_cast<std::uint8_t>(~bits_of_mask(sure));
   shapes.projected = unsure != 0;
-  for (std::size_t l = 0; l < lane_count; ++l)
+  for (std::size_t l = 0; l < pair_lanes; ++l)
     if (unsure >> l & 1) resolve(K, l, shapes);
   return shapes;
 }
 
-/// Eight bodies' stress, mean and deviator, as fields hold them.
-LaneTensor deviator_of(const Bodies& bodies, const std::array<Index, lane_count>& row) {
+/// Some bodies' stress, mean and deviator, as fields hold them.
+LaneTensor deviator_of(const Bodies& bodies, const std::array<Index, pair_lanes>& row) {
   LaneTensor s;
-  for (std::size_t l = 0; l < lane_count; ++l) {
+  for (std::size_t l = 0; l < pair_lanes; ++l) {
     const Vec3 &direct = bodies.direct_stress[row[l]], &shear = bodies.shear_stress[row[l]];
     for (int k = 0; k < 3; ++k) {
       s.at[k][k][l] = direct[k];
@@ -100,12 +100,12 @@ LaneTensor deviator_of(const Bodies& bodies, const std::array<Index, lane_count>
 }
 
 /// R s R^T by Cayley's rotation of half the angle vector q.
-LaneTensor turned(const LaneTensor& s, const Lanes (&q)[3]) {
-  const Lanes q2 = q[0] * q[0] + q[1] * q[1] + q[2] * q[2], f = 2.0 / (1.0 + q2);
+LaneTensor turned(const LaneTensor& s, const PairLanes (&q)[3]) {
+  const PairLanes q2 = q[0] * q[0] + q[1] * q[1] + q[2] * q[2], f = 2.0 / (1.0 + q2);
   LaneTensor R;
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) R.at[i][j] = f * q[i] * q[j];
-  const Lanes diagonal = 1.0 - f * q2;
+  const PairLanes diagonal = 1.0 - f * q2;
   for (int k = 0; k < 3; ++k) {
     R.at[k][k] += diagonal;
     R.at[(k + 2) % 3][(k + 1) % 3] += f * q[k];
@@ -114,12 +114,12 @@ LaneTensor turned(const LaneTensor& s, const Lanes (&q)[3]) {
   return R * s * R.transposed();
 }
 
-/// Of eight bodies that bear von Mises' stress `mises`: that of what is intact, of it; and that of
+/// Of bodies that bear von Mises' stress `mises`: that of what is intact, of it; and that of
 /// the cracks.
 void find_intact(const Bodies& bodies, const std::vector<SolidLaw>& laws,
-                 const std::array<Index, lane_count>& row, const Lanes& mises, Lanes* intact,
-                 Lanes* sliding) {
-  for (std::size_t l = 0; l < lane_count; ++l) {
+                 const std::array<Index, pair_lanes>& row, const PairLanes& mises,
+                 PairLanes* intact, PairLanes* sliding) {
+  for (std::size_t l = 0; l < pair_lanes; ++l) {
     const SolidLaw& law = laws[bodies.material[row[l]]];
     if (!law.brittle() || mises[l] == 0) continue;
     const double pressure = bodies.pressure[row[l]];
@@ -345,41 +345,39 @@ SPALL_KERNEL(double, update_bodies,
               MotionRow* rows, ResponseRow* responses),
              (bodies, laws, rest_volume, h, late, shapes, rows, responses)) {
   double heat = 0;
-  for (Index first = 0; first < bodies.owned; first += lane_count) {
+  for (Index first = 0; first < bodies.owned; first += pair_lanes) {
     // The last group is filled up by its last body, which comes to the same each time.
-    std::array<Index, lane_count> row;
-    const Index count = std::min<Index>(lane_count, bodies.owned - first);
-    for (Index l = 0; l < static_cast<Index>(lane_count); ++l)
+    std::array<Index, pair_lanes> row;
+    const Index count = std::min<Index>(pair_lanes, bodies.owned - first);
+    for (Index l = 0; l < static_cast<Index>(pair_lanes); ++l)
       row[l] = first + std::min(l, count - 1);
-    Lanes sums[2][lane_count];
-    for (int half = 0; half < 2; ++half) {
-      for (std::size_t l = 0; l < lane_count; ++l)
-        sums[half][l] = load(reinterpret_cast<const double*>(&shapes[row[l]]) + 8 * half);
-      transpose(sums[half]);
-    }
-    const Lanes* k = sums[0];
+    std::array<Index, pair_lanes> places;
+    for (std::size_t l = 0; l < pair_lanes; ++l) places[l] = doubles_a_row * row[l];
+    PairLanes k[16];
+    for (int n = 0; n < 16; n += 4)
+      gather_half<shape_width>(reinterpret_cast<const double*>(shapes) + n, places.data(), &k[n],
+                               &k[n + 1], &k[n + 2], &k[n + 3]);
     const LaneTensor K{{{k[0], k[5], k[4]}, {k[5], k[1], k[3]}, {k[4], k[3], k[2]}}};
-    const LaneTensor M{{{sums[0][6], sums[0][7], sums[1][0]},
-                        {sums[1][1], sums[1][2], sums[1][3]},
-                        {sums[1][4], sums[1][5], sums[1][6]}}};
+    const LaneTensor M{{{k[6], k[7], k[8]}, {k[9], k[10], k[11]}, {k[12], k[13], k[14]}}};
     const Shapes shape = shapes_of(K);
-    const Lanes trace = K.trace();
+    const PairLanes trace = K.trace();
     LaneTensor L = M * shape.inverse;
     if (shape.projected) L = shape.projector * L * shape.projector;
 
-    const LaneTensor one = LaneTensor::diagonal(spread(1));
-    const LaneTensor back = one + spread(-h) * L, back_adjoint = adjugate(back);
-    const Lanes shrunk =
-        larger(spread(1 / most_stretched),
-               smaller(spread(1 / most_squeezed), determinant(back, back_adjoint)));
+    const LaneTensor one = LaneTensor::diagonal(spread_pairs(1));
+    const LaneTensor back = one + spread_pairs(-h) * L, back_adjoint = adjugate(back);
+    const PairLanes shrunk =
+        larger(spread_pairs(1 / most_stretched),
+               smaller(spread_pairs(1 / most_squeezed), determinant(back, back_adjoint)));
     const LaneTensor L_old = (1.0 / shrunk) * (back_adjoint * L);
-    const LaneTensor middle = one + spread(-h / 2) * L, middle_adjoint = adjugate(middle);
+    const LaneTensor middle = one + spread_pairs(-h / 2) * L, middle_adjoint = adjugate(middle);
     const LaneTensor G = (1.0 / determinant(middle, middle_adjoint)) * (L * middle_adjoint);
 
     const LaneTensor s_old = deviator_of(bodies, row);
-    Lanes stiffness, shear, pressure, volume, x, old_volume, weight, intact = spread(1), sliding{};
+    PairLanes stiffness, shear, pressure, volume, x, old_volume, weight, intact = spread_pairs(1),
+                                                                         sliding{};
     bool brittle = false;
-    for (std::size_t l = 0; l < lane_count; ++l) {
+    for (std::size_t l = 0; l < pair_lanes; ++l) {
       const Index b = row[l];
       const SolidLaw& law = laws[bodies.material[b]];
       pressure[l] = bodies.pressure[b];
@@ -393,7 +391,7 @@ SPALL_KERNEL(double, update_bodies,
       old_volume[l] = rest_volume[b] / x[l];
       weight[l] = rows[b].place[3];
     }
-    const Lanes compression = x * shrunk;
+    const PairLanes compression = x * shrunk;
     volume = old_volume / shrunk;
 
     const LaneTensor D = symmetric_part(G);
@@ -404,19 +402,20 @@ SPALL_KERNEL(double, update_bodies,
       turning = intact * s_old;
       sliding += root_of(6.0 * contracted(half_step, half_step));
     }
-    const Lanes q[3] = {0.25 * h * (G.at[2][1] - G.at[1][2]), 0.25 * h * (G.at[0][2] - G.at[2][0]),
-                        0.25 * h * (G.at[1][0] - G.at[0][1])};
+    const PairLanes q[3] = {0.25 * h * (G.at[2][1] - G.at[1][2]),
+                            0.25 * h * (G.at[0][2] - G.at[2][0]),
+                            0.25 * h * (G.at[1][0] - G.at[0][1])};
     const LaneTensor trial = turned(turning + half_step, q) + half_step;
 
-    const Lanes gained =
+    const PairLanes gained =
         (h - late) * old_volume * (contracted(s_old, L_old) - pressure * L_old.trace());
-    const Lanes shear_power = contracted(trial, L), growth = L.trace();
-    const Lanes mises = root_of(1.5 * contracted(trial, trial));
+    const PairLanes shear_power = contracted(trial, L), growth = L.trace();
+    const PairLanes mises = root_of(1.5 * contracted(trial, trial));
     // The pressure of single bodies has noise, which alternates from neighbour to neighbour.
-    const Lanes around = pressure + select(trace > 0.0, 0.5 * sums[1][7] / trace, Lanes{});
+    const PairLanes around = pressure + select(trace > 0.0, 0.5 * k[15] / trace, PairLanes{});
 
-    Lanes scale, new_pressure, linear, square;
-    for (std::size_t l = 0; l < lane_count; ++l) {
+    PairLanes scale, new_pressure, linear, square;
+    for (std::size_t l = 0; l < pair_lanes; ++l) {
       if (static_cast<Index>(l) >= count) {
         scale[l] = new_pressure[l] = linear[l] = square[l] = 0;
         continue;
@@ -459,19 +458,47 @@ SPALL_KERNEL(double, update_bodies,
     // torque.
     const LaneTensor T = (volume / weight) * (sigma * shape.inverse);
     const LaneTensor E = symmetric_part(L);
-    const Lanes answer[24] = {T.at[0][0], T.at[0][1], T.at[0][2], T.at[1][0], T.at[1][1],
-                              T.at[1][2], T.at[2][0], T.at[2][1], T.at[2][2], E.at[0][0],
-                              E.at[1][1], E.at[2][2], E.at[1][2], E.at[2][0], E.at[0][1],
-                              linear,     square};
+    PairLanes middle_velocity[3], failed;
+    for (std::size_t l = 0; l < pair_lanes; ++l) {
+      const Index b = row[l];
+      for (int n = 0; n < 3; ++n)
+        middle_velocity[n][l] = bodies.velocity[b][n] + 0.5 * bodies.kick[b][n];
+      failed[l] = rows[b].motion[3] >= infinity;
+    }
+    const PairLanes none{};
+    const PairLanes answer[24] = {T.at[0][0],
+                                  T.at[0][1],
+                                  T.at[0][2],
+                                  T.at[1][0],
+                                  T.at[1][1],
+                                  T.at[1][2],
+                                  T.at[2][0],
+                                  T.at[2][1],
+                                  T.at[2][2],
+                                  E.at[0][0],
+                                  E.at[1][1],
+                                  E.at[2][2],
+                                  E.at[1][2],
+                                  E.at[2][0],
+                                  E.at[0][1],
+                                  linear,
+                                  square,
+                                  middle_velocity[0],
+                                  middle_velocity[1],
+                                  middle_velocity[2],
+                                  weight,
+                                  failed,
+                                  none,
+                                  none};
+    for (int n = 0; n < 24; n += 4) {
+      RowHalf half[pair_lanes];
+      halves_of_pairs(answer[n], answer[n + 1], answer[n + 2], answer[n + 3], half);
+      for (Index l = 0; l < count; ++l) responses[row[l]].at[n / 4] = half[l];
+    }
     for (Index l = 0; l < count; ++l) {
       const Index b = row[l];
       bodies.direct_stress[b] = {s.at[0][0][l], s.at[1][1][l], s.at[2][2][l]};
       bodies.shear_stress[b] = {s.at[1][2][l], s.at[2][0][l], s.at[0][1][l]};
-      double* const out = reinterpret_cast<double*>(&responses[b]);
-      for (int n = 0; n < 17; ++n) out[n] = answer[n][l];
-      for (int n = 0; n < 3; ++n) out[17 + n] = bodies.velocity[b][n] + 0.5 * bodies.kick[b][n];
-      out[20] = rows[b].place[3];
-      out[21] = rows[b].motion[3] >= infinity;
       rows[b].place[3] = std::min(volume[l], rest_volume[b]);
       rows[b].motion[3] = bodies.damage[b] >= 1 ? infinity : bodies.pressure[b];
     }

@@ -26,7 +26,7 @@ struct Elastoplastic final : Engine {
   double next_part = 0;    ///< s, that the last step leaves to the next; 0: not known
   std::int64_t parts = 0;  ///< steps made with their forces, since it was made
   NearPairs near;
-  SamePiece same;                   ///< of the pairs
+  std::vector<PieceWindow> pairs;   ///< those of one piece
   SolidContacts contacts;           ///< of the pairs
   std::vector<double> rest_volume;  ///< m^3, of the bodies, ghosts included; as all below
   std::vector<double> reach;        ///< m, up to which a body sees others of its piece

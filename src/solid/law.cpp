@@ -28,6 +28,24 @@ double SolidLaw::least_flow_stress(double homologous) const {
   return flow.a * (flow.m >= 1 ? 1 - homologous : 0);
 }
 
+namespace {
+
+/// What heat leaves of Johnson and Cook's flow stress.
+double softened(const JohnsonCook& law, double homologous) {
+  return homologous > 0 ? 1 - std::pow(homologous, law.m) : 1;
+}
+
+SolidLaw::Flow johnson_cook(const JohnsonCook& law, double strain, double rate, double soft) {
+  const double hard = law.b > 0 && strain > 0 ? law.b * std::pow(strain, law.n) : 0;
+  const bool counts = law.c > 0 && rate > 1;
+  const double fast = counts ? 1 + law.c * std::log(rate) : 1;
+  return {.stress = (law.a + hard) * fast * soft,
+          .by_strain = strain > 0 ? law.n * hard / strain * fast * soft : 0,
+          .by_rate = counts ? (law.a + hard) * law.c * soft : 0};
+}
+
+}  // namespace
+
 SolidLaw::Flow SolidLaw::flow_stress(double strain, double rate, double homologous) const {
   if (homologous >= 1) return {};
   if (steinberg.known()) {
@@ -36,13 +54,7 @@ SolidLaw::Flow SolidLaw::flow_stress(double strain, double rate, double homologo
     if (stress >= steinberg.ymax) return {.stress = steinberg.ymax};
     return {.stress = stress, .by_strain = steinberg.n * steinberg.beta * stress / worked};
   }
-  const double soft = homologous > 0 ? 1 - std::pow(homologous, flow.m) : 1;
-  const double hard = flow.b > 0 && strain > 0 ? flow.b * std::pow(strain, flow.n) : 0;
-  const bool counts = flow.c > 0 && rate > 1;
-  const double fast = counts ? 1 + flow.c * std::log(rate) : 1;
-  return {.stress = (flow.a + hard) * fast * soft,
-          .by_strain = strain > 0 ? flow.n * hard / strain * fast * soft : 0,
-          .by_rate = counts ? (flow.a + hard) * flow.c * soft : 0};
+  return johnson_cook(flow, strain, rate, softened(flow, homologous));
 }
 
 double SolidLaw::failure_strain(double triaxiality, double rate, double homologous) const {
@@ -53,11 +65,17 @@ double SolidLaw::failure_strain(double triaxiality, double rate, double homologo
 
 double SolidLaw::plastic_increment(double trial, double strain, double h, double homologous) const {
   // What is left, trial - 3 G x - Y(strain + x, x/h), falls with x: Newton's steps in a bracket.
-  const double slow = flow_stress(strain, 0, homologous).stress;
+  const bool by_rate = !steinberg.known() && homologous < 1;
+  const double soft = by_rate ? softened(flow, homologous) : 0;  // it takes a power: once for all
+  const auto flow_at = [&](double x, double rate) {
+    return by_rate ? johnson_cook(flow, strain + x, rate, soft)
+                   : flow_stress(strain + x, rate, homologous);
+  };
+  const double slow = flow_at(0, 0).stress;
   if (trial <= slow) return 0;
   double low = 0, high = (trial - slow) / (3 * shear), x = high;
   for (int iteration = 0; iteration < 40; ++iteration) {
-    const Flow y = flow_stress(strain + x, x / h, homologous);
+    const Flow y = flow_at(x, x / h);
     const double left = trial - 3 * shear * x - y.stress;
     if (std::abs(left) <= 1e-7 * y.stress) break;
     (left > 0 ? low : high) = x;

@@ -40,34 +40,81 @@ inline constexpr Index response_width = sizeof(ResponseRow) / sizeof(double);
 /// Force (N) and power that turns to heat (W); zero before a sweep.
 using PushRow = RowHalf;
 
+/// So many pairs are worked on at once: as many as a register holds.
+#ifdef SPALL_AVX512
+inline constexpr std::size_t pair_lanes = lane_count;
+#else
+inline constexpr std::size_t pair_lanes = lane_count / 2;
+#endif
+using PairLanes = Vector<double, pair_lanes>;
+using PairMask = decltype(PairLanes{} < PairLanes{});
+
+inline PairLanes spread_pairs(double value) {
+  return PairLanes{} + value;
+}
+
 /// The halves `half` of the rows at these places, of `width` doubles each.
 template <Index width>
-[[gnu::always_inline]] inline void gather_half(const double* rows, const Index* places, Lanes* x,
-                                               Lanes* y, Lanes* z, Lanes* w) {
-  constexpr Index times = width / 4;
+[[gnu::always_inline]] inline void gather_half(const double* rows, const Index* places,
+                                               PairLanes* x, PairLanes* y, PairLanes* z,
+                                               PairLanes* w) {
+  constexpr std::ptrdiff_t times = width / 4;
   const auto half = [&](int l) {
-    return *reinterpret_cast<const RowHalf*>(rows +
-                                             static_cast<std::ptrdiff_t>(places[l]) / 2 * times);
+    return *reinterpret_cast<const RowHalf*>(rows + places[l] / 2 * times);
   };
-  const auto a = joined(half(0), half(2)), b = joined(half(1), half(3));
-  const auto c = joined(half(4), half(6)), d = joined(half(5), half(7));
-  const auto even_ab = evens(a, b), even_cd = evens(c, d), odd_ab = odds(a, b), odd_cd = odds(c, d);
-  *x = even_pairs(even_ab, even_cd);
-  *y = even_pairs(odd_ab, odd_cd);
-  *z = odd_pairs(even_ab, even_cd);
-  if (w) *w = odd_pairs(odd_ab, odd_cd);
+  if constexpr (pair_lanes == lane_count) {
+    const auto a = joined(half(0), half(2)), b = joined(half(1), half(3));
+    const auto c = joined(half(4), half(6)), d = joined(half(5), half(7));
+    const auto even_ab = evens(a, b), even_cd = evens(c, d);
+    const auto odd_ab = odds(a, b), odd_cd = odds(c, d);
+    *x = even_pairs(even_ab, even_cd);
+    *y = even_pairs(odd_ab, odd_cd);
+    *z = odd_pairs(even_ab, even_cd);
+    if (w) *w = odd_pairs(odd_ab, odd_cd);
+  } else {
+    const RowHalf a = half(0), b = half(1), c = half(2), d = half(3);
+    const auto even_ab = shuffle<0, 4, 2, 6>(a, b), even_cd = shuffle<0, 4, 2, 6>(c, d);
+    const auto odd_ab = shuffle<1, 5, 3, 7>(a, b), odd_cd = shuffle<1, 5, 3, 7>(c, d);
+    *x = shuffle<0, 1, 4, 5>(even_ab, even_cd);
+    *y = shuffle<0, 1, 4, 5>(odd_ab, odd_cd);
+    *z = shuffle<2, 3, 6, 7>(even_ab, even_cd);
+    if (w) *w = shuffle<2, 3, 6, 7>(odd_ab, odd_cd);
+  }
+}
+
+/// The half rows (x, y, z, w) of the lanes.
+template <class V>
+[[gnu::always_inline]] inline void halves_of_pairs(const V& x, const V& y, const V& z, const V& w,
+                                                   RowHalf (&half)[size_of_vector<V>]) {
+  if constexpr (size_of_vector<V> == lane_count) {
+    halves_of_lanes(x, y, z, w, half);
+  } else {
+    const auto even_xy = shuffle<0, 4, 2, 6>(x, y), odd_xy = shuffle<1, 5, 3, 7>(x, y);
+    const auto even_zw = shuffle<0, 4, 2, 6>(z, w), odd_zw = shuffle<1, 5, 3, 7>(z, w);
+    half[0] = shuffle<0, 1, 4, 5>(even_xy, even_zw);
+    half[1] = shuffle<0, 1, 4, 5>(odd_xy, odd_zw);
+    half[2] = shuffle<2, 3, 6, 7>(even_xy, even_zw);
+    half[3] = shuffle<2, 3, 6, 7>(odd_xy, odd_zw);
+  }
 }
 
 /// Adds lane l to the half row of the body at places[l], one after another.
 template <Index width>
-[[gnu::always_inline]] inline void add_half(const Lanes& x, const Lanes& y, const Lanes& z,
-                                            const Lanes& w, const Index* places, double* rows) {
-  constexpr Index times = width / 4;
-  RowHalf lane[lane_count];
-  halves_of_lanes(x, y, z, w, lane);
-  for (int l : {0, 2, 1, 3, 4, 6, 5, 7})
-    *reinterpret_cast<RowHalf*>(rows + static_cast<std::ptrdiff_t>(places[l]) / 2 * times) +=
-        lane[l];
+[[gnu::always_inline]] inline void add_half(const PairLanes& x, const PairLanes& y,
+                                            const PairLanes& z, const PairLanes& w,
+                                            const Index* places, double* rows) {
+  constexpr std::ptrdiff_t times = width / 4;
+  RowHalf half[pair_lanes];
+  halves_of_pairs(x, y, z, w, half);
+  for (std::size_t l = 0; l < pair_lanes; ++l)
+    *reinterpret_cast<RowHalf*>(rows + places[l] / 2 * times) += half[l];
+}
+
+/// numbers[b] of the bodies b at these places.
+[[gnu::always_inline]] inline PairLanes gather_numbers(const double* numbers, const Index* places) {
+  PairLanes v;
+  for (std::size_t l = 0; l < pair_lanes; ++l) v[l] = numbers[places[l] / doubles_a_row];
+  return v;
 }
 
 }  // namespace spall

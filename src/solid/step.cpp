@@ -55,19 +55,6 @@ double widest_spacing(const World& world) {
   return 2 * world.comm.max(radius);
 }
 
-SamePiece same_pieces(const Bodies& bodies, const std::vector<NearWindow>& windows) {
-  SamePiece same(windows.size());
-  for (std::size_t w = 0; w < windows.size(); ++w)
-    for_each_slot(windows[w], [&](std::size_t, const Index* own, const Index* partners) {
-      unsigned bits = 0;
-      for (std::size_t l = 0; l < lane_count; ++l)
-        bits |= (bodies.group[own[l] / doubles_a_row] == bodies.group[partners[l] / doubles_a_row])
-                << l;
-      same[w].push_back(static_cast<std::uint8_t>(bits));
-    });
-  return same;
-}
-
 /// How far bodies may act: neighbours of a piece by their spacing, those of two by the sum of their
 /// radii.
 PairReach reach_of(const World& world) {
@@ -104,9 +91,9 @@ void update_pairs(World& world, Elastoplastic& engine) {
     take_positions(world, engine);
     wrap_bodies(world);
     search_near_pairs(world.comm, world.bodies, world.period, reach_of(world), skin, {}, near);
-    engine.same = same_pieces(world.bodies, near.windows);
     engine.contacts = find_contacts(world, near.windows, near.skin);
     fill_rows(world, engine);
+    engine.pairs = pairs_of_pieces(world.bodies, engine.reach.data(), near.windows);
   } else {
     ++near.steps;
   }
@@ -145,8 +132,8 @@ Box kick_and_drift(World& world, Elastoplastic& engine, double h, double first, 
   };
   push_by_contacts(world, engine.laws, engine.contacts, h, engine.rows.data(),
                    engine.responses.data(), engine.forces.data());
-  sweep_forces(engine.near.windows, engine.same, engine.reach.data(), engine.rows.data(),
-               engine.responses.data(), engine.forces.data(), finish);
+  sweep_forces(engine.pairs, engine.reach.data(), engine.rows.data(), engine.responses.data(),
+               engine.forces.data(), finish);
   world.ledger.dissipated += taken;
   return box;
 }
@@ -255,8 +242,7 @@ class Motion {
     update_pairs(world_, engine_);
     StageTimer timer(world_.stages, "forces");
     std::fill(engine_.shapes.begin(), engine_.shapes.end(), ShapeRow{});
-    sweep_shapes(engine_.near.windows, engine_.same, engine_.reach.data(), engine_.rows.data(),
-                 engine_.shapes.data());
+    sweep_shapes(engine_.pairs, engine_.reach.data(), engine_.rows.data(), engine_.shapes.data());
     world_.ledger.dissipated += update_bodies(
         world_.bodies, engine_.laws, engine_.rest_volume, since_, late.value_or(since_ / 2),
         engine_.shapes.data(), engine_.rows.data(), engine_.responses.data());

@@ -3,79 +3,137 @@
 #pragma once
 
 #include <algorithm>
-#include <cstdint>
 #include <vector>
 
 #include "solid/rows.hpp"
+#include "spall/bodies.hpp"
 #include "spall/types.hpp"
 
 namespace spall {
 
-/// The pairs of a window whose bodies are of one piece: a bit a lane, a byte a slot.
-using SamePiece = std::vector<std::vector<std::uint8_t>>;
-
-/// Places of eight bodies.
-[[gnu::always_inline]] inline LaneVectors gather_places(const MotionRow* rows,
-                                                        const Index* places) {
-  LaneVectors v;
-  gather_half<doubles_a_row>(reinterpret_cast<const double*>(rows), places, &v.x, &v.y, &v.z,
-                             nullptr);
-  return v;
-}
-
-/// Eight bodies with their motion.
-struct MotionLanes {
-  Lanes x, y, z, volume, u, v, w, pressure;
-
-  MotionLanes(const MotionRow* rows, const Index* places) {
-    const double* all = reinterpret_cast<const double*>(rows);
-    gather_half<doubles_a_row>(all, places, &x, &y, &z, &volume);
-    gather_half<doubles_a_row>(all + 4, places, &u, &v, &w, &pressure);
-  }
-  LaneMask failed() const { return pressure >= infinity; }
+/// Bodies of a window with their partners of the same piece, the nearest first. Groups of
+/// `pair_lanes` bodies have about as many within reach: lanes are full of pairs that act, and slots
+/// of those in the skin are passed over. As in `NearWindow`, a body is its own partner in slots
+/// that are left, and the last one fills up the last group.
+struct PieceWindow {
+  std::vector<Index> bodies;    ///< each once
+  std::vector<Index> rows;      ///< places, `pair_lanes` a group
+  std::vector<Index> slots;     ///< of each group
+  std::vector<Index> partners;  ///< places, `pair_lanes` a slot
 };
 
-/// Weight of a neighbour, (1 - r/R)^2 nearer than R; of squared distances over R^2.
-[[gnu::always_inline]] inline Lanes weight_of(const Lanes& share2) {
-  const Lanes left = 1.0 - root_of(share2);
-  return left * left;
-}
-
-/// Adds to the sums of owned bodies; those of ghosts mean nothing. `reach` is R of each body (m).
-inline void sweep_shapes(const std::vector<NearWindow>& windows, const SamePiece& same,
-                         const double* reach, const MotionRow* rows, ShapeRow* shapes) {
-  double* const sums = reinterpret_cast<double*>(shapes);
-  const Lanes zero{};
+/// The pairs of one piece of all that were found, with bodies where they were found. `reach` is R
+/// of each body (m).
+inline std::vector<PieceWindow> pairs_of_pieces(const Bodies& bodies, const double* reach,
+                                                const std::vector<NearWindow>& windows) {
+  struct Partner {
+    double distance2;
+    Index place;
+  };
+  struct Row {
+    Index place;
+    std::ptrdiff_t within;
+    std::vector<Partner> partners;
+  };
+  std::vector<PieceWindow> pieces(windows.size());
+  std::vector<Row> rows;
   for (std::size_t n = 0; n < windows.size(); ++n) {
     const NearWindow& window = windows[n];
+    rows.assign(window.rows.size(), {});
+    for (std::size_t r = 0; r < rows.size(); ++r) rows[r].place = window.rows[r];
     const Index* partners = window.partners.data();
-    const std::uint8_t* bits = same[n].data();
+    for (std::size_t g = 0; g < window.slots.size(); ++g)
+      for (Index s = 0; s < window.slots[g]; ++s)
+        for (std::size_t l = 0; l < lane_count; ++l) {
+          Row& row = rows[g * lane_count + l];
+          const Index place = *partners++, i = row.place / doubles_a_row, j = place / doubles_a_row;
+          if (place == row.place || bodies.group[i] != bodies.group[j]) continue;
+          row.partners.push_back({(bodies.position[j] - bodies.position[i]).squaredNorm(), place});
+        }
+    rows.resize(static_cast<std::size_t>(window.count));
+    PieceWindow& piece = pieces[n];
+    for (Row& row : rows) {
+      const double R = reach[row.place / doubles_a_row];
+      std::ranges::stable_sort(row.partners, {}, &Partner::distance2);
+      row.within = std::ranges::lower_bound(row.partners, R * R, {}, &Partner::distance2) -
+                   row.partners.begin();
+      piece.bodies.push_back(row.place / doubles_a_row);
+    }
+    std::ranges::stable_sort(rows, [](const Row& a, const Row& b) { return a.within > b.within; });
+    for (std::size_t first = 0; first < rows.size(); first += pair_lanes) {
+      std::size_t most = 0;
+      for (std::size_t l = 0; l < pair_lanes; ++l) {
+        const std::size_t r = std::min(first + l, rows.size() - 1);
+        piece.rows.push_back(rows[r].place);
+        most = std::max(most, rows[r].partners.size());
+      }
+      piece.slots.push_back(static_cast<Index>(most));
+      for (std::size_t s = 0; s < most; ++s)
+        for (std::size_t r = first; r < first + pair_lanes; ++r) {
+          const bool has = r < rows.size() && s < rows[r].partners.size();
+          piece.partners.push_back(has ? rows[r].partners[s].place
+                                       : rows[std::min(r, rows.size() - 1)].place);
+        }
+    }
+  }
+  return pieces;
+}
+
+/// Where some bodies are, and their volumes.
+struct PlaceLanes {
+  PairLanes x, y, z, volume;
+
+  PlaceLanes(const MotionRow* rows, const Index* places) {
+    gather_half<doubles_a_row>(reinterpret_cast<const double*>(rows), places, &x, &y, &z, &volume);
+  }
+};
+/// How they move.
+struct MotionLanes {
+  PairLanes u, v, w, pressure;
+
+  MotionLanes(const MotionRow* rows, const Index* places) {
+    gather_half<doubles_a_row>(reinterpret_cast<const double*>(rows) + 4, places, &u, &v, &w,
+                               &pressure);
+  }
+  PairMask failed() const { return pressure >= infinity; }
+};
+
+/// Adds to the sums of owned bodies; those of ghosts mean nothing. `reach` is R of each body (m). A
+/// neighbour has the weight (1 - r/R)^2.
+inline void sweep_shapes(const std::vector<PieceWindow>& windows, const double* reach,
+                         const MotionRow* rows, ShapeRow* shapes) {
+  double* const sums = reinterpret_cast<double*>(shapes);
+  const PairLanes zero{};
+  for (const PieceWindow& window : windows) {
+    const Index* partners = window.partners.data();
     for (std::size_t g = 0; g < window.slots.size(); ++g) {
-      const Index* own = window.rows.data() + g * lane_count;
+      const Index* own = window.rows.data() + g * pair_lanes;
+      const PlaceLanes at(rows, own);
       const MotionLanes i(rows, own);
-      const Lanes R = gather(reach, rows_at(own)), inverse2 = 1.0 / (R * R);
-      const LaneMask failed = i.failed();
-      Lanes sum[16] = {};
-      for (Index s = 0; s < window.slots[g]; ++s, partners += lane_count) {
-        if (*bits++ == 0) continue;
+      const PairLanes inverse = 1.0 / gather_numbers(reach, own), inverse2 = inverse * inverse;
+      const PairMask failed = i.failed();
+      PairLanes sum[16] = {};
+      for (Index s = 0; s < window.slots[g]; ++s, partners += pair_lanes) {
+        const PlaceLanes beside(rows, partners);
+        const PairLanes x = beside.x - at.x, y = beside.y - at.y, z = beside.z - at.z;
+        const PairLanes r2 = x * x + y * y + z * z, share2 = r2 * inverse2;
+        const PairMask acts = (share2 < 1.0) & (share2 > 0.0);
+        if (!any_lane(acts)) continue;
         const MotionLanes j(rows, partners);
-        const Lanes x = j.x - i.x, y = j.y - i.y, z = j.z - i.z;
-        const Lanes r2 = x * x + y * y + z * z, share2 = r2 * inverse2;
-        const LaneMask acts = (share2 < 1.0) & (share2 > 0.0) & mask_of_bits(bits[-1]);
-        if (bits_of_mask(acts) == 0) continue;
-        const Lanes w = select(acts, weight_of(share2), zero);
+        const PairLanes left = 1.0 - square_root(share2);
+        const PairLanes weight = select(acts, left * left, zero);
         // Who has not failed does not see who has: nothing holds it there.
-        const LaneMask partner_failed = j.failed();
-        const Lanes of_own = select(partner_failed & ~failed, zero, w * j.volume);
-        const Lanes of_partner = select(failed & ~partner_failed, zero, w * i.volume);
-        const Lanes p = select(failed | partner_failed, zero, j.pressure - i.pressure);
-        const Lanes u = j.u - i.u, v = j.v - i.v, ww = j.w - i.w;
+        const PairMask partner_failed = j.failed();
+        const PairLanes of_own = select(partner_failed & ~failed, zero, weight * beside.volume);
+        const PairLanes of_partner = select(failed & ~partner_failed, zero, weight * at.volume);
+        const PairLanes p = select(failed | partner_failed, zero, j.pressure - i.pressure);
+        const PairLanes u = j.u - i.u, v = j.v - i.v, w = j.w - i.w;
         // S alone changes sign with the side that is asked.
-        const Lanes term[16] = {x * x, y * y, z * z, y * z, z * x,  x * y,  u * x,  u * y,
-                                u * z, v * x, v * y, v * z, ww * x, ww * y, ww * z, r2 * p};
+        const PairLanes term[16] = {x * x, y * y, z * z, y * z, z * x, x * y, u * x, u * y,
+                                    u * z, v * x, v * y, v * z, w * x, w * y, w * z, r2 * p};
         for (int k = 0; k < 16; ++k) sum[k] += of_own * term[k];
         const auto add = [&](int k) {
-          const Lanes last = of_partner * term[k + 3];
+          const PairLanes last = of_partner * term[k + 3];
           add_half<shape_width>(of_partner * term[k], of_partner * term[k + 1],
                                 of_partner * term[k + 2], k < 12 ? last : -last, partners,
                                 sums + k);
@@ -92,22 +150,29 @@ inline void sweep_shapes(const std::vector<NearWindow>& windows, const SamePiece
 /// velocity against each other, R the mean of both reaches.
 inline double fastest_pair(const std::vector<NearWindow>& windows, const double* reach,
                            const MotionRow* rows) {
-  Lanes fastest{};
+  PairLanes fastest{};
   for (const NearWindow& window : windows)
-    for_each_slot(window, [&](std::size_t, const Index* own, const Index* partners) {
-      const MotionLanes i(rows, own), j(rows, partners);
-      const Lanes R = 0.5 * (gather(reach, rows_at(own)) + gather(reach, rows_at(partners)));
-      const Lanes x = j.x - i.x, y = j.y - i.y, z = j.z - i.z;
-      const Lanes u = j.u - i.u, v = j.v - i.v, w = j.w - i.w;
-      const Lanes R2 = R * R, speed2 = u * u + v * v + w * w;
-      fastest = larger(fastest, select(x * x + y * y + z * z < R2, speed2 / R2, Lanes{}));
+    for_each_slot(window, [&](std::size_t, const Index* all_own, const Index* all_partners) {
+      for (std::size_t l = 0; l < lane_count; l += pair_lanes) {
+        const Index *own = all_own + l, *partners = all_partners + l;
+        const PlaceLanes at(rows, own), beside(rows, partners);
+        const PairLanes R = 0.5 * (gather_numbers(reach, own) + gather_numbers(reach, partners));
+        const PairLanes x = beside.x - at.x, y = beside.y - at.y, z = beside.z - at.z;
+        const PairLanes R2 = R * R;
+        const PairMask near = x * x + y * y + z * z < R2;
+        const MotionLanes i(rows, own), j(rows, partners);
+        const PairLanes u = j.u - i.u, v = j.v - i.v, w = j.w - i.w;
+        fastest = larger(fastest, select(near, (u * u + v * v + w * w) / R2, PairLanes{}));
+      }
     });
-  return largest_lane(fastest);
+  double most = 0;
+  for (std::size_t l = 0; l < pair_lanes; ++l) most = std::max<double>(most, fastest[l]);
+  return most;
 }
 
-/// How eight bodies answer.
+/// How some bodies answer.
 struct ResponseLanes {
-  Lanes t[9], d[6], linear, square, u, v, w, volume, failed;
+  PairLanes t[9], d[6], linear, square, u, v, w, volume, failed;
 
   ResponseLanes(const ResponseRow* rows, const Index* places) {
     const double* all = reinterpret_cast<const double*>(rows);
@@ -116,20 +181,20 @@ struct ResponseLanes {
     gather_half<response_width>(all + 8, places, &t[8], &d[0], &d[1], &d[2]);
     gather_half<response_width>(all + 12, places, &d[3], &d[4], &d[5], &linear);
     gather_half<response_width>(all + 16, places, &square, &u, &v, &w);
-    Lanes none;
+    PairLanes none;
     gather_half<response_width>(all + 20, places, &volume, &failed, &none, nullptr);
   }
   /// x . D x
-  Lanes stretching(const Lanes& x, const Lanes& y, const Lanes& z) const {
+  PairLanes stretching(const PairLanes& x, const PairLanes& y, const PairLanes& z) const {
     return x * (d[0] * x + 2.0 * d[5] * y) + y * (d[1] * y + 2.0 * d[3] * z) +
            z * (d[2] * z + 2.0 * d[4] * x);
   }
 };
 
 /// van Leer's limiter of two gradients: 1 where they are equal, 0 where their signs differ.
-[[gnu::always_inline]] inline Lanes limiter(const Lanes& a, const Lanes& b) {
-  const Lanes sum = a + b, product = 4.0 * a * b;
-  return select(product > 0.0, product / (sum * sum), Lanes{});
+[[gnu::always_inline]] inline PairLanes limiter(const PairLanes& a, const PairLanes& b) {
+  const PairLanes sum = a + b, product = 4.0 * a * b;
+  return select(product > 0.0, product / (sum * sum), PairLanes{});
 }
 
 /// Adds the forces of all pairs of one piece,
@@ -143,46 +208,45 @@ struct ResponseLanes {
 /// Phys. 61 (1985) 119). Calls `finish(body)` once nothing will be added to its row and neither its
 /// place nor its answer will be asked for again.
 template <class Finish>
-void sweep_forces(const std::vector<NearWindow>& windows, const SamePiece& same,
-                  const double* reach, const MotionRow* rows, const ResponseRow* responses,
-                  PushRow* forces, Finish&& finish) {
+void sweep_forces(const std::vector<PieceWindow>& windows, const double* reach,
+                  const MotionRow* rows, const ResponseRow* responses, PushRow* forces,
+                  Finish&& finish) {
   double* const sums = reinterpret_cast<double*>(forces);
-  const Lanes zero{};
-  for (std::size_t n = 0; n < windows.size(); ++n) {
-    const NearWindow& window = windows[n];
+  const PairLanes zero{};
+  for (const PieceWindow& window : windows) {
     const Index* partners = window.partners.data();
-    const std::uint8_t* bits = same[n].data();
     for (std::size_t g = 0; g < window.slots.size(); ++g) {
-      const Index* own = window.rows.data() + g * lane_count;
-      const LaneVectors i = gather_places(rows, own);
+      const Index* own = window.rows.data() + g * pair_lanes;
+      const PlaceLanes i(rows, own);
       const ResponseLanes a(responses, own);
-      const Lanes R = gather(reach, rows_at(own)), inverse2 = 1.0 / (R * R);
-      Lanes fx{}, fy{}, fz{}, power{};
-      for (Index s = 0; s < window.slots[g]; ++s, partners += lane_count) {
-        if (*bits++ == 0) continue;
-        const LaneVectors j = gather_places(rows, partners);
-        const Lanes x = j.x - i.x, y = j.y - i.y, z = j.z - i.z;
-        const Lanes r2 = x * x + y * y + z * z, share2 = r2 * inverse2;
-        const LaneMask acts = (share2 < 1.0) & (share2 > 0.0) & mask_of_bits(bits[-1]);
-        if (bits_of_mask(acts) == 0) continue;
+      const PairLanes inverse = 1.0 / gather_numbers(reach, own), inverse2 = inverse * inverse;
+      PairLanes fx{}, fy{}, fz{}, power{};
+      for (Index s = 0; s < window.slots[g]; ++s, partners += pair_lanes) {
+        const PlaceLanes j(rows, partners);
+        const PairLanes x = j.x - i.x, y = j.y - i.y, z = j.z - i.z;
+        const PairLanes r2 = x * x + y * y + z * z, share2 = r2 * inverse2;
+        const PairMask acts = (share2 < 1.0) & (share2 > 0.0);
+        if (!any_lane(acts)) continue;
         const ResponseLanes b(responses, partners);
-        const Lanes w = select(acts, weight_of(share2) * a.volume * b.volume, zero);
-        const Lanes from_own = select(a.failed < b.failed, zero, w);
-        const Lanes from_partner = select(b.failed < a.failed, zero, w);
-        Lanes t[9];
+        const PairLanes inverse_r = inverse_sqrt(r2), left_over = 1.0 - r2 * inverse_r * inverse;
+        const PairLanes w = select(acts, left_over * left_over * a.volume * b.volume, zero);
+        const PairLanes from_own = select(a.failed < b.failed, zero, w);
+        const PairLanes from_partner = select(b.failed < a.failed, zero, w);
+        PairLanes t[9];
         for (int k = 0; k < 9; ++k) t[k] = from_own * a.t[k] + from_partner * b.t[k];
 
-        const Lanes u = (b.u - a.u) * x + (b.v - a.v) * y + (b.w - a.w) * z;  // r dr/dt
-        const Lanes g_own = a.stretching(x, y, z), g_partner = b.stretching(x, y, z);
-        const Lanes left = u - 0.5 * limiter(g_own, g_partner) * (g_own + g_partner);
-        const Lanes mu = left * inverse_sqrt(r2);
-        Lanes q = select(mu < 0.0, mu * ((a.linear + b.linear) - (a.square + b.square) * mu), zero);
+        const PairLanes u = (b.u - a.u) * x + (b.v - a.v) * y + (b.w - a.w) * z;  // r dr/dt
+        const PairLanes g_own = a.stretching(x, y, z), g_partner = b.stretching(x, y, z);
+        const PairLanes left = u - 0.5 * limiter(g_own, g_partner) * (g_own + g_partner);
+        const PairLanes mu = left * inverse_r;
+        PairLanes q =
+            select(mu < 0.0, mu * ((a.linear + b.linear) - (a.square + b.square) * mu), zero);
         q *= w;
 
-        const Lanes px = t[0] * x + t[1] * y + t[2] * z + q * x;
-        const Lanes py = t[3] * x + t[4] * y + t[5] * z + q * y;
-        const Lanes pz = t[6] * x + t[7] * y + t[8] * z + q * z;
-        const Lanes half = 0.5 * q * u;
+        const PairLanes px = t[0] * x + t[1] * y + t[2] * z + q * x;
+        const PairLanes py = t[3] * x + t[4] * y + t[5] * z + q * y;
+        const PairLanes pz = t[6] * x + t[7] * y + t[8] * z + q * z;
+        const PairLanes half = 0.5 * q * u;
         fx += px;
         fy += py;
         fz += pz;
@@ -191,7 +255,7 @@ void sweep_forces(const std::vector<NearWindow>& windows, const SamePiece& same,
       }
       add_half<4>(fx, fy, fz, power, own, sums);
     }
-    for (Index r = 0; r < window.count; ++r) finish(window.rows[r] / doubles_a_row);
+    for (const Index b : window.bodies) finish(b);
   }
 }
 

@@ -1,20 +1,20 @@
-// Tensors of eight bodies at once: three by three lanes.
+// Tensors of some bodies at once: three by three lanes.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "spall/lanes.hpp"
+#include "solid/rows.hpp"
 
 namespace spall {
 
 struct LaneTensor {
-  Lanes at[3][3];
+  PairLanes at[3][3];
 
-  static LaneTensor diagonal(const Lanes& d) {
+  static LaneTensor diagonal(const PairLanes& d) {
     LaneTensor t{};
     for (int k = 0; k < 3; ++k) t.at[k][k] = d;
     return t;
   }
-  Lanes trace() const { return at[0][0] + at[1][1] + at[2][2]; }
+  PairLanes trace() const { return at[0][0] + at[1][1] + at[2][2]; }
   LaneTensor transposed() const {
     LaneTensor t;
     for (int i = 0; i < 3; ++i)
@@ -27,9 +27,9 @@ struct LaneTensor {
       for (int j = 0; j < 3; ++j) a.at[i][j] += b.at[i][j];
     return a;
   }
-  friend LaneTensor operator*(const Lanes& factor, LaneTensor a) {
+  friend LaneTensor operator*(const PairLanes& factor, LaneTensor a) {
     for (auto& row : a.at)
-      for (Lanes& element : row) element *= factor;
+      for (PairLanes& element : row) element *= factor;
     return a;
   }
   friend LaneTensor operator*(const LaneTensor& a, const LaneTensor& b) {
@@ -42,8 +42,8 @@ struct LaneTensor {
 };
 
 /// a : b.
-inline Lanes contracted(const LaneTensor& a, const LaneTensor& b) {
-  Lanes sum{};
+inline PairLanes contracted(const LaneTensor& a, const LaneTensor& b) {
+  PairLanes sum{};
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) sum += a.at[i][j] * b.at[i][j];
   return sum;
@@ -60,13 +60,13 @@ inline LaneTensor adjugate(const LaneTensor& t) {
   return c;
 }
 /// By a tensor's adjugate.
-inline Lanes determinant(const LaneTensor& t, const LaneTensor& adjugate) {
+inline PairLanes determinant(const LaneTensor& t, const LaneTensor& adjugate) {
   return t.at[0][0] * adjugate.at[0][0] + t.at[0][1] * adjugate.at[1][0] +
          t.at[0][2] * adjugate.at[2][0];
 }
 
 inline LaneTensor symmetric_part(const LaneTensor& t) {
-  return spread(0.5) * (t + t.transposed());
+  return spread_pairs(0.5) * (t + t.transposed());
 }
 
 }  // namespace spall
