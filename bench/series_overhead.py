@@ -1,7 +1,10 @@
-"""What the rows of the series cost a packing of grains: series_overhead.py SPALL [--turns 9] [--duration "20 ms"]
+"""What the rows of the series cost a packing of grains.
 
-Turns of `column` with the series as it is by default, and with a row at the ends of phases alone; no other
-files. Processor time of one rank, which waits for nobody; ratios of one turn. Writes bench/README.md.
+usage: series_overhead.py SPALL [--turns 9] [--duration "20 ms"]
+
+Turns of `column` with the series as it is by default, and with a row at the ends of phases alone;
+no other files. Processor time of one rank, which waits for nobody; ratios of one turn. Writes
+bench/README.md.
 SPDX-License-Identifier: BSD-3-Clause
 """
 import argparse
@@ -23,7 +26,8 @@ def processor_seconds(program, changes, folder):
     sets = ["output.snapshot_every=0", "output.restart_every=1e9 s", *changes]
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     subprocess.run([program, "run", folder.parent / "case.toml", "--out", folder,
-                    *[word for one in sets for word in ("--set", one)]], check=True, stdout=subprocess.DEVNULL)
+                    *[word for one in sets for word in ("--set", one)]],
+                   check=True, stdout=subprocess.DEVNULL)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
@@ -43,14 +47,17 @@ def main():
         for turn in range(given.turns):
             # Each goes first in turn: what the machine does meanwhile falls on both.
             order = list(KINDS)[:: 1 if turn % 2 else -1]
-            seconds = {kind: processor_seconds(given.spall, [duration, *KINDS[kind]], pathlib.Path(folder) / "out")
+            seconds = {kind: processor_seconds(given.spall, [duration, *KINDS[kind]],
+                                               pathlib.Path(folder) / "out")
                        for kind in order}
             ratios.append(seconds["as it is"] / seconds["no rows"] - 1)
-            print(f"{seconds['as it is']:.2f} s as it is, {seconds['no rows']:.2f} s without rows: {100 * ratios[-1]:+.1f} %",
-                  flush=True)
+            print(f"{seconds['as it is']:.2f} s as it is, {seconds['no rows']:.2f} s without rows: "
+                  f"{100 * ratios[-1]:+.1f} %", flush=True)
         rows = len((pathlib.Path(folder) / "out/series.csv").read_text().splitlines()) - 1
-    text = (f"{origin(1)}; {given.turns} turns of {given.duration}: the default rows add {100 * statistics.median(ratios):+.1f} % "
-            f"({100 * min(ratios):+.1f} to {100 * max(ratios):+.1f} %) to the processor time of a run")
+    text = (f"{origin(1)}; {given.turns} turns of {given.duration}: the default rows add "
+            f"{100 * statistics.median(ratios):+.1f} % "
+            f"({100 * min(ratios):+.1f} to {100 * max(ratios):+.1f} %) "
+            f"to the processor time of a run")
     print(text, rows)
     replace_section(here / "README.md", "series", text + ".")
 

@@ -1,18 +1,23 @@
 #!/usr/bin/env python3
-# The code that pages show is the code that is compiled and run, and the files that they name are there.
+# The code that pages show is the code that is compiled and run, and the files that they name are
+# there.
 # SPDX-License-Identifier: BSD-3-Clause
-"""usage: docs_examples.py ROOT    fails where a listing differs from the file that it names, or names none.
+"""usage: docs_examples.py ROOT    fails where a listing differs from the file that it names, or
+names none.
 
-Looked at are README.md, CONTRIBUTING.md and the pages below docs. Each listing, whether it is indented or between
-lines of ```, follows one of two lines:
-- `<!-- from PATH -->`: it stands in that file, lines together, and is whole. The tests compile or run that file.
-- `<!-- not run: REASON -->`: commands that take an hour, a cluster, a key to end them; or a formula.
-Lines of docs/gallery.md are those that docs/site/gallery.py reads: the test docs_gallery has them checked.
+Looked at are README.md, CONTRIBUTING.md and the pages below docs. Each listing, whether it is
+indented or between lines of ```, follows one of two lines:
+- `<!-- from PATH -->`: it stands in that file, lines together, and is whole. The tests compile or
+  run that file.
+- `<!-- not run: REASON -->`: commands that take an hour, a cluster, a key to end them; or a
+  formula.
+Lines of docs/gallery.md are those that docs/site/gallery.py reads: the test docs_gallery has them
+checked.
 What a block of `program-output` shows is made anew with the site, by the test docs_site.
 
 Each file of docs/examples, which the tests compile or run, is shown by a page.
-A path in backticks, such as `pairs/bonds.hpp`, must be one from the root, src, include or the page; so must one that
-a listing names, where no run writes it.
+A path in backticks, such as `pairs/bonds.hpp`, must be one from the root, src, include or the page;
+so must one that a listing names, where no run writes it.
 """
 import re
 import sys
@@ -21,10 +26,12 @@ from textwrap import dedent
 
 MARK = re.compile(r"<!-- (from|not run:) (.*) -->")
 PATH = re.compile(r"`\"?((?:\w+/)+\w+\.(?:cpp|hpp|py|sh|toml|csv))\"?`")
-NAMED = re.compile(r"(?<![\w/.])((?:bench|cases|docs|jobs|packaging|src|tests)/[\w./]+\.(?:obj|py|sh|slurm|toml))\b")
+NAMED = re.compile(r"(?<![\w/.])((?:bench|cases|docs|jobs|packaging|src|tests)/[\w./]+"
+                   r"\.(?:obj|py|sh|slurm|toml))\b")
 CODE = ("", "cpp", "cmake", "python", "sh", "toml")  # not pictures made of text
 GALLERY = re.compile(r"    spall run .*? --out out/gallery/\w+\n")
-# What is compiled or run, besides docs/examples: by tests of that name, the library's own build, or jobs/long_tests.sh.
+# What is compiled or run, besides docs/examples: by tests of that name, the library's own build, or
+# jobs/long_tests.sh.
 RUN = ("docs/figures/", "include/", "jobs/try_pip.sh", "src/", "tests/outside/")
 
 
@@ -58,7 +65,8 @@ def listings(text):
             found = MARK.fullmatch(line)
             mark = found and found.groups()
             # What is indented below an item of a list is more of it.
-            in_list = bool(re.match(r"\s*([-*]|\d+\.) ", line)) or (in_list and line.startswith(" "))
+            in_list = (bool(re.match(r"\s*([-*]|\d+\.) ", line))
+                       or (in_list and line.startswith(" ")))
 
 
 def main(root):
@@ -70,7 +78,8 @@ def main(root):
             if str(name) == "docs/gallery.md" and GALLERY.fullmatch(block):
                 continue
             if kind is None:
-                wrong.append(f"{name}: this does not say which file it is from, nor why it is not run:\n{block}")
+                wrong.append(f"{name}: this does not say which file it is from, nor why it is not "
+                             f"run:\n{block}")
             elif kind == "not run:":
                 untied += 1
             else:
@@ -98,7 +107,8 @@ def main(root):
             if not any((at / path).exists() for at in places):
                 wrong.append(f"{page.relative_to(root)}: there is no file {path}")
     print("\n".join(wrong) or
-          f"{paths} paths are there, {tied} listings stand in their files, {untied} tell why they are not run")
+          f"{paths} paths are there, {tied} listings stand in their files, "
+          f"{untied} tell why they are not run")
     return 1 if wrong or tied == 0 else 0
 
 

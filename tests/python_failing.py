@@ -1,5 +1,8 @@
 # A force that ends one rank alone, or never ends; SPDX-License-Identifier: BSD-3-Clause
-"""usage: python_failing.py MPIEXEC    all ranks must be gone within 10 s, with one message that says why"""
+"""usage: python_failing.py MPIEXEC
+
+All ranks must be gone within 10 s, with one message that says why.
+"""
 import os
 import pathlib
 import signal
@@ -21,7 +24,8 @@ ENDS = {  # what one line says
 def run(how, mark):
     import spall
 
-    sim = spall.Simulation(materials={"rock": {"density": 1000}}, phases=[{"name": "only", "step": 0.01, "duration": 1}])
+    sim = spall.Simulation(materials={"rock": {"density": 1000}},
+                           phases=[{"name": "only", "step": 0.01, "duration": 1}])
     for k in range(4):
         sim.add("rock", radius=0.1, position=(k, 0, 0))
 
@@ -45,7 +49,8 @@ def run(how, mark):
 def try_end(mpiexec, how, words):
     with tempfile.TemporaryDirectory() as folder:
         mark = pathlib.Path(folder) / "mark"
-        process = subprocess.Popen([mpiexec, "--oversubscribe", "-n", "2", sys.executable, __file__, "--as", how, mark],
+        process = subprocess.Popen([mpiexec, "--oversubscribe", "-n", "2", sys.executable, __file__,
+                                    "--as", how, mark],
                                    stderr=subprocess.PIPE, text=True, start_new_session=True)
         while process.poll() is None and not mark.exists():
             time.sleep(0.01)
@@ -54,7 +59,8 @@ def try_end(mpiexec, how, words):
             process.send_signal(signal.SIGTERM)
         said = process.communicate(timeout=60)[1]
         lives = ["pgrep", "-s", str(process.pid), "-r", "D,R,S,T"]
-        while subprocess.run(lives, stdout=subprocess.DEVNULL, check=False).returncode == 0 and time.time() < since + 60:
+        while (subprocess.run(lives, stdout=subprocess.DEVNULL, check=False).returncode == 0
+               and time.time() < since + 60):
             time.sleep(0.05)
         seconds = time.time() - since
     print(f"{how}: {process.returncode} after {seconds:.1f} s: {said}")

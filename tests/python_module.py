@@ -65,20 +65,27 @@ class Module(unittest.TestCase):
         """One rank leaves its bodies in a file for the others: CTest runs it first."""
         tolerance, duration, file = 1e-8, 1000, "python_bodies_of_one_rank.npz"
         sim = spall.Simulation(f"{cases}/hello/case.toml", set={
-            "solver.tolerance": tolerance, "groups.cloud.packing.count": 60, "groups.cloud.volume.radius": "6 m"})
+            "solver.tolerance": tolerance, "groups.cloud.packing.count": 60,
+            "groups.cloud.volume.radius": "6 m"})
         sim.run_until(duration)
-        found = {name: by_id(sim, name) for name in ("mass", "radius", "position", "velocity", "angular_velocity")}
+        found = {name: by_id(sim, name)
+                 for name in ("mass", "radius", "position", "velocity", "angular_velocity")}
         pairs = np.sort(np.concatenate(comm.allgather(sim.pairs())), axis=1)
         found["pairs"] = pairs[np.lexsort(pairs.T)]
         if comm.size == 1:
             np.savez(file, **found)
         expected = np.load(file)
-        self.assertGreater(len(found["pairs"]), 30)  # boulders have met, and are not yet a pile, whose chains of
-        for name in ("mass", "radius", "pairs"):     # collisions would multiply the least difference
+        # Boulders have met, and are not yet a pile, whose chains of collisions would multiply the
+        # least difference.
+        self.assertGreater(len(found["pairs"]), 30)
+        for name in ("mass", "radius", "pairs"):
             np.testing.assert_array_equal(found[name], expected[name])
-        # Solved to a share of the speed, of which each of the few collisions of a boulder makes a few more.
+        # Solved to a share of the speed, of which each of the few collisions of a boulder makes a
+        # few more.
         speed = 10 * tolerance * np.abs(expected["velocity"]).max()
-        for name, most in (("velocity", speed), ("angular_velocity", speed / expected["radius"].min()), ("position", speed * duration)):
+        for name, most in (("velocity", speed),
+                           ("angular_velocity", speed / expected["radius"].min()),
+                           ("position", speed * duration)):
             np.testing.assert_allclose(found[name], expected[name], rtol=0, atol=most)
 
     def test_own_forces_do_what_gravity_does(self):

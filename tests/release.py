@@ -42,9 +42,11 @@ citation = re.findall(r"^([a-z-]+):", (root / "CITATION.cff").read_text(), re.M)
 assert {"cff-version", "message", "title", "authors"} <= set(citation), citation
 told = re.search(rf"^## {re.escape(version)} \((\S+)\)$", (root / "CHANGELOG.md").read_text(), re.M)
 assert told, f"CHANGELOG.md has no heading for {version}"
-assert said("CITATION.cff", r"^date-released: (\S+)$") == told[1], "CITATION.cff and CHANGELOG.md tell other days"
-known = {"cff-version", "message", "type", "title", "abstract", "authors", "version", "license", "keywords", "doi",
-         "date-released", "repository-code", "url", "commit", "identifiers", "references", "preferred-citation"}
+assert said("CITATION.cff", r"^date-released: (\S+)$") == told[1], \
+    "CITATION.cff and CHANGELOG.md tell other days"
+known = {"cff-version", "message", "type", "title", "abstract", "authors", "version", "license",
+         "keywords", "doi", "date-released", "repository-code", "url", "commit", "identifiers",
+         "references", "preferred-citation"}
 assert set(citation) <= known and len(set(citation)) == len(citation), citation
 
 if (root / ".git").exists():

@@ -232,12 +232,14 @@ class Verdicts(unittest.TestCase):
         self.check(wall("perforated", opening_at_edge=True), "note", "reaches its edge")
         self.check(wall("held", spacing=2e-3), "note", "2.4 spacings")
         self.check(wall("held", wall="wall"), "good", "The wall has held")
-        three = wall("held", thickness=1.2e-3, spacing=0.4e-3)  # which in binary is not below three by round-off
+        # Three layers, which in binary are below three by round-off alone.
+        three = wall("held", thickness=1.2e-3, spacing=0.4e-3)
         self.assertEqual([one for one in three if "spacings" in str(one)], [])
 
     def test_lengths_have_the_units_that_a_reader_would_take(self):
         lengths = (2e-7, 5e-3, 0.001, 0.5, 1, 200, 1e3)
-        self.assertEqual([readable_length(one) for one in lengths], ["0.2 µm", "5 mm", "1 mm", "500 mm", "1 m", "200 m", "1 km"])
+        self.assertEqual([readable_length(one) for one in lengths],
+                         ["0.2 µm", "5 mm", "1 mm", "500 mm", "1 m", "200 m", "1 km"])
 
     def test_overlaps_of_rigid_bodies_tell_of_long_steps(self):
         self.check(self.of({}, overlap=0.02), "note", "overlapped by up to 2 %")

@@ -30,10 +30,12 @@ duration = "{INSTANTS - 1} s"
 [output]
 snapshot_every = "1 s"
 """)
-subprocess.run([SPALL, "run", WORK / "gas.toml", "--out", WORK / "run", "--overwrite"], check=True, stdout=subprocess.DEVNULL)
+subprocess.run([SPALL, "run", WORK / "gas.toml", "--out", WORK / "run", "--overwrite"],
+               check=True, stdout=subprocess.DEVNULL)
 subprocess.run([SPALL, "report", WORK / "run"], check=True, stdout=subprocess.DEVNULL)
 page = WORK / "run/report.html"
-run = json.loads(re.search(r"<script type=application/json id=data>(.*?)</script>", page.read_text())[1])["runs"][0]
+run = json.loads(re.search(r"<script type=application/json id=data>(.*?)</script>",
+                           page.read_text())[1])["runs"][0]
 assert (run["bodies"]["count"], len(run["frames"])) == (BODIES, INSTANTS)
 size = page.stat().st_size
 print(f"{BODIES} bodies at {INSTANTS} instants: {size / 1e6:.1f} MB")

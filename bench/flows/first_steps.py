@@ -1,9 +1,10 @@
 #!/usr/bin/python3
-"""The first steps of LAMMPS's chute by both programs from one start, grain by grain, into section first_steps of ../README.md.
+"""The first steps of LAMMPS's chute by both programs from one start, grain by grain, into section
+first_steps of ../README.md.
 
 SPDX-License-Identifier: BSD-3-Clause
-usage: first_steps.py SPALL LMP BENCH FOLDER: BENCH is LAMMPS's bench folder, which holds in.chute; FOLDER is written into,
-what LAMMPS has written there is not made anew
+usage: first_steps.py SPALL LMP BENCH FOLDER: BENCH is LAMMPS's bench folder, which holds in.chute;
+FOLDER is written into, what LAMMPS has written there is not made anew
 """
 import os
 import pathlib
@@ -24,16 +25,21 @@ EVERY = 100
 os.makedirs(sys.argv[4], exist_ok=True)
 os.chdir(sys.argv[4])
 text = (bench / "in.chute").read_text().replace("data.chute", str(bench / "data.chute"))
-settings = f"dump all all custom {EVERY} chute.dump id type z vx\ndump_modify all sort id format float %.17g\nrun {STEPS[-1]}"
-pathlib.Path("chute.in").write_text("\n".join(settings if line.split()[:1] == ["run"] else line for line in text.split("\n")))
+settings = (f"dump all all custom {EVERY} chute.dump id type z vx\n"
+            f"dump_modify all sort id format float %.17g\nrun {STEPS[-1]}")
+pathlib.Path("chute.in").write_text("\n".join(
+    settings if line.split()[:1] == ["run"] else line for line in text.split("\n")))
 if not pathlib.Path("chute.done").exists():
     subprocess.run([lmp, "-in", "chute.in"], check=True, stdout=subprocess.DEVNULL)
     pathlib.Path("chute.done").touch()
-start = subprocess.run([sys.executable, here.parent / "untuned/data_to_restart.py", bench / "data.chute", "chute"],
+start = subprocess.run([sys.executable, here.parent / "untuned/data_to_restart.py",
+                        bench / "data.chute", "chute"],
                        check=True, capture_output=True, text=True).stdout.split("\n")[:-1]
 pathlib.Path("chute.toml").write_text((here.parent / "untuned/chute.toml").read_text())
-changes = [*start, f"phases.0.duration={1e-4 * STEPS[-1]!r}", f"output.snapshot_every={1e-4 * EVERY!r}"]
-subprocess.run([spall, "run", "chute.toml", "--out", "chute", "--overwrite", *[w for one in changes for w in ("--set", one)]],
+changes = [*start, f"phases.0.duration={1e-4 * STEPS[-1]!r}",
+           f"output.snapshot_every={1e-4 * EVERY!r}"]
+subprocess.run([spall, "run", "chute.toml", "--out", "chute", "--overwrite",
+                *[w for one in changes for w in ("--set", one)]],
                check=True, stdout=subprocess.DEVNULL)
 
 
@@ -43,13 +49,15 @@ def lammps_frames():
     at = 0
     while at < len(lines) and lines[at]:
         count = int(lines[at + 3])
-        rows = np.array([[float(word) for word in line.split()] for line in lines[at + 9:at + 9 + count]])
+        rows = np.array([[float(word) for word in line.split()]
+                         for line in lines[at + 9:at + 9 + count]])
         yield int(lines[at + 1]), rows[:, 1:]
         at += 9 + count
 
 
 table = [f"{origin(1)}", "",
-         "| steps | mean v_x, Spall, m/s | LAMMPS | ratio - 1 | largest of layers | rms of single grains' differences |",
+         "| steps | mean v_x, Spall, m/s | LAMMPS | ratio - 1 | largest of layers "
+         "| rms of single grains' differences |",
          "|--:|--:|--:|--:|--:|--:|"]
 with h5py.File("chute/trajectory.h5") as file:
     bodies = file["particles/all"]
@@ -65,7 +73,7 @@ with h5py.File("chute/trajectory.h5") as file:
         many = np.histogram(z, layers)[0] > 100
         apart = np.abs(of[0] / of[1] - 1)[many].max()
         single = np.sqrt(((ours - theirs) ** 2).mean() / (theirs**2).mean())
-        table.append(f"| {step} | {ours.mean():.6f} | {theirs.mean():.6f} | {ours.mean() / theirs.mean() - 1:+.1e} "
-                     f"| {apart:.1e} | {single:.1e} |")
+        table.append(f"| {step} | {ours.mean():.6f} | {theirs.mean():.6f} "
+                     f"| {ours.mean() / theirs.mean() - 1:+.1e} | {apart:.1e} | {single:.1e} |")
 replace_section(here.parent / "README.md", "first_steps", "\n".join(table))
 print("\n".join(table))

@@ -91,8 +91,9 @@ class Scene:
 class Bodies:
     """This rank's bodies: each field of `spall keys` as a NumPy array, its rows the owned bodies.
 
-    The arrays are the simulation's own memory. They hold until its next step, when bodies may move to other rows and
-    ranks: ask for them again then, or copy them. Ids stay. What is asked for is the present state, whenever this was got.
+    The arrays are the simulation's own memory. They hold until its next step, when bodies may move
+    to other rows and ranks: ask for them again then, or copy them. Ids stay. What is asked for is
+    the present state, whenever this was got.
     """
 
     def __init__(self, fields):
@@ -106,7 +107,8 @@ class Bodies:
     def __getattr__(self, name):
         values = self._fields.get(name)
         if values is None:
-            raise AttributeError(f"bodies have no {name}; they have {', '.join(self._fields.names())}")
+            raise AttributeError(
+                f"bodies have no {name}; they have {', '.join(self._fields.names())}")
         return values
 
     def __dir__(self):

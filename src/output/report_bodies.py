@@ -120,7 +120,8 @@ class Bodies:
                 rows = self.rows[self.rows < len(bodies["radius"])]
                 place = bodies["position/value"][0][rows]
                 if self.has_shapes:
-                    place = place + turned(bodies["orientation/value"][0][rows], self.centers[:len(rows)])
+                    place = place + turned(bodies["orientation/value"][0][rows],
+                                           self.centers[:len(rows)])
                 there = np.isfinite(place).all(axis=1)
                 steps = np.rint((place[there] - self.low) / self.step)
                 places = np.full((len(self.rows), 3), ABSENT)

@@ -17,11 +17,13 @@ class Shapes:
             self.radii = [place["radii"][:] for place in places]
 
     def spheres(self, shape):
-        """The body of each sphere, by its place in `shape`; its centre and radius over the body's radius, in body axes."""
+        """The body of each sphere, by its place in `shape`; its centre and radius over the body's
+        radius, in body axes."""
         counts = np.array([len(radii) for radii in self.radii])[shape]
         centers = [self.centers[s] for s in shape]
         radii = [self.radii[s] for s in shape]
-        return np.repeat(np.arange(len(shape)), counts), np.concatenate(centers), np.concatenate(radii)
+        return (np.repeat(np.arange(len(shape)), counts), np.concatenate(centers),
+                np.concatenate(radii))
 
 
 def shape_of(bodies, rows):

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.colors import LinearSegmentedColormap, LogNorm
 from matplotlib.ticker import NullFormatter
 
-from report_run import readable_length, readable_time
+from report_run import readable_length
 from report_spheres import Camera, render
 
 SKY = np.array([0.035, 0.043, 0.066])
@@ -41,8 +41,8 @@ def scale_bar(axes, camera):
     bar = nice_length(camera.width / 5)
     x, y = -camera.width / 2 * 0.93, -camera.height / 2 * 0.92
     axes.plot([x, x + bar], [y, y], color="white", lw=2, solid_capstyle="butt")
-    axes.text(x + bar / 2, y + camera.height * 0.015, readable_length(bar), color="white", ha="center",
-              va="bottom", fontsize=9)
+    axes.text(x + bar / 2, y + camera.height * 0.015, readable_length(bar), color="white",
+              ha="center", va="bottom", fontsize=9)
 
 
 def show(axes, camera, image):
@@ -63,7 +63,8 @@ def pile_size(frame):
 def before_and_after(run):
     """The bodies before the impact and at the end, seen from where the impactor came."""
     _, size = pile_size(run.before)
-    size = min(max(size, pile_size(run.after)[1]), 2 * size)  # what spreads further would leave too little to see
+    # What spreads further would leave too little to see.
+    size = min(max(size, pile_size(run.after)[1]), 2 * size)
     side, up = run.side_view()
     toward = 0.85 * side - 0.62 * run.flight + 0.42 * up
     figure, axes = plt.subplots(1, 2, figsize=(12, 6.2), facecolor=tuple(SKY))
@@ -119,7 +120,8 @@ def velocities(run):
     near = near[np.argsort(-speed[near])][:400]
     x, y, _ = camera.project(frame.position[near])
     length = 0.16 * size * np.sqrt(speed[near] / norm.vmax)
-    direction = frame.velocity[near] / np.maximum(speed[near], np.finfo(float).tiny)[:, None]  # none of what rests
+    # What rests has no direction.
+    direction = frame.velocity[near] / np.maximum(speed[near], np.finfo(float).tiny)[:, None]
     u, v = direction @ camera.right * length, direction @ camera.up * length
     panel.quiver(x, y, u, v, angles="xy", scale_units="xy", scale=1, width=0.0026,
                  color="#7fd4ff", clip_on=True)
@@ -224,7 +226,8 @@ def read_outs(table, lines):
                       fontsize=9, color=BLUE)
     for value, name in lines:
         axes.axhline(value * 1e3, color=GREY, ls="--", lw=1)
-        axes.text(0.005, value * 1e3, name, color="#5b6472", fontsize=8, ha="left", va="bottom",  # values stand right
+        # At the left: values stand right of their points.
+        axes.text(0.005, value * 1e3, name, color="#5b6472", fontsize=8, ha="left", va="bottom",
                   transform=axes.get_yaxis_transform())
     top = max([*dv, *(value for value, _ in lines)]) * 1e3
     axes.set(xlabel="time since the impact (s)", ylabel="dv of the largest clump (mm/s)",

@@ -95,7 +95,8 @@ class Run:
         self.folder, self.program = folder, program
         self.file("trajectory.h5")
         with h5py.File(os.path.join(folder, "snapshots", self.snapshots()[0])) as file:
-            self.origin = {key: self.told(value) for key, value in file["parameters"].items() if isinstance(value, h5py.Dataset)}
+            self.origin = {key: self.told(value) for key, value in file["parameters"].items()
+                           if isinstance(value, h5py.Dataset)}
         self.case_text = self.origin.pop("case")
         self.case = tomllib.loads(self.case_text)
         self.flight = np.array([1.0, 0, 0])

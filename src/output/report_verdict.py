@@ -46,28 +46,33 @@ def shields(results):
         name = wall["wall"] if "wall" in wall["wall"] else f"wall {wall['wall']}"
         thickness, found = 1e3 * wall["thickness"], wall["verdict"]
         if found == "held":
-            yield GOOD, (f"The {name} has held: where it is thinnest, {percent(wall['margin'])} of its {thickness:.3g} mm "
-                         "are left.")
+            yield GOOD, (f"The {name} has held: where it is thinnest, {percent(wall['margin'])} "
+                         f"of its {thickness:.3g} mm are left.")
         elif found == "perforated":
             holes = "an opening" if wall["openings"] == 1 else f"{wall['openings']} openings"
-            yield NOTE, f"The {name} is perforated: it has {holes} of up to {1e3 * wall['hole']:.3g} mm."
+            yield NOTE, (f"The {name} is perforated: it has {holes} of up to "
+                         f"{1e3 * wall['hole']:.3g} mm.")
         else:
-            yield NOTE, (f"Spall has detached from the {name}: {1e3 * wall['spall_mass']:.2g} g in {wall['spall_pieces']} pieces "
-                         f"leave its rear at {wall['spall_speed']:.3g} m/s.")
+            yield NOTE, (f"Spall has detached from the {name}: {1e3 * wall['spall_mass']:.2g} g "
+                         f"in {wall['spall_pieces']} pieces leave its rear at "
+                         f"{wall['spall_speed']:.3g} m/s.")
         if wall["still_coming"] > YET_TO_COME:
-            yield NOTE, (f"The verdict on the {name} is not final: {percent(wall['still_coming'])} of the energy that flies "
-                         "at it has not met it yet. A longer run may give another.")
+            yield NOTE, (f"The verdict on the {name} is not final: {percent(wall['still_coming'])} "
+                         "of the energy that flies at it has not met it yet. A longer run may give "
+                         "another.")
         if len(margins := wall["margins"]) > 1:
             before, after = margins[-2:]
             times = [readable_time(time) for time in wall["times"][-2:]]
             if abs(after - before) > STILL_FAILING * abs(after):
-                yield NOTE, (f"The margin of the {name} still changed from {before:.3g} to {after:.3g} of its thickness between "
-                             f"{times[0]} and {times[1]}: a longer run may give another verdict.")
+                yield NOTE, (f"The margin of the {name} still changed from {before:.3g} to "
+                             f"{after:.3g} of its thickness between {times[0]} and {times[1]}: "
+                             "a longer run may give another verdict.")
         if wall["opening_at_edge"]:
-            yield NOTE, f"An opening of the {name} reaches its edge: a wider wall may give another verdict."
+            yield NOTE, (f"An opening of the {name} reaches its edge: a wider wall may give "
+                         "another verdict.")
         if wall["thickness"] < FEW_LAYERS * wall["spacing"] * (1 - ROUND_OFF):
-            yield NOTE, (f"The {name} is {wall['thickness'] / wall['spacing']:.2g} spacings of its bodies thick: fewer than "
-                         f"{FEW_LAYERS} tell little of it.")
+            yield NOTE, (f"The {name} is {wall['thickness'] / wall['spacing']:.2g} spacings of its "
+                         f"bodies thick: fewer than {FEW_LAYERS} tell little of it.")
 
 
 def converged(results):

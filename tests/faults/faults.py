@@ -1,21 +1,26 @@
 #!/usr/bin/python3
-# Kills runs, fills their disks, lets their writes, syncs, renames and opens fail, and their ranks crash
-# or hang; looks at what is left behind.
+# Kills runs, fills their disks, lets their writes, syncs, renames and opens fail, and their ranks
+# crash or hang; looks at what is left behind.
 # SPDX-License-Identifier: BSD-3-Clause
-"""usage: faults.py errors|kills|writers|ends|disks SPALL MPIEXEC CASES WORK [--disk SO] [--count 6] [--ranks 2] [--seed 1]
+"""usage: faults.py errors|kills|writers|ends|disks SPALL MPIEXEC CASES WORK
+                 [--disk SO] [--count 6] [--ranks 2] [--seed 1]
 
-errors   One call of one rank fails (failing_disk.c), alone or with all that follow. All ranks must be gone within
-         10 s, with one message that tells the reason where rank 0 knows it. Errors that no call met do not count.
-kills    SIGKILL to all ranks at a random time after the first restart file, in three methods in turn.
+errors   One call of one rank fails (failing_disk.c), alone or with all that follow. All ranks must
+         be gone within 10 s, with one message that tells the reason where rank 0 knows it. Errors
+         that no call met do not count.
+kills    SIGKILL to all ranks at a random time after the first restart file, in three methods in
+         turn.
 writers  SIGKILL to the rank that writes, at a random byte of a restart file.
-ends     In turn one rank is killed, crashes, gets no more memory, or hangs in a call or is stopped until the launcher
-         gets SIGTERM. All ranks must be gone 10 s later, where memory ends after it was said; one message says why, the
-         launcher's where the rank cannot.
-disks    A tmpfs for each run, of sizes from nearly nothing to all that a run needs: the message says
-         that no space is left. Mounting takes root.
+ends     In turn one rank is killed, crashes, gets no more memory, or hangs in a call or is stopped
+         until the launcher gets SIGTERM. All ranks must be gone 10 s later, where memory ends after
+         it was said; one message says why, the launcher's where the rank cannot.
+disks    A tmpfs for each run, of sizes from nearly nothing to all that a run needs: the message
+         says that no space is left. Mounting takes root.
 
-After each a run goes on from the newest restart file, where there is one, to the numbers of the run that was left
-alone: results, series, snapshots and states, bit by bit, but for the seconds that it took."""
+After each a run goes on from the newest restart file, where there is one, to the numbers of the run
+that was left alone: results, series, snapshots and states, bit by bit, but for the seconds that it
+took.
+"""
 import argparse
 import collections
 import csv
@@ -34,19 +39,22 @@ from pathlib import Path
 import h5py
 
 SCENES = {
-    "nonsmooth": ["hello/case.toml", "groups.cloud.packing.count=40", "groups.cloud.volume.radius=6 m",
-                  "phases.aggregation.duration=40 min"],
-    "penalty": ["column/case.toml", "groups.column.volume.radius=8 mm", "groups.column.volume.height=8 mm",
-                'groups.column.volume.center=[0, 0, "6 mm"]', "phases.collapse.duration=0.1 s"],
+    "nonsmooth": ["hello/case.toml", "groups.cloud.packing.count=40",
+                  "groups.cloud.volume.radius=6 m", "phases.aggregation.duration=40 min"],
+    "penalty": ["column/case.toml", "groups.column.volume.radius=8 mm",
+                "groups.column.volume.height=8 mm", 'groups.column.volume.center=[0, 0, "6 mm"]',
+                "phases.collapse.duration=0.1 s"],
     "potential": ["bumper/case.toml", 'groups.plate.volume.size=["3 mm", "3 mm", "0.5 mm"]'],
 }
 FAULTS = {"fsync": 5, "rename": 6, "open": 8}  # calls of a short run, of which one fails
 REASONS = [errno.ENOSPC, errno.EDQUOT, errno.EIO]
-SAVES = ["1 ms", "10 ms", "50 ms", "1 h"]  # restart_every; the last leaves the files at the ends of phases
+# restart_every; the last leaves the files at the ends of phases
+SAVES = ["1 ms", "10 ms", "50 ms", "1 h"]
 ENDS = {  # what one line says, one of these
     "kill": ["exited on signal 9"],
     "crash": ["exited on signal 11"],
-    "memory": ["memory", "exited on signal"],  # its stack cannot grow either, and libraries do not look
+    # Its stack cannot grow either, and libraries do not look.
+    "memory": ["memory", "exited on signal"],
     "hang": [],
     "stop": [],
 }
@@ -63,10 +71,12 @@ def numbers(folder):
             found["series.csv " + name] = column
 
     def note(name, thing):
-        if isinstance(thing, h5py.Dataset) and not name.startswith(("parameters", "scalars", "case", "version")):
+        if isinstance(thing, h5py.Dataset) and not name.startswith(
+                ("parameters", "scalars", "case", "version")):
             found[f"{path.relative_to(folder)} {name}"] = thing.shape, thing[()].tobytes()
 
-    for path in sorted([*folder.glob("snapshots/*.h5"), *folder.glob("after_*.h5"), folder / "series.h5", folder / "trajectory.h5"]):
+    for path in sorted([*folder.glob("snapshots/*.h5"), *folder.glob("after_*.h5"),
+                        folder / "series.h5", folder / "trajectory.h5"]):
         with h5py.File(path) as file:
             file.visititems(note)
     return {name: values for name, values in found.items() if "seconds_" not in name}
@@ -74,7 +84,8 @@ def numbers(folder):
 
 def differences(found, wanted):
     """Names of what differs, a few of them; empty: nothing does."""
-    names = sorted(name for name in found.keys() | wanted.keys() if found.get(name) != wanted.get(name))
+    names = sorted(name for name in found.keys() | wanted.keys()
+                   if found.get(name) != wanted.get(name))
     return ", ".join(names[:4]) + (f" and {len(names) - 4} more" if len(names) > 4 else "")
 
 
@@ -83,7 +94,8 @@ def changed_at(file):
 
 
 def newest_restart(folder):
-    return max([*folder.glob("restart*.h5"), *folder.glob("after_*.h5")], key=changed_at, default=None)
+    return max([*folder.glob("restart*.h5"), *folder.glob("after_*.h5")],
+               key=changed_at, default=None)
 
 
 def files_of(folder):
@@ -103,10 +115,13 @@ class Runs:
 
     def start(self, *words, **faults):
         """A program of all ranks, in a session of its own."""
-        environment = {**os.environ, "OMPI_MCA_mpi_yield_when_idle": "1", **{key: str(value) for key, value in faults.items()}}
-        command = [self.given.mpiexec, "--oversubscribe", "-n", str(self.given.ranks), self.given.spall]
-        return subprocess.Popen([*command, *map(str, words)], cwd=self.work, env=environment, text=True,
-                                stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, start_new_session=True)
+        environment = {**os.environ, "OMPI_MCA_mpi_yield_when_idle": "1",
+                       **{key: str(value) for key, value in faults.items()}}
+        command = [self.given.mpiexec, "--oversubscribe", "-n", str(self.given.ranks),
+                   self.given.spall]
+        return subprocess.Popen([*command, *map(str, words)], cwd=self.work, env=environment,
+                                text=True, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
+                                start_new_session=True)
 
     def end(self, process, limit):
         """Exit code (None: it hung) and lines on standard error."""
@@ -149,7 +164,8 @@ class Runs:
     def kill(self, draw, method):
         _, seconds = self.run_whole(method)
         shutil.rmtree(self.out, ignore_errors=True)
-        process = self.start(*self.words(method, "out"), "--set", f"output.restart_every={draw.choice(SAVES)}")
+        process = self.start(*self.words(method, "out"), "--set",
+                             f"output.restart_every={draw.choice(SAVES)}")
         while newest_restart(self.out) is None and process.poll() is None:
             time.sleep(0.002)
         wait = draw.uniform(0, seconds)
@@ -164,7 +180,8 @@ class Runs:
 
     def error(self, draw, method):
         self.run_whole(method)
-        written = sum(file.stat().st_size for file in (self.work / ("whole-" + method)).rglob("*.h5"))
+        written = sum(file.stat().st_size
+                      for file in (self.work / ("whole-" + method)).rglob("*.h5"))
         fault = draw.choice(["write", *FAULTS])  # rank 0 alone syncs and renames, and writes most
         rank = draw.randrange(self.given.ranks) if fault in ("write", "open") else 0
         at = draw.randint(1, FAULTS.get(fault, written if rank == 0 else written // 6))
@@ -173,9 +190,11 @@ class Runs:
         mark = self.work / "failed"
         mark.unlink(missing_ok=True)
         shutil.rmtree(self.out, ignore_errors=True)
-        self.fail(method, f"{method}: {fault} {at} of rank {rank}{', once' if once else ''}, {os.strerror(reason)}",
-                  os.strerror(reason) if rank == 0 else "", lambda: mark, draw.choice(SAVES), FAULT=fault, FAULT_AT=at,
-                  FAULT_RANK=rank, FAULT_ERRNO=reason, FAULT_FOLDER=self.out, **once, **self.faults(mark))
+        self.fail(method, f"{method}: {fault} {at} of rank {rank}{', once' if once else ''}, "
+                  f"{os.strerror(reason)}",
+                  os.strerror(reason) if rank == 0 else "", lambda: mark, draw.choice(SAVES),
+                  FAULT=fault, FAULT_AT=at, FAULT_RANK=rank, FAULT_ERRNO=reason,
+                  FAULT_FOLDER=self.out, **once, **self.faults(mark))
 
     def faults(self, mark):
         return {"LD_PRELOAD": self.given.disk, "FAULT_MARK": mark}
@@ -185,13 +204,16 @@ class Runs:
         mark = self.work / "failed"
         mark.unlink(missing_ok=True)
         shutil.rmtree(self.out, ignore_errors=True)
-        label = f"{method}: {does} of rank {rank} at byte {at} of {Path(folder).name}, saved each {save}"
-        process = self.start(*self.words(method, "out"), "--set", f"output.restart_every={save}", FAULT="write",
-                             FAULT_AT=at, FAULT_RANK=rank, FAULT_FOLDER=folder, FAULT_DOES=does, **self.faults(mark))
+        label = (f"{method}: {does} of rank {rank} at byte {at} of {Path(folder).name}, "
+                 f"saved each {save}")
+        process = self.start(*self.words(method, "out"), "--set", f"output.restart_every={save}",
+                             FAULT="write", FAULT_AT=at, FAULT_RANK=rank, FAULT_FOLDER=folder,
+                             FAULT_DOES=does, **self.faults(mark))
         while process.poll() is None and not mark.exists():
             time.sleep(0.01)
         if does == "memory":  # what a rank has by then may serve it for long
-            select.select([process.stderr], [], [], 10 * MOST_SECONDS + 20 * self.run_whole(method)[1])
+            select.select([process.stderr], [], [],
+                          10 * MOST_SECONDS + 20 * self.run_whole(method)[1])
         since = time.time()
         if does in ("hang", "stop") and process.poll() is None:
             time.sleep(0.5)  # it would not end by itself
@@ -225,16 +247,19 @@ class Runs:
 
     def rank_end(self, draw, method):
         self.run_whole(method)
-        written = sum(file.stat().st_size for file in (self.work / ("whole-" + method)).rglob("*.h5"))
+        written = sum(file.stat().st_size
+                      for file in (self.work / ("whole-" + method)).rglob("*.h5"))
         rank = draw.randrange(self.given.ranks)
-        self.end_rank(method, next(self.ends), rank, draw.randint(1, written if rank == 0 else written // 6),
+        self.end_rank(method, next(self.ends), rank,
+                      draw.randint(1, written if rank == 0 else written // 6),
                       self.out, draw.choice(SAVES))
 
     @staticmethod
     def wait_until_gone(process):
         lives = ["pgrep", "-s", str(process.pid), "-r", "D,R,S,T"]
         deadline = time.time() + MOST_SECONDS
-        while time.time() < deadline and subprocess.run(lives, stdout=subprocess.DEVNULL, check=False).returncode == 0:
+        while (time.time() < deadline
+               and subprocess.run(lives, stdout=subprocess.DEVNULL, check=False).returncode == 0):
             time.sleep(0.05)
 
     def disk(self, draw, method):
@@ -244,17 +269,21 @@ class Runs:
         page = 4096
         size = draw.randint(1, needs // page) * page
         self.out.mkdir(exist_ok=True)
-        subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={size}", "spall-faults", self.out], check=True)
+        subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={size}", "spall-faults", self.out],
+                       check=True)
         try:
             self.fail(method, f"{method}: a disk of {size} bytes", os.strerror(errno.ENOSPC),
-                      lambda: max(files_of(self.out), key=changed_at), draw.choice(SAVES), grown=True)
+                      lambda: max(files_of(self.out), key=changed_at), draw.choice(SAVES),
+                      grown=True)
         finally:
             subprocess.run(["umount", self.out], check=True)
 
     def fail(self, method, label, reason, failed, save, grown=False, **faults):
-        """A run that must end by itself and say the reason; the file `failed()` tells since when."""
+        """A run that must end by itself and say the reason; the file `failed()` tells since
+        when."""
         wanted, seconds = self.run_whole(method)
-        process = self.start(*self.words(method, "out"), "--set", f"output.restart_every={save}", **faults)
+        process = self.start(*self.words(method, "out"), "--set", f"output.restart_every={save}",
+                             **faults)
         code, said = self.end(process, 20 * seconds + 100)  # machines may have more to do
         self.wait_until_gone(process)
         now = time.time()
@@ -293,7 +322,8 @@ def main():
     parser.add_argument("--seed", type=int, default=1)
     given = parser.parse_args()
     runs, draw = Runs(given), random.Random(given.seed)
-    one = {"kills": runs.kill, "errors": runs.error, "disks": runs.disk, "writers": runs.writer, "ends": runs.rank_end}[given.what]
+    one = {"kills": runs.kill, "errors": runs.error, "disks": runs.disk, "writers": runs.writer,
+           "ends": runs.rank_end}[given.what]
     met = ["killed"] if given.what == "kills" else ["ended", "hangs"]
     for drawn, method in enumerate(itertools.cycle(SCENES)):
         if sum(runs.seen[what] for what in met) >= given.count or drawn > 10 * given.count:
@@ -301,7 +331,8 @@ def main():
         one(draw, method)
     print(f"{given.what}, {given.ranks} ranks, seed {given.seed}: "
           + ", ".join(f"{count} {what}" for what, count in sorted(runs.seen.items()))
-          + (f"; all ranks gone after {max(runs.gone_after):.1f} s at most" if runs.gone_after else ""))
+          + (f"; all ranks gone after {max(runs.gone_after):.1f} s at most" if runs.gone_after
+             else ""))
     for line in runs.wrong:
         print("FAILED:", line)
     sys.exit(bool(runs.wrong))
