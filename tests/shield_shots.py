@@ -4,6 +4,9 @@ SPDX-License-Identifier: BSD-3-Clause
 usage: shield_shots.py ROOT
 """
 import sys
+import tempfile
+import tomllib
+from argparse import Namespace
 from dataclasses import replace
 from math import isclose
 from pathlib import Path
@@ -60,7 +63,6 @@ def the_order_is_drawn_and_no_outcome_enters_it():
 
 
 def plates_are_as_far_apart_as_the_table_says():
-    import tomllib
     for shot in (run.chosen(shots, run.ACROSS)[0], next(s for s in cheap if s.angle == 45)):
         setting = run.set_up(shot, run.ACROSS)
         case = tomllib.loads(run.case_of(shot, setting, 1))
@@ -77,8 +79,59 @@ def plates_are_as_far_apart_as_the_table_says():
         assert abs(ball["center"][0] - ball["center"][2] * velocity[0] / velocity[2]) < 1e-6 * ball["diameter"]
 
 
+STUB = """#!/bin/sh
+[ "$1" = run ] || exit 2
+mkdir -p "$4"
+echo "  1234 bodies, at most about 5 MB a rank on 1 rank"
+cat > "$4/results.toml" <<END
+[shield_wall]
+verdict = "held"
+margin = 0.9
+margins = [1.0, 0.95]
+still_coming = 0.004
+opening_at_edge = false
+hole = 0.0
+spall_mass = 1e-9
+[conservation]
+energy_unexplained = 0.002
+dissipated = 100.0
+[solver]
+steps = 200
+[provenance]
+commit = "abc"
+END
+"""
+
+
+def what_is_done_is_kept_and_what_is_missing_goes_on():
+    with tempfile.TemporaryDirectory() as folder:
+        folder = Path(folder)
+        program = folder / "stub"
+        program.write_text(STUB)
+        program.chmod(0o755)
+        run.RESULTS = score.RESULTS = folder / "results.csv"
+        wanted = [str(shot.row) for shot in run.chosen(shots, run.ACROSS)]
+        for most, expected in ((2, 2), (3, 5)):
+            sys.argv = ["run.py", "--most", str(most), "--jobs", "2", "--program", str(program), "--out",
+                        str(folder / "out")]
+            run.main()
+            assert sorted(row["row"] for row in run.known()) == sorted(wanted[:expected])
+        assert {row["bodies"] for row in run.known()} == {"1234"}
+        program.write_text("#!/bin/sh\nexit 1\n")
+        sys.argv = ["run.py", "--most", "1", "--program", str(program), "--out", str(folder / "out")]
+        run.main()
+        assert run.known()[-1]["verdict"] == "failed"
+        options = Namespace(across=run.ACROSS, seed=1)
+        some, without, planned = score.counted(shots, options)
+        assert (len(some), without, planned) == (5, 1, len(wanted))
+        text = score.table(some, without, planned, options)
+        held = sum(not shot.perforated for shot, _ in some)
+        assert f"| Spall | {score.share([True] * held + [False] * (5 - held))} |" in text, text
+
+
 for test in (the_shares_are_those_that_were_counted_by_pyblossum, each_equation_is_continuous_where_its_regimes_meet,
              a_thick_bumper_takes_nothing_off, an_uneven_split_is_as_unlikely_as_coins_say,
-             the_order_is_drawn_and_no_outcome_enters_it, plates_are_as_far_apart_as_the_table_says):
+             the_order_is_drawn_and_no_outcome_enters_it, plates_are_as_far_apart_as_the_table_says,
+             what_is_done_is_kept_and_what_is_missing_goes_on):
     test()
     print(test.__name__)
