@@ -165,7 +165,7 @@ def run(options, shot, seed):
     wall, books = results["shield_wall"], results["conservation"]
     struck = 0.5 * 1000 * shot.density[0] * math.pi / 6 * (shot.diameter / 100)**3 * (1000 * shot.speed)**2
     return line | {
-        "verdict": wall["verdict"], "margin": f"{wall['margin']:.4g}", "margin_before": f"{wall['margins'][-1]:.4g}",
+        "verdict": wall["verdict"], "margin": f"{wall['margin']:.4g}", "margin_before": f"{wall['margins'][-1]:.4g}" if wall["margins"] else "",
         "still_coming": f"{wall['still_coming']:.3g}", "opening_at_edge": wall["opening_at_edge"],
         "hole_mm": f"{1e3 * wall['hole']:.4g}", "spall_mg": f"{1e6 * wall['spall_mass']:.4g}",
         "energy_unexplained": f"{books['energy_unexplained'] * books['dissipated'] / struck:.2e}",
@@ -181,7 +181,7 @@ def keep(line, lock):
     """Written anew as a whole, so that a stop leaves the old or the new."""
     with lock:
         rows = known() + [{key: str(line.get(key, "")) for key in COLUMNS}]
-        with tempfile.NamedTemporaryFile("w", dir=HERE, delete=False, newline="") as file:
+        with tempfile.NamedTemporaryFile("w", dir=RESULTS.parent, delete=False, newline="") as file:
             writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
             writer.writeheader()
             writer.writerows(rows)
