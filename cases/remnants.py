@@ -2,12 +2,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The rules are those of src/analysis/clumps.cpp: bodies closer than the range of cohesion hang together; the heaviest such
 clump then takes every body that its gravity, as of a point mass, holds."""
+import pathlib
+import subprocess
 import tomllib
 
 import h5py
 import numpy as np
 
 G = 6.67430e-11
+SEEDS = (1, 2, 3, 4, 5)  # of the piles of 1,000 boulders
 
 
 def last_frame(folder, skip_group=None):
@@ -17,6 +20,43 @@ def last_frame(folder, skip_group=None):
         keep = rows["group"][:] != skip_group if skip_group is not None else slice(None)
         return [rows["position/value"][-1][keep], rows["velocity/value"][-1][keep], rows["radius"][:][keep],
                 rows["mass"][:][keep]]
+
+
+def pile(seed, settles=True):
+    """The folder of the settled pile of a seed, which is made where it is missing."""
+    folder = pathlib.Path("out/pile" if seed == 1 else f"out/pile-{seed}")
+    if settles and not (folder / "after_settling.h5").exists():
+        subprocess.run(["mpirun", "-n", "2", "build/release/spall", "run", "cases/pile/case.toml", "--out", str(folder), "--overwrite",
+                        "--set", f"seed={seed}"], check=True)
+    return folder
+
+
+def run_all(case, runs, groups):
+    """Runs what is missing of [(folder, seed, changes)]; `groups` of the case get the pile of the seed."""
+    for folder, seed, changes in runs:
+        if (folder / "results.toml").exists():
+            continue
+        changes = [*changes, *(f"groups.{group}.packing.file=../../{pile(seed)}/after_settling.h5" for group in groups)]
+        subprocess.run(["mpirun", "-n", "2", "build/release/spall", "run", case, "--out", str(folder), "--overwrite",
+                        *(word for change in changes for word in ("--set", change))], check=True)
+
+
+def scatter(values, digits=2):
+    """Mean ± standard deviation over the seeds, with as many decimals as the deviation has of `digits` figures."""
+    values = np.asarray(values, dtype=float)
+    mean = values.mean()
+    if len(values) < 2:
+        return f"{mean:.1g}"
+    spread = values.std(ddof=1)
+    if spread <= 1e-9 * abs(mean):
+        return f"{mean:.4g} ± 0"
+    decimals = max(0, digits - 1 - int(np.floor(np.log10(spread))))
+    return f"{mean:.{decimals}f} ± {spread:.{decimals}f}"
+
+
+def commits(folders):
+    """Of the runs, as their results tell."""
+    return ", ".join(sorted({results(folder)["provenance"]["commit"] for folder in folders}))
 
 
 def results(folder):

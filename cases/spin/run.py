@@ -2,7 +2,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """run.py [--only-table]: runs what is missing in out/, writes results.md and piles.png beside this script."""
 import pathlib
-import subprocess
 import sys
 
 import h5py
@@ -11,7 +10,7 @@ import numpy as np
 
 HERE = pathlib.Path(__file__).parent
 sys.path[:0] = [str(HERE.parent), str(HERE.parents[1] / "src/output")]
-from remnants import G, axes, clump_names, largest_remnant, last_frame, results  # noqa: E402
+from remnants import SEEDS, G, axes, clump_names, commits, largest_remnant, last_frame, pile, results, run_all, scatter  # noqa: E402
 from report_figures import SKY, rock, scale_bar, show  # noqa: E402
 from report_spheres import Camera, render  # noqa: E402
 
@@ -59,8 +58,13 @@ def friction_at_work(x, mass, omega):
     return np.arcsin((stress[2] - stress[0]) / (stress[2] + stress[0])) if stress[0] > 0 else np.nan
 
 
-def folder_of(name, part):
-    return pathlib.Path(f"out/{name}-{part}")
+def folder_of(name, part, seed):
+    return pathlib.Path(f"out/{name}-{part}-{seed}")
+
+
+def seeds_of(name):
+    """A crystal is the same for every seed."""
+    return SEEDS if BODIES[name][1] == "case.toml" else SEEDS[:1]
 
 
 def first_frame(folder):
@@ -69,13 +73,13 @@ def first_frame(folder):
         return rows["position/value"][0], rows["mass"][:]
 
 
-def density_of(case):
+def density_of(case, seed=SEEDS[0]):
     """Bulk density, kg/m^3: of the pile by its packing fraction inside the half-mass radius, of the crystal by fcc's."""
-    return GRAIN * (np.pi / np.sqrt(18) if case == "crystal.toml" else results(pathlib.Path("out/pile"))["pile"]["packing_fraction"])
+    return GRAIN * (np.pi / np.sqrt(18) if case == "crystal.toml" else results(pile(seed, settles=False))["pile"]["packing_fraction"])
 
 
-def read(name, part, omega):
-    folder = folder_of(name, part)
+def read(name, part, seed):
+    folder, omega = folder_of(name, part, seed), limit(density_of(BODIES[name][1], seed))
     position, velocity, radius, mass = last_frame(folder)
     clump = clump_names(position, radius, 0.01)
     touching = clump == np.argmax(np.bincount(clump, mass))
@@ -92,49 +96,53 @@ def read(name, part, omega):
             "frame": (position, radius), "drift": results(folder)["conservation"]["angular"]}
 
 
-def run_all():
+def make_runs():
+    for seed in SEEDS:
+        pile(seed)
     for name, (_, case, keys, parts) in BODIES.items():
-        for part in parts:
-            if not (folder_of(name, part) / "results.toml").exists():
-                sets = [word for key in [*keys, f"groups.pile.spin=[0, 0, {part * limit(density_of(case))}]"] for word in ("--set", key)]
-                subprocess.run(["mpirun", "-n", "2", "build/release/spall", "run", f"cases/spin/{case}", "--out", str(folder_of(name, part)),
-                                *sets], check=True)
+        runs = [(folder_of(name, part, seed), seed, [*keys, f"groups.pile.spin=[0, 0, {part * limit(density_of(case, seed))}]"])
+                for part in parts for seed in seeds_of(name)]
+        run_all(f"cases/spin/{case}", runs, ["pile"] if case == "case.toml" else [])
 
 
-def table(name, rows):
+def table(name, by_part):
+    """`by_part`: rows of all seeds, a list for each spin."""
     what, case, _, _ = BODIES[name]
-    density, kept = density_of(case), [row["part"] for row in rows if row["held"]]
-    moved = [row for row in rows if not row["held"]]
+    every = [row for some in by_part for row in some]
+    density = [density_of(case, seed) for seed in seeds_of(name)][:max(map(len, by_part))]
+    period = np.mean([2 * np.pi / limit(one) / 3600 for one in density])
     lines = [f"## {what[0].upper()}{what[1:]}", "",
-             f"{len(rows[0]['frame'][1])} bodies; bulk density {density:.0f} kg/m^3 (of the ellipsoid with the same moments {rows[0]['envelope']:.0f}): "
-             f"P = sqrt(3 pi / (G rho)) = {2 * np.pi / limit(density) / 3600:.3f} h.", "",
-             "| spin, of the limit | period, h | friction that it asks for, degrees | keeps its shape | spin after 6 h, of the limit | friction at work then, degrees | "
-             "lifted off, of the mass | of it unbound | axes of what touches, m | drift of angular momentum |", "|--:|--:|--:|---|--:|--:|--:|--:|--:|--:|"]
-    for row in rows:
-        lines.append(f"| {row['part']} | {2 * np.pi / limit(density) / row['part'] / 3600:.3f} | {row['asked']:.1f} | {'yes' if row['held'] else 'no'} | "
-                     f"{row['end']:.3f} | {row['angle']:.1f} | {row['lifted']:.3f} | {row['lost']:.3f} | "
-                     + ", ".join(f"{a:.0f}" for a in row["axes"]) + f" | {row['drift']:.1e} |")
-    lines += ["", (f"It keeps its shape at {max(kept)} of the limit" if kept else "It keeps its shape at none of these")
-              + (f" and gives way at {moved[0]['part']}." if moved else ".")]
+             f"{len(every[0]['frame'][1])} bodies; bulk density {scatter(density) if len(density) > 1 else f'{density[0]:.0f}'} kg/m^3 (of the ellipsoid with the "
+             f"same moments {np.mean([row['envelope'] for row in every]):.0f}): P = sqrt(3 pi / (G rho)) = {period:.2f} h.", "",
+             "| spin, of the limit | period, h | piles | friction that it asks for, degrees | keep their shape | spin after 6 h, of the limit | "
+             "friction at work then, degrees | lifted off, of the mass | of it unbound | drift of angular momentum |", "|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|"]
+    for some in by_part:
+        column = {key: scatter([row[key] for row in some]) for key in ("asked", "end", "angle", "lifted", "lost")}
+        lines.append(f"| {some[0]['part']} | {period / some[0]['part']:.2f} | {len(some)} | {column['asked']} | {sum(row['held'] for row in some)} of {len(some)} | "
+                     f"{column['end']} | {column['angle']} | {column['lifted']} | {column['lost']} | {max(row['drift'] for row in some):.1e} |")
+    moved = [some for some in by_part if not all(row["held"] for row in some)]
     if moved:
-        angle = np.radians(moved[0]["angle"])
-        lines[-1] += (f" What has just given way has come to {moved[0]['end']:.3f} of the limit with {moved[0]['angle']:.1f} degrees of friction at work; a "
-                      f"sphere of that friction has its limit at {frictional_limit(angle):.3f}.")
+        angle = np.radians([row["angle"] for row in moved[0]])
+        lines += ["", f"The first spin at which one gives way is {moved[0][0]['part']}. These come to {scatter([row['end'] for row in moved[0]])} of the limit with "
+                  f"{scatter(np.degrees(angle))} degrees of friction at work; spheres of that friction have their limit at {scatter(frictional_limit(angle))}."]
     return [*lines, ""]
 
 
 def main():
     if "--only-table" not in sys.argv:
-        run_all()
-    lines = ["# Bodies that spin: the runs", "Written by `cases/spin/run.py`. A body keeps its shape if none of its axes (of the ellipsoid with the same "
+        make_runs()
+    made = commits(folder_of(name, part, seed) for name in BODIES for part in BODIES[name][3] for seed in seeds_of(name)
+                   if (folder_of(name, part, seed) / "results.toml").exists())
+    lines = ["# Bodies that spin: the runs", f"Written by `cases/spin/run.py`, runs by commit {made}; mean ± standard deviation over piles of other seeds. A body "
+             "keeps its shape if none of its axes (of the ellipsoid with the same "
              f"moments) has changed by {100 * HELD:g} % after 6 h and nothing has lifted off. The friction that a spin asks for is that of "
              "the mean stress by the tensor virial theorem: asin of (largest - smallest) / (largest + smallest) principal pressure.", ""]
     everything = []
-    for name, (_, case, _, parts) in BODIES.items():
-        omega = limit(density_of(case))
-        rows = [read(name, part, omega) for part in parts if (folder_of(name, part) / "results.toml").exists()]
-        lines += table(name, rows) if rows else []
-        everything += rows
+    for name, (_, _, _, parts) in BODIES.items():
+        by_part = [[read(name, part, seed) for seed in seeds_of(name) if (folder_of(name, part, seed) / "results.toml").exists()] for part in parts]
+        by_part = [some for some in by_part if some]
+        lines += table(name, by_part) if by_part else []
+        everything += [some[0] for some in by_part]
     angles = (20, 25, 30, 35, 40, 50)
     lines += ["## The limit of a sphere by friction alone", "", "sqrt(2 sin phi / (1 + sin phi)) of sqrt(4 pi G rho / 3), Holsapple 2001.", "",
               "| friction angle, degrees | " + " | ".join(map(str, angles)) + " |", "|---|" + "--:|" * len(angles),
