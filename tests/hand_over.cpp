@@ -67,18 +67,20 @@ TEST(LaunchFlow, slows_to_rest_at_the_rim_of_the_crater) {
   EXPECT_EQ(flow.speed(12), 0);
 }
 
-/// A layer of 40 x 40 x 6 m below z = 0 full of spheres, some of which move, and the impactor.
+/// A layer of 40 x 40 m below z = 0 full of spheres, some of which move, and the impactor. A line
+/// through it meets 15 spheres in the mean, so that one in 10^5 lacks the mass that is launched.
 struct Layer {
   std::vector<Sphere> spheres;
   BodyId impactor;
 
   explicit Layer(double radius) {
+    const double depth = 33 * radius, filled = 0.6;
     std::mt19937_64 draw(7);
-    std::uniform_real_distribution<double> across(-20, 20), down(-6, 0), speed(-1e-3, 1e-3);
-    const double mass = 2500 * 4 * pi / 3 * radius * radius * radius;
-    const int count = static_cast<int>(0.6 * 40 * 40 * 6 / (mass / 2500));
+    std::uniform_real_distribution<double> across(-20, 20), down(-depth, 0), speed(-1e-3, 1e-3);
+    const double volume = 4 * pi / 3 * radius * radius * radius;
+    const int count = static_cast<int>(filled * 40 * 40 * depth / volume);
     for (int k = 0; k < count; ++k)
-      spheres.push_back({radius, mass, Vec3(across(draw), across(draw), down(draw)),
+      spheres.push_back({radius, 2500 * volume, Vec3(across(draw), across(draw), down(draw)),
                          Vec3(speed(draw), speed(draw), speed(draw))});
     impactor = count;
     spheres.push_back({0.5, 500, Vec3(0.3, -0.2, 3), Vec3(0, 0, -6000)});
@@ -97,7 +99,7 @@ Handed hand_over(const Comm& comm, const Layer& layer, const Impactor& impactor)
 }
 
 TEST(HandOver, closes_momentum_and_angular_momentum_and_gives_what_is_launched) {
-  const Layer layer(0.5);
+  const Layer layer(0.7);
   const Impactor impactor = kilograms_of_500();
   const Handed handed = hand_over(testing_world(), layer, impactor);
   const HandOver& books = handed.books;
@@ -119,11 +121,11 @@ TEST(HandOver, closes_momentum_and_angular_momentum_and_gives_what_is_launched) 
   EXPECT_NEAR((energy + books.heat) / books.energy, 0, 1e-10);
   EXPECT_NEAR((books.flow_energy + books.carrier_energy + books.heat) / books.energy, 1, 1e-14);
 
-  // The whole flow lies on the layer, whose spheres hide all below: nothing is lost between rays.
+  // The whole flow lies on the layer.
   const LaunchFlow flow(sand(), 0.5, 500 / (pi / 6), 6000);
   const Launched outer = flow.between(2, 12), inner = flow.between(flow.begin(), 2);
   EXPECT_EQ(books.reach, 12);
-  EXPECT_NEAR(books.found_mass / outer.mass, 1, 1e-6);  // a ray or two may meet nothing
+  EXPECT_NEAR(books.found_mass / outer.mass, 1, 1e-4);  // a line or two lack it
   EXPECT_NEAR(books.given_momentum / (outer.momentum * std::sqrt(0.5)), 1, 1e-4);
   EXPECT_NEAR(books.inner_momentum / (inner.momentum * std::sqrt(0.5)), 1, 1e-12);
   EXPECT_NEAR(handed.after.back().velocity.z(), books.inner_momentum / 500, 1e-2);
@@ -134,15 +136,15 @@ TEST(HandOver, closes_momentum_and_angular_momentum_and_gives_what_is_launched) 
 }
 
 TEST(HandOver, gives_the_same_momentum_at_any_radius_to_bodies_of_any_size) {
-  const Handed first = hand_over(testing_world(), Layer(0.5), kilograms_of_500());
+  const Handed first = hand_over(testing_world(), Layer(0.7), kilograms_of_500());
   const double all = first.books.inner_momentum + first.books.given_momentum;
-  for (const double radius : {0.35, 1.0})
-    for (const double at : {1.0, 3.0, 5.0}) {
+  for (const double radius : {0.5, 1.0})
+    for (const double at : {1.0, 5.0}) {
       Impactor impactor = kilograms_of_500();
       impactor.coupling->hand_over = at;
       const HandOver books = hand_over(testing_world(), Layer(radius), impactor).books;
       EXPECT_NEAR((books.inner_momentum + books.given_momentum) / all, 1, 5e-3)
-          << radius << " " << at;  // what lies between rings of different edges: the rim's root
+          << radius << " " << at;
     }
 }
 
@@ -157,16 +159,17 @@ TEST(HandOver, is_the_same_on_any_number_of_ranks) {
 }
 
 TEST(HandOver, launches_against_the_ellipsoid_where_it_is_asked_to) {
-  // The layer's ellipsoid is flat: a launch at 45 degrees near its axis hardly differs.
   Impactor impactor = kilograms_of_500();
-  const Layer layer(0.5);
+  const Layer layer(1);
   const double plane = hand_over(testing_world(), layer, impactor).books.given_momentum;
   impactor.coupling->surface = LaunchSurface::ellipsoid;
   const double tilted = hand_over(testing_world(), layer, impactor).books.given_momentum;
-  // Slopes of z = -c sqrt(1 - x^2/s^2) with c/s = 6/40 are some .1 at half of s, all outwards:
-  // sin(45 deg - slope) is less by as much.
+  // All slopes of an ellipsoid fall away from its axis: launches lean outwards, by less than the
+  // slope at the end of the flow, where tan = c/s x / sqrt(s^2 - x^2), with c 16.5 and s 20 m or
+  // more times the ratio of a box's and an ellipsoid's moments.
   EXPECT_LT(tilted, plane);
-  EXPECT_GT(tilted, 0.85 * plane);
+  const double slope = std::atan(16.5 / 20 * 12 / std::sqrt(20 * 20 - 12 * 12));
+  EXPECT_GT(tilted, std::sin(pi / 4 - slope) / std::sin(pi / 4) * plane);
 }
 
 TEST(HandOver, without_bodies_in_its_way_is_an_error) {
@@ -189,7 +192,7 @@ toml::table results_in(const std::string& folder) {
   return toml::parse_file(folder + "/results.toml");
 }
 
-/// A ball of 8 m; `coupling` follows the impactor's keys.
+/// A ball of 200 boulders of 8 t; `coupling` follows the impactor's keys.
 std::string ball(const std::string& coupling) {
   return R"(read_out = ["1 s", "4 s"]
 [materials.rock]
@@ -202,8 +205,8 @@ method = "direct"
 [[groups]]
 name = "ball"
 material = "rock"
-volume = {radius = "8 m"}
-packing = {kind = "random", radius = "1 m", fill = 0.4}
+volume = {radius = "9 m"}
+packing = {kind = "random", radius = "1 m", count = 200}
 [[phases]]
 name = "settling"
 step = "10 s"

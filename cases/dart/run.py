@@ -93,7 +93,7 @@ class Bodies:
             rows = file["particles/all"]
             struck = np.flatnonzero(rows["id/value"][:, -1] >= 0)[0]  # the first frame with the impactor
             n = len(rows["radius"]) - 1
-            self.before, self.spin = rows["position/value"][struck - 1][:n], rows["angular_velocity/value"][-1][:n]
+            self.before, self.spin = rows["position/value"][max(struck - 1, 0)][:n], rows["angular_velocity/value"][-1][:n]
         self.position, self.velocity, self.radius, self.mass = (x[:n] for x in last_frame(folder))
         self.inside = largest_remnant(self.position, self.velocity, self.radius, self.mass)
         self.drift = np.average(self.velocity[self.inside], axis=0, weights=self.mass[self.inside])
