@@ -15,6 +15,8 @@
 #include "run/simulation.hpp"
 #include "scene/case.hpp"
 #include "scene/scene.hpp"
+#include "solver/problem.hpp"
+#include "solver/settings.hpp"
 #include "spall/spall.hpp"
 #include "testing.hpp"
 #include "worlds.hpp"

@@ -10,6 +10,7 @@
 #include "output/files.hpp"
 #include "output/restart.hpp"
 #include "run/run.hpp"
+#include "solver/settings.hpp"
 #include "testing.hpp"
 
 namespace spall {

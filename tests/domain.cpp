@@ -89,7 +89,8 @@ TEST(Migration, every_body_arrives_once_with_all_its_fields) {
     memory = {{3, 7, 9},
               {4, -1, 200},
               {Vec3(1, 2, 3), Vec3(4, 5, 6), Vec3::Ones()},
-              std::vector<Vec3>(3, Vec3(7, 8, 9))};
+              std::vector<Vec3>(3, Vec3(7, 8, 9)),
+              {}};
   std::vector<int> owner(mine.owned);
   for (Index b = 0; b < mine.owned; ++b)
     owner[b] = static_cast<int>(mine.id[b] * 31 % 7) % comm.size;
