@@ -1,7 +1,8 @@
 # What is left of piles at the end of a run: the largest remnant by contact and by gravity.
 # SPDX-License-Identifier: BSD-3-Clause
-"""The rules are those of src/analysis/clumps.cpp: bodies closer than the range of cohesion hang together; the heaviest such
-clump then takes every body that its gravity, as of a point mass, holds."""
+"""The rules are those of src/analysis/clumps.cpp: bodies closer than the range of cohesion hang
+together; the heaviest such clump then takes every body that its gravity, as of a point mass,
+holds."""
 import pathlib
 import subprocess
 import tomllib
@@ -14,35 +15,40 @@ SEEDS = (1, 2, 3, 4, 5)  # of the piles of 1,000 boulders
 
 
 def last_frame(folder, skip_group=None):
-    """Positions, velocities, radii, masses at the end of the run; without the bodies of a group, such as a planet."""
+    """Positions, velocities, radii, masses at the end of the run; without the bodies of a group,
+    such as a planet."""
     with h5py.File(folder / "trajectory.h5") as file:
         rows = file["particles/all"]
         keep = rows["group"][:] != skip_group if skip_group is not None else slice(None)
-        return [rows["position/value"][-1][keep], rows["velocity/value"][-1][keep], rows["radius"][:][keep],
-                rows["mass"][:][keep]]
+        return [rows["position/value"][-1][keep], rows["velocity/value"][-1][keep],
+                rows["radius"][:][keep], rows["mass"][:][keep]]
 
 
 def pile(seed, settles=True):
     """The folder of the settled pile of a seed, which is made where it is missing."""
     folder = pathlib.Path("out/pile" if seed == 1 else f"out/pile-{seed}")
     if settles and not (folder / "after_settling.h5").exists():
-        subprocess.run(["mpirun", "-n", "2", "build/release/spall", "run", "cases/pile/case.toml", "--out", str(folder), "--overwrite",
-                        "--set", f"seed={seed}"], check=True)
+        subprocess.run(["mpirun", "-n", "2", "build/release/spall", "run", "cases/pile/case.toml",
+                        "--out", str(folder), "--overwrite", "--set", f"seed={seed}"], check=True)
     return folder
 
 
 def run_all(case, runs, groups):
-    """Runs what is missing of [(folder, seed, changes)]; `groups` of the case get the pile of the seed."""
+    """Runs what is missing of [(folder, seed, changes)]; `groups` of the case get the pile of the
+    seed."""
     for folder, seed, changes in runs:
         if (folder / "results.toml").exists():
             continue
-        changes = [*changes, *(f"groups.{group}.packing.file=../../{pile(seed)}/after_settling.h5" for group in groups)]
-        subprocess.run(["mpirun", "-n", "2", "build/release/spall", "run", case, "--out", str(folder), "--overwrite",
+        changes = [*changes, *(f"groups.{group}.packing.file=../../{pile(seed)}/after_settling.h5"
+                               for group in groups)]
+        subprocess.run(["mpirun", "-n", "2", "build/release/spall", "run", case,
+                        "--out", str(folder), "--overwrite",
                         *(word for change in changes for word in ("--set", change))], check=True)
 
 
 def scatter(values, digits=2):
-    """Mean ± standard deviation over the seeds, with as many decimals as the deviation has of `digits` figures."""
+    """Mean ± standard deviation over the seeds, with as many decimals as the deviation has of
+    `digits` figures."""
     values = np.asarray(values, dtype=float)
     mean = values.mean()
     if len(values) < 2:
@@ -70,7 +76,8 @@ def clump_names(position, radius, reach):
     pairs = []
     for k in range(len(radius)):
         gap = np.linalg.norm(position[k + 1:] - position[k], axis=1) - radius[k + 1:] - radius[k]
-        pairs.append(np.stack([np.full((gap <= reach).sum(), k), k + 1 + np.flatnonzero(gap <= reach)], axis=1))
+        pairs.append(np.stack([np.full((gap <= reach).sum(), k),
+                               k + 1 + np.flatnonzero(gap <= reach)], axis=1))
     pairs = np.concatenate(pairs)
     while True:
         before = name.copy()
@@ -89,7 +96,8 @@ def largest_remnant(position, velocity, radius, mass, reach=0.01):
     inside = name == np.argmax(weight)
     while True:
         total = mass[inside].sum()
-        middle, drift = (np.average(x[inside], axis=0, weights=mass[inside]) for x in (position, velocity))
+        middle, drift = (np.average(x[inside], axis=0, weights=mass[inside])
+                         for x in (position, velocity))
         energy = np.sum((velocity - drift) ** 2, axis=1) / 2
         distance = np.linalg.norm(position - middle, axis=1)
         bound = energy * distance < G * (total + mass)

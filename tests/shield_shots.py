@@ -1,4 +1,5 @@
-"""The published equations on real shots: shares that are known, limits that are exact, and the test that compares.
+"""The published equations on real shots: shares that are known, limits that are exact, and the test
+that compares.
 
 SPDX-License-Identifier: BSD-3-Clause
 usage: shield_shots.py ROOT
@@ -23,11 +24,13 @@ cheap = [shot for shot in shots if equations.is_cheap(shot)]
 def the_shares_are_those_that_were_counted_by_pyblossum():
     assert (len(shots), len(cheap)) == (689, 332)
     assert sum(shot.perforated for shot in shots) == 288
-    # pyBLOSSUM's own functions at fe0a7df, with the optimiser that it takes, make the same calls of each shot.
-    right = {"NNO": (526, 227), "modified NNO": (518, 220), "JSC": (555, 247), "modified JSC": (555, 247),
-             "Reimerdes": (545, 244)}
+    # pyBLOSSUM's own functions at fe0a7df, with the optimiser that it takes, make the same calls of
+    # each shot.
+    right = {"NNO": (526, 227), "modified NNO": (518, 220), "JSC": (555, 247),
+             "modified JSC": (555, 247), "Reimerdes": (545, 244)}
     for name, expected in right.items():
-        found = tuple(sum(equations.is_right(shot, name) for shot in some) for some in (shots, cheap))
+        found = tuple(sum(equations.is_right(shot, name) for shot in some)
+                      for some in (shots, cheap))
         assert found == expected, (name, found, expected)
 
 
@@ -35,15 +38,18 @@ def each_equation_is_continuous_where_its_regimes_meet():
     for name, equation in equations.EQUATIONS.items():
         for shot in cheap[::20]:
             v = equations.HYPERVELOCITY / equations.cosine(shot)
-            below, above = (equation(replace(shot, speed=v * (1 + side * 1e-9))) for side in (-1, 1))
+            below, above = (equation(replace(shot, speed=v * (1 + side * 1e-9)))
+                            for side in (-1, 1))
             assert isclose(below, above, rel_tol=1e-6), (name, shot)
 
 
 def a_thick_bumper_takes_nothing_off():
     for shot in cheap[::20]:
-        thick = replace(shot, speed=9.0, angle=0.0, bumper=0.5 * equations.nno(replace(shot, speed=9.0, angle=0.0)))
+        thick = replace(shot, speed=9.0, angle=0.0,
+                        bumper=0.5 * equations.nno(replace(shot, speed=9.0, angle=0.0)))
         for name in ("JSC", "modified JSC", "Reimerdes"):
-            assert isclose(equations.EQUATIONS[name](thick), equations.nno(thick), rel_tol=1e-9), (name, shot)
+            assert isclose(equations.EQUATIONS[name](thick), equations.nno(thick),
+                           rel_tol=1e-9), (name, shot)
             thin = replace(thick, bumper=0.1 * thick.bumper)
             assert equations.EQUATIONS[name](thin) < equations.nno(thin)
 
@@ -57,7 +63,8 @@ def an_uneven_split_is_as_unlikely_as_coins_say():
 
 def the_order_is_drawn_and_no_outcome_enters_it():
     some = run.chosen(shots, run.ACROSS)
-    turned = run.chosen([replace(shot, perforated=not shot.perforated) for shot in shots], run.ACROSS)
+    turned = run.chosen([replace(shot, perforated=not shot.perforated) for shot in shots],
+                        run.ACROSS)
     assert [shot.row for shot in some] == [shot.row for shot in turned]
     assert [shot.row for shot in some] != sorted(shot.row for shot in some)
 
@@ -76,7 +83,8 @@ def plates_are_as_far_apart_as_the_table_says():
         velocity = case["groups"][2]["velocity"]
         assert isclose(sum(x * x for x in velocity) ** 0.5, 1000 * shot.speed, rel_tol=1e-6)
         # The ball's line of flight meets the bumper's front at the axis.
-        assert abs(ball["center"][0] - ball["center"][2] * velocity[0] / velocity[2]) < 1e-6 * ball["diameter"]
+        assert (abs(ball["center"][0] - ball["center"][2] * velocity[0] / velocity[2])
+                < 1e-6 * ball["diameter"])
 
 
 STUB = """#!/bin/sh
@@ -112,13 +120,14 @@ def what_is_done_is_kept_and_what_is_missing_goes_on():
         run.RESULTS = score.RESULTS = folder / "results.csv"
         wanted = [str(shot.row) for shot in run.chosen(shots, run.ACROSS)]
         for most, expected in ((2, 2), (3, 5)):
-            sys.argv = ["run.py", "--most", str(most), "--jobs", "2", "--program", str(program), "--out",
-                        str(folder / "out")]
+            sys.argv = ["run.py", "--most", str(most), "--jobs", "2", "--program", str(program),
+                        "--out", str(folder / "out")]
             run.main()
             assert sorted(row["row"] for row in run.known()) == sorted(wanted[:expected])
         assert {row["bodies"] for row in run.known()} == {"1234"}
         program.write_text("#!/bin/sh\nexit 1\n")
-        sys.argv = ["run.py", "--most", "1", "--program", str(program), "--out", str(folder / "out")]
+        sys.argv = ["run.py", "--most", "1", "--program", str(program),
+                    "--out", str(folder / "out")]
         run.main()
         assert run.known()[-1]["verdict"] == "failed"
         options = Namespace(across=run.ACROSS, seed=1)
@@ -129,9 +138,12 @@ def what_is_done_is_kept_and_what_is_missing_goes_on():
         assert f"| Spall | {score.share([True] * held + [False] * (5 - held))} |" in text, text
 
 
-for test in (the_shares_are_those_that_were_counted_by_pyblossum, each_equation_is_continuous_where_its_regimes_meet,
-             a_thick_bumper_takes_nothing_off, an_uneven_split_is_as_unlikely_as_coins_say,
-             the_order_is_drawn_and_no_outcome_enters_it, plates_are_as_far_apart_as_the_table_says,
+for test in (the_shares_are_those_that_were_counted_by_pyblossum,
+             each_equation_is_continuous_where_its_regimes_meet,
+             a_thick_bumper_takes_nothing_off,
+             an_uneven_split_is_as_unlikely_as_coins_say,
+             the_order_is_drawn_and_no_outcome_enters_it,
+             plates_are_as_far_apart_as_the_table_says,
              what_is_done_is_kept_and_what_is_missing_goes_on):
     test()
     print(test.__name__)

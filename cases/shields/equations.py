@@ -1,11 +1,15 @@
-"""Five published ballistic limit equations of double walls, in cm, g, km/s, ksi and degrees, as they were published.
+"""Five published ballistic limit equations of double walls, in cm, g, km/s, ksi and degrees, as
+they were published.
 
-NNO: Christiansen, Int. J. Impact Engng 14 (1993) 145. Modified NNO: Christiansen & Kerr, 26 (2001) 93.
-JSC: Ryan & Christiansen, Acta Astronautica 69 (2011) 245. Modified JSC: Ryan & Schonberg, Int. J. Impact Engng 187
-(2024) 104899. Reimerdes: Reimerdes, Nölke & Schäfer, 33 (2006) 645.
-Where papers leave a choice it is that of pyBLOSSUM (https://github.com/shannonjryan/pyBLOSSUM, MIT licence, commit
-fe0a7df): 65 degrees is the largest angle; de-rating factors are found together with the diameter; and the JSC
-equations' low regime ends at 2.6 km/s. There the papers let that speed grow as the bumper gets thinner.
+NNO: Christiansen, Int. J. Impact Engng 14 (1993) 145.
+Modified NNO: Christiansen & Kerr, Int. J. Impact Engng 26 (2001) 93.
+JSC: Ryan & Christiansen, Acta Astronautica 69 (2011) 245.
+Modified JSC: Ryan & Schonberg, Int. J. Impact Engng 187 (2024) 104899.
+Reimerdes: Reimerdes, Nölke & Schäfer, Int. J. Impact Engng 33 (2006) 645.
+Where papers leave a choice it is that of pyBLOSSUM (https://github.com/shannonjryan/pyBLOSSUM, MIT
+licence, commit fe0a7df): 65 degrees is the largest angle; de-rating factors are found together with
+the diameter; and the JSC equations' low regime ends at 2.6 km/s. There the papers let that speed
+grow as the bumper gets thinner.
 SPDX-License-Identifier: BSD-3-Clause
 """
 import csv
@@ -21,8 +25,9 @@ HYPERVELOCITY = 7.0  # km/s, along the normal: from here on the ball is taken to
 
 @dataclass(frozen=True)
 class Shot:
-    """A row of shots.csv: lengths in cm, densities in g/cm^3, speed in km/s, angle from the normal in degrees."""
-    row: int  # of the file, counted from 1 without its two heads: shots have no other name that is theirs alone
+    """A row of shots.csv: lengths in cm, densities in g/cm^3, speed in km/s, angle from the normal
+    in degrees."""
+    row: int  # of the file, counted from 1 without its two heads: no other name is a shot's alone
     source: str
     name: str
     metals: tuple  # of ball, bumper, wall
@@ -41,18 +46,20 @@ def read_shots(path=SHOTS):
     with open(path) as file:
         rows = list(csv.DictReader(file))[1:]  # the second head tells units
     parts = ("proj", "bumper", "wall")
-    return [Shot(k, row["source"], row["shotID"].strip(), tuple(row[f"{part}_mat"] for part in parts),
+    return [Shot(k, row["source"], row["shotID"].strip(),
+                 tuple(row[f"{part}_mat"] for part in parts),
                  tuple(float(row[f"{part}_density"]) for part in parts),
-                 *(float(row[key]) for key in ("proj_diam", "angle", "velocity", "bumper_thick", "standoff",
-                                               "wall_thick", "wall_yield")), row["perforated_class"] == "1")
+                 *(float(row[key]) for key in ("proj_diam", "angle", "velocity", "bumper_thick",
+                                               "standoff", "wall_thick", "wall_yield")),
+                 row["perforated_class"] == "1")
             for k, row in enumerate(rows, 1)]
 
 
 def is_cheap(shot):
     """What a particle code can do with few bodies: the class that is looked at apart."""
     d = shot.diameter
-    return (shot.speed >= 3 and shot.wall < 1.5 * d and shot.standoff < 40 * d and shot.bumper < 0.6 * d
-            and shot.angle <= 45)
+    return (shot.speed >= 3 and shot.wall < 1.5 * d and shot.standoff < 40 * d
+            and shot.bumper < 0.6 * d and shot.angle <= 45)
 
 
 def cosine(shot):
@@ -60,7 +67,8 @@ def cosine(shot):
 
 
 def joined(shot, low, high, end_of_low, start_of_high):
-    """Critical diameter (cm): one law up to a speed (km/s), another from a second speed on, a line between them."""
+    """Critical diameter (cm): one law up to a speed (km/s), another from a second speed on, a line
+    between them."""
     v = shot.speed
     if v <= end_of_low:
         return low(v)
@@ -73,19 +81,22 @@ def joined(shot, low, high, end_of_low, start_of_high):
 def cour_palais_low(shot, v):
     """Low speeds: one thick wall of both plates, after Cour-Palais."""
     plates = shot.wall * (shot.strength / 40) ** 0.5 + shot.bumper
-    return (plates / (0.6 * cosine(shot) ** (5 / 3) * shot.density[0] ** 0.5 * v ** (2 / 3))) ** (18 / 19)
+    return (plates / (0.6 * cosine(shot) ** (5 / 3) * shot.density[0] ** 0.5
+                      * v ** (2 / 3))) ** (18 / 19)
 
 
 def christiansen_high(shot, v):
     """High speeds: a cloud that has melted, where the bumper is thick enough."""
     ball, bumper, _ = shot.density
-    return (3.918 * shot.wall ** (2 / 3) * shot.standoff ** (1 / 3) * (shot.strength / 70) ** (1 / 3)
+    return (3.918 * shot.wall ** (2 / 3) * shot.standoff ** (1 / 3)
+            * (shot.strength / 70) ** (1 / 3)
             / (ball ** (1 / 3) * bumper ** (1 / 9) * (v * cosine(shot)) ** (2 / 3)))
 
 
 def nno(shot):
     c = cosine(shot)
-    return joined(shot, partial(cour_palais_low, shot), partial(christiansen_high, shot), 3 / c, HYPERVELOCITY / c)
+    return joined(shot, partial(cour_palais_low, shot), partial(christiansen_high, shot),
+                  3 / c, HYPERVELOCITY / c)
 
 
 def modified_nno(shot):
@@ -99,14 +110,16 @@ def modified_nno(shot):
         return 1.9 * plates / (c ** (11 / 6) * ball ** 0.5 * v ** (2 / 3))
 
     def high(v):
-        return (factor * (shot.wall * wall) ** (2 / 3) * shot.standoff ** 0.5 * (shot.strength / 70) ** (1 / 3)
+        return (factor * (shot.wall * wall) ** (2 / 3) * shot.standoff ** 0.5
+                * (shot.strength / 70) ** (1 / 3)
                 / (ball ** (1 / 3) * bumper ** (1 / 9) * (v * c) ** (2 / 3)))
 
     return joined(shot, low, high, 3 / c ** 1.5, HYPERVELOCITY / c)
 
 
 def root(rises, guess):
-    """Where a function of a positive number passes from below 0 to above, within a factor of 1000 of a guess."""
+    """Where a function of a positive number passes from below 0 to above, within a factor of 1000
+    of a guess."""
     low, high = log(guess / 1000), log(guess * 1000)
     for _ in range(60):
         middle = (low + high) / 2
@@ -118,13 +131,15 @@ def root(rises, guess):
 
 
 def derated(shot, v, factor):
-    """The diameter (cm) that is that of a thick bumper divided by the 2/3 power of its own de-rating factor."""
+    """The diameter (cm) that is that of a thick bumper divided by the 2/3 power of its own
+    de-rating factor."""
     thick = christiansen_high(shot, v)
     return root(lambda d: d - thick * factor(d) ** (-2 / 3), thick)
 
 
 def thin_bumper(ratio, thickness):
-    """De-rating factor F2*: 1 from the critical thickness on, and the ratio of the walls needed without a bumper."""
+    """De-rating factor F2*: 1 from the critical thickness on, and the ratio of the walls needed
+    without a bumper."""
     return 1.0 if thickness >= 1 else ratio - (ratio - 1) * thickness * (2 - thickness)
 
 
@@ -133,7 +148,8 @@ def jsc(shot, modified=False):
     ball, bumper, _ = shot.density
 
     def factor(d, v):
-        none = 0.6 * d ** (19 / 18) * c ** (5 / 3) * ball ** 0.5 * v ** (2 / 3) / (shot.strength / 40) ** 0.5
+        none = (0.6 * d ** (19 / 18) * c ** (5 / 3) * ball ** 0.5 * v ** (2 / 3)
+                / (shot.strength / 40) ** 0.5)
         mass = (pi * (d / 2) ** 3 * ball) ** (1 / 3)  # as printed; a ball's is 4/3 of it
         enough = (0.16 * d ** 0.5 * (ball * bumper) ** (1 / 6) * mass * v * c
                   * (70 / shot.strength / shot.standoff) ** 0.5)
@@ -162,16 +178,19 @@ def reimerdes(shot):
         v = HYPERVELOCITY  # along the normal
         mass = pi * (d / 2) ** 3 * ball  # as printed
         none = k * k_infinity * mass ** 0.352 * ball ** (1 / 6) * v ** (2 / 3)
-        enough = 0.178 * mass ** 0.5 * bumper ** (1 / 6) * v * (70 / shot.strength / shot.standoff) ** 0.5
-        return thin_bumper(none / enough, shot.bumper / d / (0.20 if shot.standoff / d >= 30 else 0.25))
+        enough = (0.178 * mass ** 0.5 * bumper ** (1 / 6) * v
+                  * (70 / shot.strength / shot.standoff) ** 0.5)
+        return thin_bumper(none / enough,
+                           shot.bumper / d / (0.20 if shot.standoff / d >= 30 else 0.25))
 
     # The ball breaks from 1.853 + 0.397 (t/d)^-0.565 km/s on, of the critical ball at that speed.
     above = root(lambda x: shot.bumper * (x / 0.397) ** (1 / 0.565) - low(1.853 + x), 1.0)
-    return joined(shot, low, lambda v: derated(shot, v, factor), (1.853 + above) / c, HYPERVELOCITY / c)
+    return joined(shot, low, lambda v: derated(shot, v, factor), (1.853 + above) / c,
+                  HYPERVELOCITY / c)
 
 
-EQUATIONS = {"NNO": nno, "modified NNO": modified_nno, "JSC": jsc, "modified JSC": partial(jsc, modified=True),
-             "Reimerdes": reimerdes}
+EQUATIONS = {"NNO": nno, "modified NNO": modified_nno, "JSC": jsc,
+             "modified JSC": partial(jsc, modified=True), "Reimerdes": reimerdes}
 
 
 def is_right(shot, equation):
@@ -182,7 +201,8 @@ def is_right(shot, equation):
 def main():
     shots = read_shots()
     for name, some in (("all", shots), ("cheap", [shot for shot in shots if is_cheap(shot)])):
-        print(f"{name}: {len(some)} shots, {sum(shot.perforated for shot in some)} of them perforated")
+        print(f"{name}: {len(some)} shots, "
+              f"{sum(shot.perforated for shot in some)} of them perforated")
         for equation in EQUATIONS:
             right = sum(is_right(shot, equation) for shot in some)
             print(f"  {equation:14} {right:4} right, {100 * right / len(some):.1f} %")

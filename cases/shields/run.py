@@ -1,11 +1,13 @@
-"""Shoots at the shields of shots.csv with method = "solid", one run after the other, and keeps what became of the wall.
+"""Shoots at the shields of shots.csv with method = "solid" and keeps what became of the wall.
 
-    python3 cases/shields/run.py --plan             which shots, in which order, and what they cost
-    python3 cases/shields/run.py --until 16:45      runs what is missing until then; the same line goes on later
-    python3 cases/shields/run.py --trial 93         tries the machinery on a shot that the rule leaves out
+    python3 cases/shields/run.py --plan         which shots, in which order, and what they cost
+    python3 cases/shields/run.py --until 16:45  runs what is missing until then; the same line goes
+                                                on later
+    python3 cases/shields/run.py --trial 93     tries the machinery on a shot that the rule leaves
+                                                out
 
-Which shots are run, in which order and how finely is told by README.md. Each run has a folder below --out; what it
-gave is a line of results.csv.
+Which shots are run, in which order and how finely is told by README.md. One run follows the other;
+each has a folder below --out, and what it gave is a line of results.csv.
 SPDX-License-Identifier: BSD-3-Clause
 """
 import argparse
@@ -24,15 +26,17 @@ import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 
-from equations import Shot, is_cheap, read_shots
+from equations import is_cheap, read_shots
 
 HERE = Path(__file__).parent
 ROOT = HERE.parent.parent
 RESULTS = HERE / "results.csv"
 
-# Metals of the table and the constants that stand for them. A bumper or a wall has its own alloy's, of a temper that
-# differs by stretching alone; the ball's are those of the nearest alloy whose constants are known.
-PLATES = {"AA6061-T6": "aluminium_6061_t6", "AA6061-T651": "aluminium_6061_t6", "AA2024-T3": "aluminium_2024_t351"}
+# Metals of the table and the constants that stand for them. A bumper or a wall has its own alloy's,
+# of a temper that differs by stretching alone; the ball's are those of the nearest alloy whose
+# constants are known.
+PLATES = {"AA6061-T6": "aluminium_6061_t6", "AA6061-T651": "aluminium_6061_t6",
+          "AA2024-T3": "aluminium_2024_t351"}
 BALLS = {**PLATES, "AA2017-T4": "aluminium_2024_t351"}
 STAND_IN = "aluminium_6061_t6"  # in trials, whose results count nowhere
 
@@ -53,7 +57,8 @@ DRAWN_BY = "shields"  # in a class the order is drawn by a hash of this word and
 
 @dataclass(frozen=True)
 class Setting:
-    """A shot as it is simulated, in m and s; z points against the ball's flight, the bumper's front is at 0."""
+    """A shot as it is simulated, in m and s; z points against the ball's flight, the bumper's front
+    is at 0."""
     ball: float  # spacings
     bumper: float
     wall: float
@@ -70,7 +75,8 @@ class Setting:
 
 
 def set_up(shot, across):
-    d, t, s, w, v = shot.diameter / 100, shot.bumper / 100, shot.standoff / 100, shot.wall / 100, 1000 * shot.speed
+    d, t, s, w, v = (shot.diameter / 100, shot.bumper / 100, shot.standoff / 100, shot.wall / 100,
+                     1000 * shot.speed)
     angle = math.radians(shot.angle)
     ball = d / across
     bumper, wall = min(ball, t / BUMPER_LAYERS), min(ball, w / WALL_LAYERS)
@@ -79,10 +85,12 @@ def set_up(shot, across):
     duration = 2 * d / v + FLIGHT * s / (v * math.cos(angle)) + RINGING * w / SOUND
     per_volume = math.sqrt(2)  # spheres of fcc in a cube of their spacing
     disc = 1 if angle else math.pi / 4
-    bodies = per_volume * (math.pi / 6 * d**3 / ball**3 + disc * (BUMPER_WIDTH * d)**2 / math.cos(angle) * t / bumper**3
+    bodies = per_volume * (math.pi / 6 * d**3 / ball**3
+                           + disc * (BUMPER_WIDTH * d)**2 / math.cos(angle) * t / bumper**3
                            + disc * (width + sideways) * width * w / wall**3)
     step = COURANT * min(ball, bumper, wall) / (SOUND + 4 * SLOPE * v)
-    return Setting(ball, bumper, wall, width + sideways, width, sideways / 2, duration, bodies, duration / step)
+    return Setting(ball, bumper, wall, width + sideways, width, sideways / 2, duration, bodies,
+                   duration / step)
 
 
 def class_of(setting):
@@ -96,7 +104,8 @@ def chosen(shots, across):
             and shot.metals[0] in BALLS and all(metal in PLATES for metal in shot.metals[1:])]
 
     def place(shot):
-        return (class_of(set_up(shot, across)), hashlib.sha256(f"{DRAWN_BY} {shot.row}".encode()).hexdigest())
+        return (class_of(set_up(shot, across)),
+                hashlib.sha256(f"{DRAWN_BY} {shot.row}".encode()).hexdigest())
 
     return sorted(some, key=place)
 
@@ -109,20 +118,25 @@ def volume(shape, length, width, height, middle, z):
 
 
 def case_of(shot, setting, seed):
-    d, t, s, w, v = shot.diameter / 100, shot.bumper / 100, shot.standoff / 100, shot.wall / 100, 1000 * shot.speed
+    d, t, s, w, v = (shot.diameter / 100, shot.bumper / 100, shot.standoff / 100, shot.wall / 100,
+                     1000 * shot.speed)
     angle = math.radians(shot.angle)
     shape = "box" if angle else "cylinder"
     clear = d / 2 + 1.05 * max(setting.ball, setting.bumper)  # of its centre from the bumper
     bumper = BUMPER_WIDTH * d
-    libraries = [BALLS.get(shot.metals[0], STAND_IN), *(PLATES.get(metal, STAND_IN) for metal in shot.metals[1:])]
+    libraries = [BALLS.get(shot.metals[0], STAND_IN),
+                 *(PLATES.get(metal, STAND_IN) for metal in shot.metals[1:])]
     groups = [
-        ("wall", setting.wall, volume(shape, setting.length, setting.width, w, setting.middle, -t - s - w / 2), None),
-        ("bumper", setting.bumper, volume(shape, bumper / math.cos(angle), bumper, t, 0, -t / 2), None),
+        ("wall", setting.wall,
+         volume(shape, setting.length, setting.width, w, setting.middle, -t - s - w / 2), None),
+        ("bumper", setting.bumper,
+         volume(shape, bumper / math.cos(angle), bumper, t, 0, -t / 2), None),
         ("ball", setting.ball, f'{{shape = "sphere", diameter = {d:.9g}, '
                                f"center = [{-clear * math.tan(angle):.9g}, 0, {clear:.9g}]}}",
          [v * math.sin(angle), 0, -v * math.cos(angle)])]
-    text = [f'title = "{shot.source} {shot.name}: {shot.diameter:g} cm at {shot.speed:g} km/s and {shot.angle:g} '
-            f'degrees, {shot.metals[0]} on {shot.metals[1]} and {shot.metals[2]}"', f"seed = {seed}"]
+    text = [f'title = "{shot.source} {shot.name}: {shot.diameter:g} cm at {shot.speed:g} km/s and '
+            f'{shot.angle:g} degrees, {shot.metals[0]} on {shot.metals[1]} and {shot.metals[2]}"',
+            f"seed = {seed}"]
     for part, library in zip(("ball", "bumper", "wall"), libraries):
         text += ["", f"[materials.{part}]", f'library = "{library}"']
     text += ["", "[solid]", f"courant = {COURANT}"]
@@ -131,20 +145,23 @@ def case_of(shot, setting, seed):
                  f'packing = {{kind = "fcc", diameter = {spacing:.9g}, orientation = "random"}}']
         if velocity:
             text += [f"velocity = [{', '.join(f'{x:.9g}' for x in velocity)}]"]
-    text += ["", "[[phases]]", 'name = "shot"', 'method = "solid"', f"step = {setting.duration / 200:.6g}",
-             f"duration = {setting.duration:.6g}", "", "[[shields]]", 'wall = "wall"', "rear = [0, 0, -1]", "",
-             "[output]", f"series_every = {setting.duration / 50:.6g}",
+    text += ["", "[[phases]]", 'name = "shot"', 'method = "solid"',
+             f"step = {setting.duration / 200:.6g}", f"duration = {setting.duration:.6g}",
+             "", "[[shields]]", 'wall = "wall"', "rear = [0, 0, -1]",
+             "", "[output]", f"series_every = {setting.duration / 50:.6g}",
              f"snapshot_every = {setting.duration / 10:.6g}", ""]
     return "\n".join(text)
 
 
-COLUMNS = ["row", "shot", "across", "seed", "verdict", "margin", "margin_before", "still_coming", "opening_at_edge",
-           "hole_mm", "spall_mg", "energy_unexplained", "bodies", "steps", "seconds", "commit"]
+COLUMNS = ["row", "shot", "across", "seed", "verdict", "margin", "margin_before", "still_coming",
+           "opening_at_edge", "hole_mm", "spall_mg", "energy_unexplained", "bodies", "steps",
+           "seconds", "commit"]
 KEY = ["row", "across", "seed"]
 
 
 def run(options, shot, seed):
-    """A line of results.csv. A run that fails or takes too long has no verdict, and says so in its place."""
+    """A line of results.csv. A run that fails or takes too long has no verdict, and says so in its
+    place."""
     setting = set_up(shot, options.across)
     folder = options.out / f"{shot.row}-{options.across:g}-{seed}"
     folder.mkdir(parents=True, exist_ok=True)
@@ -153,9 +170,11 @@ def run(options, shot, seed):
     line = {"row": shot.row, "shot": shot.name, "across": f"{options.across:g}", "seed": seed}
     begin = time.monotonic()
     with open(folder / "log.txt", "w") as log:
-        command = [*options.before, options.program, "run", case, "--out", folder / "run", "--overwrite"]
+        command = [*options.before, options.program, "run", case, "--out", folder / "run",
+                   "--overwrite"]
         try:
-            code = subprocess.run(command, stdout=log, stderr=subprocess.STDOUT, timeout=options.limit).returncode
+            code = subprocess.run(command, stdout=log, stderr=subprocess.STDOUT,
+                                  timeout=options.limit).returncode
         except subprocess.TimeoutExpired:
             code = None
     line["seconds"] = f"{time.monotonic() - begin:.0f}"
@@ -163,13 +182,16 @@ def run(options, shot, seed):
         return line | {"verdict": "too long" if code is None else "failed"}
     results = tomllib.loads((folder / "run/results.toml").read_text())
     wall, books = results["shield_wall"], results["conservation"]
-    struck = 0.5 * 1000 * shot.density[0] * math.pi / 6 * (shot.diameter / 100)**3 * (1000 * shot.speed)**2
+    struck = (0.5 * 1000 * shot.density[0] * math.pi / 6 * (shot.diameter / 100)**3
+              * (1000 * shot.speed)**2)
     return line | {
-        "verdict": wall["verdict"], "margin": f"{wall['margin']:.4g}", "margin_before": f"{wall['margins'][-1]:.4g}" if wall["margins"] else "",
+        "verdict": wall["verdict"], "margin": f"{wall['margin']:.4g}",
+        "margin_before": f"{wall['margins'][-1]:.4g}" if wall["margins"] else "",
         "still_coming": f"{wall['still_coming']:.3g}", "opening_at_edge": wall["opening_at_edge"],
         "hole_mm": f"{1e3 * wall['hole']:.4g}", "spall_mg": f"{1e6 * wall['spall_mass']:.4g}",
         "energy_unexplained": f"{books['energy_unexplained'] * books['dissipated'] / struck:.2e}",
-        "bodies": re.search(r"(\d+) bodies, ", (folder / "log.txt").read_text())[1], "steps": results["solver"]["steps"],
+        "bodies": re.search(r"(\d+) bodies, ", (folder / "log.txt").read_text())[1],
+        "steps": results["solver"]["steps"],
         "commit": results["provenance"]["commit"]}
 
 
@@ -194,14 +216,16 @@ def main():
     parser.add_argument("--across", type=float, default=ACROSS, help="bodies across the ball")
     parser.add_argument("--seed", type=int, default=1, help="of the crystals' orientations")
     parser.add_argument("--most", type=int, default=math.inf, help="shots that are run now")
-    parser.add_argument("--until", metavar="HH:MM", help="nothing is begun later today, and what then runs is given up")
+    parser.add_argument("--until", metavar="HH:MM",
+                        help="nothing is begun later today, and what then runs is given up")
     parser.add_argument("--limit", type=float, default=3600, help="s that a run may take")
     parser.add_argument("--jobs", type=int, default=1, help="runs at a time, one rank each")
     parser.add_argument("--program", default=ROOT / "build/release/spall")
     parser.add_argument("--before", default="", help='put before the program, such as "nice -n 5"')
     parser.add_argument("--out", type=Path, default=ROOT / "out/shields")
     parser.add_argument("--plan", action="store_true", help="list the shots, run nothing")
-    parser.add_argument("--trial", type=int, nargs="+", default=[], metavar="ROW", help="shots outside of the rule")
+    parser.add_argument("--trial", type=int, nargs="+", default=[], metavar="ROW",
+                        help="shots outside of the rule")
     options = parser.parse_args()
     options.before = options.before.split()
     shots = read_shots()
@@ -209,9 +233,10 @@ def main():
     if options.plan:
         for shot in wanted:
             setting = set_up(shot, options.across)
-            print(f"{class_of(setting)} {shot.row:4} {shot.source:20} {shot.name:18} {setting.bodies:8.0f} bodies, "
-                  f"{setting.cost:8.2g} body-steps at most")
-        print(f"{len(wanted)} shots, {sum(set_up(shot, options.across).cost for shot in wanted):.3g} body-steps")
+            print(f"{class_of(setting)} {shot.row:4} {shot.source:20} {shot.name:18} "
+                  f"{setting.bodies:8.0f} bodies, {setting.cost:8.2g} body-steps at most")
+        print(f"{len(wanted)} shots, "
+              f"{sum(set_up(shot, options.across).cost for shot in wanted):.3g} body-steps")
         return
     if options.trial:
         counted = {shot.row for shot in wanted}
@@ -225,7 +250,8 @@ def main():
         hour, minute = map(int, options.until.split(":"))
         end = datetime.datetime.now().replace(hour=hour, minute=minute, second=0).timestamp()
     done = {tuple(row[key] for key in KEY) for row in known()}
-    left = [shot for shot in wanted if (str(shot.row), f"{options.across:g}", str(options.seed)) not in done]
+    left = [shot for shot in wanted
+            if (str(shot.row), f"{options.across:g}", str(options.seed)) not in done]
     left = left[:min(len(left), options.most)]
     print(f"{len(wanted)} shots, {len(wanted) - len(left)} of them done or not asked for")
     lock, begun = threading.Lock(), iter(left)

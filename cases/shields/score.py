@@ -1,4 +1,4 @@
-"""Scores Spall beside five equations on the same shots: table and plot of README.md, from results.csv.
+"""Scores Spall and five equations on the same shots: table and plot of README.md, from results.csv.
 
     python3 cases/shields/score.py [--across 6] [--seed 1]
 
@@ -19,13 +19,14 @@ from readme import replace_section  # noqa: E402
 
 FAILED = {"held": False, "detached spall": True, "perforated": True}
 MOST_UNEXPLAINED = 0.01  # of the impact's energy: beyond that a run tells nothing
-BEST = "modified JSC"  # of the published ones on all shots of the table and on the cheap ones (JSC is its equal there)
+# Of the published ones on all shots of the table and on the cheap ones (JSC is its equal there).
+BEST = "modified JSC"
 NEAR = (0.8, 1.25)  # ball diameters over the critical one
 
 
 def mcnemar(first, second):
-    """The exact two-sided test of two callers of the same shots: the odds of so uneven a split of those that only one
-    of them calls right, if both were equally good."""
+    """The exact two-sided test of two callers of the same shots: the odds of so uneven a split of
+    those that only one of them calls right, if both were equally good."""
     only_first = sum(a and not b for a, b in zip(first, second))
     only_second = sum(b and not a for a, b in zip(first, second))
     n, least = only_first + only_second, min(only_first, only_second)
@@ -41,12 +42,14 @@ def share(calls):
 
 
 def counted(shots, options):
-    """(shot, line of results.csv) of what was run by the rule and has a verdict; and how many have none."""
+    """(shot, line of results.csv) of what was run by the rule and has a verdict; and how many have
+    none."""
     by_row = {shot.row: shot for shot in chosen(shots, options.across)}
     lines = [line for line in csv.DictReader(RESULTS.open()) if int(line["row"]) in by_row
              and float(line["across"]) == options.across and int(line["seed"]) == options.seed]
     good = [line for line in lines
-            if line["verdict"] in FAILED and abs(float(line["energy_unexplained"])) <= MOST_UNEXPLAINED]
+            if line["verdict"] in FAILED
+            and abs(float(line["energy_unexplained"])) <= MOST_UNEXPLAINED]
     return [(by_row[int(line["row"])], line) for line in good], len(lines) - len(good), len(by_row)
 
 
@@ -56,39 +59,49 @@ def table(some, without, planned, options):
         called[name] = [is_right(shot, name) for shot, _ in some]
     ratio = [shot.diameter / EQUATIONS[BEST](shot) for shot, _ in some]
     parts = {"all": [True] * len(some), "3–5 km/s": [shot.speed < 5 for shot, _ in some],
-             "5–7 km/s": [5 <= shot.speed < 7 for shot, _ in some], "from 7 km/s": [shot.speed >= 7 for shot, _ in some],
-             "d/d_c < 0.8": [r < NEAR[0] for r in ratio], "0.8–1.25": [NEAR[0] <= r <= NEAR[1] for r in ratio],
+             "5–7 km/s": [5 <= shot.speed < 7 for shot, _ in some],
+             "from 7 km/s": [shot.speed >= 7 for shot, _ in some],
+             "d/d_c < 0.8": [r < NEAR[0] for r in ratio],
+             "0.8–1.25": [NEAR[0] <= r <= NEAR[1] for r in ratio],
              "> 1.25": [r > NEAR[1] for r in ratio]}
 
     def of(calls, part):
         return [call for call, inside in zip(calls, parts[part]) if inside]
 
-    text = [f"{len(some)} of {planned} shots, {options.across:g} across, seed {options.seed}; {without} more have no "
-            "verdict: failed, took too long, or energy is wrong by more than a hundredth of the impact's.", "",
-            f"| called right | {' | '.join(parts)} | McNemar beside Spall |", f"|---|{'--:|' * len(parts)}---|",
+    text = [f"{len(some)} of {planned} shots, {options.across:g} across, seed {options.seed}; "
+            f"{without} more have no verdict: failed, took too long, or energy is wrong by more "
+            "than a hundredth of the impact's.", "",
+            f"| called right | {' | '.join(parts)} | McNemar beside Spall |",
+            f"|---|{'--:|' * len(parts)}---|",
             f"| shots | {' | '.join(str(sum(inside)) for inside in parts.values())} | |"]
     for name, calls in called.items():
         beside = ""
         if name != "Spall":
             ours, theirs, odds = mcnemar(called["Spall"], calls)
-            beside = f"{ours} that Spall alone calls right, {theirs} that it alone calls wrong, p = {odds:.2g}"
-        text.append(f"| {name} | {' | '.join(share(of(calls, part)) for part in parts)} | {beside} |")
+            beside = (f"{ours} that Spall alone calls right, {theirs} that it alone calls wrong, "
+                      f"p = {odds:.2g}")
+        text.append(f"| {name} | {' | '.join(share(of(calls, part)) for part in parts)} "
+                    f"| {beside} |")
 
     def count(verdict, perforated):
-        return sum(line["verdict"] == verdict and shot.perforated == perforated for shot, line in some)
+        return sum(line["verdict"] == verdict and shot.perforated == perforated
+                   for shot, line in some)
 
-    text += ["", f"± is a standard error of the share. d/d_c is the ball over what {BEST} calls critical.", "",
+    text += ["", "± is a standard error of the share. "
+             f"d/d_c is the ball over what {BEST} calls critical.", "",
              "| verdict of Spall | wall was perforated | wall held |", "|---|--:|--:|"]
-    text += [f"| {verdict} | {count(verdict, True)} | {count(verdict, False)} |" for verdict in FAILED]
+    text += [f"| {verdict} | {count(verdict, True)} | {count(verdict, False)} |"
+             for verdict in FAILED]
     commits = sorted({line["commit"] for _, line in some})
     late = sum(float(line["still_coming"]) > 0.01 for _, line in some)
     edge = sum(line["opening_at_edge"] == "True" for _, line in some)
     if some:
         worst = max(abs(float(line["energy_unexplained"])) for _, line in some)
         hours = sum(float(line["seconds"]) for _, line in some) / 3600
-        text += ["", f"In {late} of these runs more than a hundredth of the energy had not met the wall in the end, in "
-                 f"{edge} an opening reached the wall's rim. Energy that no entry explains: at most {100 * worst:.2g} % "
-                 f"of the impact's. {hours:.1f} hours, one rank each. Commits: {', '.join(commits)}."]
+        text += ["", f"In {late} of these runs more than a hundredth of the energy had not met the "
+                 f"wall in the end, in {edge} an opening reached the wall's rim. Energy that no "
+                 f"entry explains: at most {100 * worst:.2g} % of the impact's. {hours:.1f} hours, "
+                 f"one rank each. Commits: {', '.join(commits)}."]
     return "\n".join(text)
 
 
@@ -100,9 +113,12 @@ def draw(some, path):
     for perforated, fill in ((True, True), (False, False)):
         for right, color in ((True, "#2f6db3"), (False, "#c8452f")):
             at = [(shot.speed, shot.diameter / EQUATIONS[BEST](shot)) for shot, line in some
-                  if shot.perforated == perforated and (FAILED[line["verdict"]] == perforated) == right]
-            axes.scatter([x for x, _ in at], [y for _, y in at], edgecolors=color, facecolors=color if fill else "none",
-                         label=f"{'perforated' if perforated else 'held'}, Spall {'right' if right else 'wrong'}")
+                  if shot.perforated == perforated
+                  and (FAILED[line["verdict"]] == perforated) == right]
+            axes.scatter([x for x, _ in at], [y for _, y in at], edgecolors=color,
+                         facecolors=color if fill else "none",
+                         label=f"{'perforated' if perforated else 'held'}, "
+                               f"Spall {'right' if right else 'wrong'}")
     axes.axhline(1, color="0.6", linewidth=0.8)
     axes.set(xlabel="speed (km/s)", ylabel=f"ball over critical ball of {BEST}", yscale="log")
     axes.legend(fontsize=8)
