@@ -415,9 +415,12 @@ TEST(NearPairs, of_two_spacings_are_those_whose_grown_spheres_meet) {
     search_near_pairs(comm, mine, {.size = Vec3(edge, 0, 0)}, {2 * radii * wide / 2, radii}, skin,
                       {}, near);
     EXPECT_EQ(near.reach, radii * wide);
-    PairSet found;
+    PairSet found, listed;  // on one rank a pair of images is listed from either body's side
     for_each_pair(near.windows, [&](std::size_t, std::size_t, std::size_t, Index a, Index b) {
-      EXPECT_TRUE(found.insert(std::minmax(mine.id[a], mine.id[b])).second) << "twice";
+      const std::pair<BodyId, BodyId> pair = std::minmax(mine.id[a], mine.id[b]);
+      found.insert(pair);
+      EXPECT_TRUE(listed.insert(b < mine.owned ? pair : std::pair(mine.id[a], mine.id[b])).second)
+          << "twice";
     });
     const std::set<BodyId> here(mine.id.begin(), mine.id.begin() + mine.owned);
     PairSet expected;
