@@ -224,7 +224,10 @@ TEST(ManyRanks, a_step_waits_for_all_ranks_four_times_at_most) {
   for (const char* method : {"nonsmooth", "penalty"}) {
     const std::int64_t calls = collectives_of_a_step(method);
     EXPECT_LE(calls + 1, 4) << method;
-    EXPECT_EQ(collectives_of_a_step(method, "[gravity]\nuniform = [0, 0, -1]"), calls) << method;
+    // Smooth forces carry a uniform field in their own kicks; rigid bodies sum its energy.
+    const std::int64_t more = std::string_view(method) == "nonsmooth" ? 1 : 0;
+    EXPECT_EQ(collectives_of_a_step(method, "[gravity]\nuniform = [0, 0, -1]"), calls + more)
+        << method;
     // Its check, all bodies or their forces, and what follows from it.
     EXPECT_LE(collectives_of_a_step(method, "[gravity]\nmethod = \"direct\""), calls + 4) << method;
   }

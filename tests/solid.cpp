@@ -5,6 +5,7 @@
 
 #include "scene/scene.hpp"
 #include "solid/cold_curve.hpp"
+#include "solid/contacts.hpp"
 #include "solid_worlds.hpp"
 #include "spall/error.hpp"
 #include "testing.hpp"
@@ -548,6 +549,18 @@ TEST(SolidCase, tells_a_step_that_would_do) {
   EXPECT_NE(message.find("step = 1e-06 s is too long for copper"), std::string::npos) << message;
   world.solid.courant = usual_courant;
   world.solid.check_steps(world, {1e-6, 1e-3, "x.toml: phases.only"});  // it is parted
+}
+
+TEST(SolidContact, fine_bodies_that_cover_a_coarse_one_push_as_one_that_is_as_wide) {
+  const ContactPush coarse(elastic, elastic, d, d), fine(elastic, elastic, 0.75 * d, 0.5 * d);
+  for (const double pressed : {0.99, 0.9}) {
+    // Four bodies of half the diameter have the face of one.
+    EXPECT_NEAR(4 * fine.force(pressed * 0.75 * d), coarse.force(pressed * d),
+                1e-12 * coarse.force(pressed * d));
+    const double h = 1e-6 * d, r = pressed * 0.75 * d;
+    EXPECT_NEAR((fine.energy(r - h) - fine.energy(r + h)) / (2 * h), fine.force(r),
+                1e-6 * fine.force(r));
+  }
 }
 
 }  // namespace

@@ -42,7 +42,9 @@ void for_each_pushing(const World& world, const std::vector<SolidLaw>& laws,
     const Vec3 x = vector_of(rows[c.j].place - rows[c.i].place);
     const double d = bodies.radius[c.i] + bodies.radius[c.j], r2 = x.squaredNorm();
     if (r2 >= d * d || r2 == 0) continue;
-    f(c, ContactPush(laws[bodies.material[c.i]], laws[bodies.material[c.j]], d), x, std::sqrt(r2));
+    const double smaller = 2 * std::min(bodies.radius[c.i], bodies.radius[c.j]);
+    f(c, ContactPush(laws[bodies.material[c.i]], laws[bodies.material[c.j]], d, smaller), x,
+      std::sqrt(r2));
   }
 }
 
@@ -57,15 +59,15 @@ void for_each_pressed(const World& world, const std::vector<SolidLaw>& laws,
     const Face face =
         face_of(walls, static_cast<std::size_t>(c.wall), vector_of(rows[c.row].place));
     const double r = face.height + d / 2;
-    if (r < d) f(c, ContactPush(law, law, d), face, r);
+    if (r < d) f(c, ContactPush(law, law, d, d), face, r);
   }
 }
 
 }  // namespace
 
-ContactPush::ContactPush(const SolidLaw& a, const SolidLaw& b, double distance)
+ContactPush::ContactPush(const SolidLaw& a, const SolidLaw& b, double distance, double smaller)
     : distance_(distance),
-      area_(1.5 * distance * distance / std::sqrt(2.0)),
+      area_(1.5 * smaller * smaller / std::sqrt(2.0)),
       modulus_(series(a.bulk, b.bulk)),
       slope_((a.slope + b.slope) / 2),
       density_(series(a.density, b.density)),

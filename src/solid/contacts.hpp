@@ -17,11 +17,12 @@ namespace spall {
 ///
 ///   F = A (P(eta) + q),   P = K eta/(1 - s eta)^2,   q = rho (c0 u + s u^2),   A = 18 V/(12 d),
 ///
-/// V = d^3/sqrt(2), u the closing speed that is left where velocities are extrapolated by the
-/// bodies' gradients, limited as in `sweep_forces`. There is no friction.
+/// V = d^3/sqrt(2) with the smaller of both diameters: fine bodies on a coarse one press by the
+/// share of its face that each covers. u is the closing speed that is left where velocities are
+/// extrapolated by the bodies' gradients, limited as in `sweep_forces`. There is no friction.
 class ContactPush {
  public:
-  ContactPush(const SolidLaw& a, const SolidLaw& b, double distance);
+  ContactPush(const SolidLaw& a, const SolidLaw& b, double distance, double smaller);
 
   double force(double r) const;                  ///< N, without q
   double energy(double r) const;                 ///< J
