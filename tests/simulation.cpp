@@ -277,6 +277,8 @@ TEST(Simulation, a_body_without_a_finite_motion_is_named_with_the_step) {
       phase("method = \"potential\"\nstep = 0.0009765625\nduration = 1\n"));
   scene.add({.material = "rock", .radius = 0.01, .fixed = true});
   scene.add({.material = "rock", .radius = 0.01, .position = {0, 1e-45, 3.75}});
+  for (double far : {5.0, 6.0})  // a body for each rank
+    scene.add({.material = "rock", .radius = 0.01, .position = {far, 0, 0}, .fixed = true});
   Simulation simulation(testing_world(), scene);
   EXPECT_EQ(
       complaint_of([&] {
