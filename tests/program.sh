@@ -340,6 +340,7 @@ stop_by() {  # signal, "launcher" or "rank", exit code, seconds that mpirun leav
   OMPI_MCA_odls_base_sigkill_timeout=${4:-1} "$mpiexec" --oversubscribe -n "$ranks" "$spall" run endless.toml --out endless --overwrite >stdout 2>stderr &
   launcher=$!
   wait_for grep -q "^phase meet" stdout || fail "does not say that its phase begins: $(cat stdout stderr)"
+  sleep 1  # past the first fiftieth step, which a restart file holds
   target=$launcher
   [ "$2" = launcher ] || target=$(pgrep -P $launcher -x "$(basename "$spall")" | tail -1)
   kill "-$1" "$target"
