@@ -187,6 +187,12 @@ const std::vector<Refused> table = {
      "x.toml:15:12: phases.only.impactor.coupling.hand_over = 1 m lies beyond 0.5 m"},
     {bodies + phase + coupled_by(", ground = \"sand\"") + "[[planes]]\npoint = [0, 0, -9]\n",
      "x.toml:15:12: phases.only.impactor.coupling: a wall would take a part of the recoil"},
+    {bodies + phase + coupled_by(", ground = \"sand\"") +
+         "[shapes.pair]\nspheres = [{at = [0, 0, 0], radius = 1}, {at = [1, 0, 0], radius = 1}]\n"
+         "[[groups]]\nname = \"c\"\nmaterial = \"rock\"\nvolume = {radius = 1, center = [9, 0, "
+         "0]}\n"
+         "packing = {kind = \"single\", shape = \"pair\"}\n",
+     "x.toml:15:12: phases.only.impactor.coupling: the flow is handed to spheres alone"},
     {bodies + "[materials.impactor]\ndensity = 5\n" + phase + impactor,
      "x.toml:17:12: phases.only.impactor: its mass and radius give 238.732 kg/m^3"},
     // Methods.

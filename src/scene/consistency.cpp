@@ -69,6 +69,8 @@ void check_coupling(const Case& scene, const Phase& phase) {
           "{}: the flow is handed to loose bodies, but with method = \"{}\" they are parts of a "
           "solid",
           place, phase.engine->name);
+  require(scene.shapes.empty(),
+          "{}: the flow is handed to spheres alone, not to bodies with [shapes]", place);
   const LaunchFlow flow(source, impactor.radius, impactor.mass / ball_volume(impactor.radius),
                         impactor.speed);
   require(source.hand_over > flow.begin(),
