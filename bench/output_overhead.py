@@ -11,29 +11,20 @@ SPDX-License-Identifier: BSD-3-Clause
 import argparse
 import csv
 import pathlib
-import resource
-import shutil
 import statistics
-import subprocess
 import tempfile
 
 from readme import origin, replace_section
+from timing import processor_seconds
 
 here = pathlib.Path(__file__).resolve().parent
 NONE = ["output.snapshot_every=0", "output.restart_every=1e9 s"]
 
 
-def processor_seconds(program, bodies, changes, folder):
-    shutil.rmtree(folder, ignore_errors=True)
+def pile(bodies):
+    """What makes the main job's cloud one of that many bodies."""
     radius = 95 * (bodies / 10307) ** (1 / 3)
-    sets = [f"groups.cloud.packing.count={bodies}", f"groups.cloud.volume.radius={radius:.3f} m",
-            *changes]
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    subprocess.run([program, "run", here.parent / "cases/didymoon/case.toml", "--out", folder,
-                    *[word for one in sets for word in ("--set", one)]],
-                   check=True, stdout=subprocess.DEVNULL)
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    return [f"groups.cloud.packing.count={bodies}", f"groups.cloud.volume.radius={radius:.3f} m"]
 
 
 def main():
@@ -51,8 +42,9 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         for _ in range(given.turns):
             for kind, (program, changes) in kinds.items():
-                seconds[kind].append(processor_seconds(program, given.bodies, changes,
-                                                       pathlib.Path(folder) / "out"))
+                seconds[kind].append(processor_seconds(
+                    program, here.parent / "cases/didymoon/case.toml",
+                    [*pile(given.bodies), *changes], pathlib.Path(folder) / "out"))
                 print(f"{kind}: {seconds[kind][-1]:.2f} s", flush=True)
     with open(here / "results/output_overhead.csv", "w", newline="") as file:
         rows = csv.writer(file)

@@ -9,27 +9,15 @@ SPDX-License-Identifier: BSD-3-Clause
 """
 import argparse
 import pathlib
-import resource
-import shutil
 import statistics
-import subprocess
 import tempfile
 
 from readme import origin, replace_section
+from timing import processor_seconds
 
 here = pathlib.Path(__file__).resolve().parent
+NO_FILES = ["output.snapshot_every=0", "output.restart_every=1e9 s"]
 KINDS = {"as it is": [], "no rows": ["output.series_every=1e9 s"]}
-
-
-def processor_seconds(program, changes, folder):
-    shutil.rmtree(folder, ignore_errors=True)
-    sets = ["output.snapshot_every=0", "output.restart_every=1e9 s", *changes]
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    subprocess.run([program, "run", folder.parent / "case.toml", "--out", folder,
-                    *[word for one in sets for word in ("--set", one)]],
-                   check=True, stdout=subprocess.DEVNULL)
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
 
 def main():
@@ -47,7 +35,8 @@ def main():
         for turn in range(given.turns):
             # Each goes first in turn: what the machine does meanwhile falls on both.
             order = list(KINDS)[:: 1 if turn % 2 else -1]
-            seconds = {kind: processor_seconds(given.spall, [duration, *KINDS[kind]],
+            seconds = {kind: processor_seconds(given.spall, pathlib.Path(folder) / "case.toml",
+                                               [*NO_FILES, duration, *KINDS[kind]],
                                                pathlib.Path(folder) / "out")
                        for kind in order}
             ratios.append(seconds["as it is"] / seconds["no rows"] - 1)

@@ -245,7 +245,8 @@ TEST(CoupledRun, closes_its_books_and_goes_on_after_a_stop) {
   EXPECT_FALSE(results["deflection"].as_table()->contains("struck_mass"));
   EXPECT_FALSE(results["deflection"].as_table()->contains("warning"));
 
-  resume_case(testing_world(), folder + "/after_impact.h5", {.folder = again, .overrides = {}});
+  resume_case(testing_world(), folder + "/after_impact.h5",
+              {.folder = again, .former = Former::overwrite, .overrides = {}});
   const toml::table resumed = results_in(again);
   const auto text = [](const toml::table& of, const char* section) {
     std::ostringstream written;

@@ -35,7 +35,7 @@ struct Motion {
 };
 
 double spin_inertia(const Bodies& bodies, Index b) {
-  return 0.4 * bodies.mass[b] * bodies.radius[b] * bodies.radius[b];
+  return moment_of_inertia(bodies.mass[b], bodies.radius[b]);
 }
 
 Motion motion_of(const Comm& comm, const Bodies& bodies) {
