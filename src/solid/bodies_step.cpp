@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "base/kernels.hpp"
 #include "solid/flaws.hpp"
@@ -28,9 +29,9 @@ constexpr double most_voids = 0.25;
 /// Johnson & Cook's strain at failure is that of bars with notches, in which mean tension is no
 /// more than about von Mises' stress (Bridgman). Beyond, voids alone are judged.
 constexpr double most_triaxial = 1;
-/// Where the search for the compression of matter between voids begins at least, and the error (of
-/// the bulk modulus) at which it ends.
-constexpr double least_matter = 0.95, tension_error = 1e-7;
+/// Where the search for the compression of matter between voids begins at least, how far it goes,
+/// and the error (of the bulk modulus) at which it ends.
+constexpr double least_matter = 0.95, most_matter = 2, tension_error = 1e-7;
 /// Of the pressure at which no pores are left.
 constexpr double crushing_error = 1e-9;
 
@@ -205,25 +206,38 @@ struct Pressed {
   double damage = 0, crushed = 0;
 };
 
+/// Where `over(at)`, negative at `low` and positive at `high`, is at most `error`: Newton's steps
+/// by its `slope(at)`, or a half of the bracket where they leave it or shrink too slowly.
+template <class F, class G>
+double root_within(double low, double high, double at, double error, F&& over, G&& slope) {
+  double last = high - low;
+  for (int iteration = 0; iteration < 100; ++iteration) {
+    const double value = over(at);
+    if (std::abs(value) <= error) break;
+    (value < 0 ? low : high) = at;
+    const double next = at - value / slope(at);
+    const bool good = next > low && next < high && std::abs(next - at) <= last / 2;
+    const double from = std::exchange(at, good ? next : (low + high) / 2);
+    last = std::abs(at - from);
+  }
+  return at;
+}
+
 /// How far pores are crushed once what is left of them bears the pressure `pressure_of(matter)`, of
 /// matter that fills the share x of its volume at rest (with pores: x alpha of that at rest).
 template <class F>
 double crushed_by(const SolidLaw& law, double x, double crushed, F&& pressure_of) {
-  // Pressure falls, as pores close, and what crushes them grows: Newton's steps in a bracket.
-  double low = crushed, high = 1, at = crushed;
   if (pressure_of(x) >= law.pores.compacted) return 1;
-  for (int iteration = 0; iteration < 60; ++iteration) {
-    const double alpha = law.distension(at);
-    const double over = pressure_of(x * alpha) - law.crushing_pressure(at);
-    if (std::abs(over) <= crushing_error * law.pores.compacted) break;
-    (over > 0 ? low : high) = at;
-    const double stiffness = law.bulk * law.pores.distension / (alpha * alpha);  // dP/d alpha
-    const double slope = 2 * stiffness * (law.pores.distension - 1) * (1 - at) +
-                         law.pores.compacted - law.pores.elastic;
-    const double next = at + over / slope;
-    at = next > low && next < high ? next : (low + high) / 2;
-  }
-  return at;
+  return root_within(
+      crushed, 1, crushed, crushing_error * law.pores.compacted,
+      // Pressure falls, as pores close, and what crushes them grows.
+      [&](double at) { return law.crushing_pressure(at) - pressure_of(x * law.distension(at)); },
+      [&](double at) {
+        const double alpha = law.distension(at);
+        const double stiffness = law.bulk * law.pores.distension / (alpha * alpha);  // dP/d alpha
+        return 2 * stiffness * (law.pores.distension - 1) * (1 - at) + law.pores.compacted -
+               law.pores.elastic;
+      });
 }
 
 /// The damage of rock whose pores have been crushed: D^(1/3) grows by that of the share of pores
@@ -271,12 +285,15 @@ Pressed pressed(const Bodies& bodies, const Body& b, const Sheared& sheared, boo
   const bool parted = damage >= 1 || melted || (!plain && law.brittle() && damage > 0);
   const double bearable = parted ? 0 : (1 - damage) * law.strength;
   if (after.pressure < -bearable) {
-    double matter = std::max(alpha * x, least_matter);
+    // Matter between voids is less stretched: cold it is hardly so, hot it bears pressure before.
+    const double low = alpha * x;
+    double high = 1.1 * std::max(low, 1.0);
+    while (high < most_matter && pressure_of(high) < -bearable) high *= 1.1;
+    const double matter = root_within(
+        low, high, std::max(low, least_matter), tension_error * law.bulk,
+        [&](double at) { return pressure_of(at) + bearable; },
+        [&](double at) { return x * law.density * cold.slope2 / (at * filled); });
     double pressure = pressure_of(matter);
-    for (int k = 0; k < 20 && std::abs(pressure + bearable) > tension_error * law.bulk; ++k) {
-      matter -= (pressure + bearable) * matter * filled / (x * law.density * cold.slope2);
-      pressure = pressure_of(matter);
-    }
     if (melted) after.damage = 1;
     if (!plain && law.brittle()) {
       // Cracks have opened in the share D; the rest is stretched as if there were none.
