@@ -47,6 +47,7 @@ struct EngineType {
   std::string_view help;      ///< in a line
   bool deflects = false;      ///< its contacts tell what hangs together: read-outs of dv
   bool solves = false;        ///< for impulses: results tell its residuals
+  int steps_a_keep = 1000;    ///< from one state that a stop can go back to, to the next
   bool has_shapes = false;    ///< its bodies may be other than spheres: state/body_shape.hpp
   bool moves_groups = false;  ///< its steps move groups as prescribed: engine/prescribed.hpp
 

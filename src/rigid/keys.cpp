@@ -84,6 +84,7 @@ const EngineType rigid_engine{
     .help = "rigid bodies with impacts, Coulomb friction and cohesion; impulses solved for",
     .deflects = true,
     .solves = true,
+    .steps_a_keep = 50,
     .has_shapes = true,
     .moves_groups = true,
     .tables = {"contact", "solver"},

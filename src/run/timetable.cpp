@@ -58,7 +58,7 @@ namespace {
 constexpr std::int64_t steps_a_row = 100;
 
 std::int64_t steps_a_keep(const Case& scene, const Clock& clock) {
-  return scene.phases[clock.phase].engine->solves ? 50 : 1000;
+  return scene.phases[clock.phase].engine->steps_a_keep;
 }
 
 /// Of smooth forces; what a time tells is an event.

@@ -18,7 +18,7 @@ void read(Section& in, EngineSettings& settings) {
     s.take("courant",
            "steps are parted: sound and bodies that meet cross this share of a spacing in a part; "
            "0: they are not",
-           solid.courant, Quantity{dimension::number, 0, 1});
+           solid.courant, Quantity{dimension::number, 0, usual_courant});
   });
   settings.set(solid);
 }
@@ -180,6 +180,7 @@ std::unique_ptr<Engine> make(const EngineSettings& settings) {
 const EngineType solid_engine{
     .name = "solid",
     .help = "bodies with a stress each: metals that yield, melt and tear, rock and ice that crack",
+    .steps_a_keep = 50,
     .tables = {"solid"},
     .read = read,
     .derive = derive,

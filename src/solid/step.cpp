@@ -144,8 +144,8 @@ double elastic_energy(const Bodies& bodies) {
   return energy;
 }
 
-/// 1/s: the largest share of its spacing that sound crosses in a body in a second, with what
-/// compression and heat add. Collective.
+/// 1/s: the largest share of its spacing that sound crosses in a body of this rank in a second,
+/// with what compression and heat add.
 double fastest_waves(const World& world, const Elastoplastic& engine) {
   const Bodies& bodies = world.bodies;
   const bool porous = bodies.has(Field::crushed);
@@ -153,21 +153,23 @@ double fastest_waves(const World& world, const Elastoplastic& engine) {
   for (Index b = 0; b < bodies.owned; ++b) {
     const SolidLaw& law = engine.laws[bodies.material[b]];
     double c = law.sound_speed(), spacing = 2 * bodies.radius[b];
-    if (const double x = bodies.compression[b]; x > 1) {
+    if (const double x = bodies.compression[b]; x > 1 || bodies.heat[b] > 0) {
       const double matter = x * law.filled * (porous ? law.distension(bodies.crushed[b]) : 1);
       const double heat = bodies.heat[b] / (engine.rest_volume[b] * law.density);
-      const double warmed = law.gruneisen / std::max(1.0, matter);
-      const double bulk2 = law.cold.at(std::max(1.0, matter)).slope2 + warmed * warmed * heat;
+      // (dP/d rho)_S of the heat's pressure Gamma rho e, Gamma rho constant from rest on.
+      const double g = law.gruneisen, dense = std::max(1.0, matter);
+      const double warmed = matter > 1 ? g * g / (dense * dense) : g * (1 + g);
+      const double bulk2 = law.cold.at(dense).slope2 + warmed * heat;
       c = std::max(c, std::sqrt(bulk2 + 4 * law.shear / (3 * law.density)));
-      spacing /= std::cbrt(x);
+      spacing /= std::cbrt(std::max(1.0, x));
     }
     fastest = std::max(fastest, c / spacing);
   }
-  return world.comm.max(fastest);
+  return fastest;
 }
 
-/// 1/s: of its spacing, what a body moves by in a second against what is nearer than its reach:
-/// another body, of any piece, or a wall. Collective.
+/// 1/s: of its spacing, what a body of this rank moves by in a second against what is nearer than
+/// its reach: another body, of any piece, or a wall.
 double fastest_meeting(const World& world, const Elastoplastic& engine) {
   const Bodies& bodies = world.bodies;
   double fastest =
@@ -181,15 +183,23 @@ double fastest_meeting(const World& world, const Elastoplastic& engine) {
         fastest = std::max(fastest,
                            std::abs(face.normal.dot(bodies.velocity[b])) / (2 * bodies.radius[b]));
     }
-  return world.comm.max(fastest);
+  return fastest;
 }
 
-/// s, that a part of a step may last by `longest_step`, with rows as they are. Collective.
-double longest_part(const World& world, const Elastoplastic& engine) {
-  double slope = 0;
+/// s, that a part of a step may last by `longest_step`, with rows as they are. Bodies come no
+/// nearer meanwhile than by half of the gap in which those that meet are seen and do not touch yet.
+/// `velocities`: of this rank. Collective.
+double longest_part(const World& world, const Elastoplastic& engine, const Box& velocities) {
+  double slope = 0, narrowest = infinity;
   for (const SolidLaw& law : engine.laws) slope = std::max(slope, law.slope);
-  return engine.courant /
-         (fastest_waves(world, engine) + share_of_impacts * slope * fastest_meeting(world, engine));
+  for (Index b = 0; b < world.bodies.owned; ++b)
+    narrowest = std::min(narrowest, 2 * world.bodies.radius[b]);
+  std::array<double, 3> most{fastest_waves(world, engine), fastest_meeting(world, engine),
+                             -narrowest};
+  world.comm.max(most);
+  const double seen = (neighbour_reach - 1) / 2 * -most[2];
+  return std::min(engine.courant / (most[0] + share_of_impacts * slope * most[1]),
+                  seen / velocities.united(world.comm).diagonal());
 }
 
 /// What `smooth_steps` asks of forces.
@@ -230,11 +240,8 @@ class Motion {
     update();
     take_positions(world_, engine_);
   }
-  /// s, that a step may last from here. Collective.
-  double longest() {
-    update_pairs(world_, engine_);
-    return longest_part(world_, engine_);
-  }
+  /// s, that a part of a step may last from here, where pairs are current. Collective.
+  double longest() const { return longest_part(world_, engine_, velocities_); }
   /// Stress and answers of where bodies are. In steps of one length new stresses have worked for
   /// half of the time since the last ones, at an end of steps for none of it.
   void update(std::optional<double> late = {}) {
@@ -287,7 +294,11 @@ StepReport parted_steps(World& world, Motion&& motion, Elastoplastic& engine,
                         const StepRequest& request) {
   constexpr double most_parts = 100;  // signals wait no longer
   motion.begin(request.h);
-  double longest = engine.next_part > 0 ? engine.next_part : motion.longest();
+  if (engine.next_part <= 0) {
+    update_pairs(world, engine);
+    engine.next_part = motion.longest();
+  }
+  double longest = engine.next_part;
   const double most =
       std::clamp(most_parts * longest / request.h, 1.0, static_cast<double>(request.most_steps));
   StepReport report = begin_smooth_steps(world, request.h, static_cast<int>(most));
@@ -302,7 +313,7 @@ StepReport parted_steps(World& world, Motion&& motion, Elastoplastic& engine,
     if (reads) report.energy = motion.energy();
     std::optional<HalfKick> half;
     if (reads) half.emplace(world);
-    longest = std::min(longest_part(world, engine), (1 + growth) * longest);
+    longest = std::min(motion.longest(), (1 + growth) * longest);
     now += part.h;
     const Part next = part.last ? Part{} : next_part(lasts - now, std::min(longest, request.h));
     motion.kick(part.h, part.h / 2, next.h / 2);
