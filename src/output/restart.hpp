@@ -48,6 +48,7 @@ struct RestartState {
   std::string case_file;               ///< where the case was read
   std::string case_text;               ///< as it was read
   std::vector<std::string> overrides;  ///< "key.path=value", as given to --set
+  bool overridden = false;             ///< by who goes on with it; not in the file
   std::vector<std::string> constants;  ///< of materials, as `Case::constants`
   Clock clock;
   Scalars scalars;

@@ -504,7 +504,8 @@ Case stored_case(const RestartState& state, const std::vector<std::string>& over
 
 bool resume_case(const Comm& comm, const std::string& file, const ResumeOptions& options) {
   namespace fs = std::filesystem;
-  const RestartState state = read_restart(comm, file);
+  RestartState state = read_restart(comm, file);
+  state.overridden = !options.overrides.empty();
   on_first_rank(comm, [&] {
     const bool there = fs::is_regular_file(state.case_file);
     require(options.stored_case || !there || read_whole(state.case_file) == state.case_text,

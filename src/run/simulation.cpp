@@ -165,10 +165,11 @@ Simulation::Simulation(const Comm& comm, const Scene& scene, const RestartState&
   load_scalars(*state_, from.scalars);
   set_cohesion(world.contact, find_scalar(from.scalars, "law.cohesion"));
   if (!over() && clock.step_in_phase > 0) {
-    // What the phase began with was checked then; what changed since is another step.
+    // What the phase began with was checked then; what changed since are settings, and the step.
     constexpr double round_off = 1e-9;  // of a sum of steps
     const double former = clock.time_in_phase / static_cast<double>(clock.step_in_phase);
-    if (std::abs(phase().step - former) > round_off * former) state_->check_steps();
+    if (from.overridden || std::abs(phase().step - former) > round_off * former)
+      state_->check_steps();
     check_later_steps(world, this->scene(), clock);
   }
 }

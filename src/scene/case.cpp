@@ -327,6 +327,14 @@ std::vector<std::string> unused_parts(const toml::table& root, const Case& scene
     if (root.contains(table))
       unused.push_back(fmt::format("[{}] is not used: no phase has method = {}", table,
                                    fmt::join(names, " or ")));
+  // Who asks for no friction and no restitution asks for no material of a wall.
+  if (methods.contains("contact"))
+    for (const char* walls : {"planes", "boxes", "cylinders"})
+      if (const toml::array* all = root[walls].as_array())
+        for (const toml::node& wall : *all)
+          if (wall.is_table() && wall.as_table()->contains("material"))
+            unused.push_back(fmt::format("material of [[{}]] is not used: no phase has method = {}",
+                                         walls, fmt::join(methods.at("contact"), " or ")));
   for (const ListedShape& shape : scene.listed_shapes)
     if (std::ranges::none_of(scene.groups, [&](const Group& group) {
           return group.packing.shape_name == shape.name;
