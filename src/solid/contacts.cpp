@@ -27,10 +27,11 @@ double stretching(const ResponseRow& response, const Vec3& n) {
          2 * (n[1] * n[2] * at[3][0] + n[2] * n[0] * at[3][1] + n[0] * n[1] * at[3][2]);
 }
 
-/// m/s, what is left of a closing speed over the distance r with these gradients at its ends.
+/// m/s, what is left of a closing speed over the distance r with these gradients at its ends, and
+/// never more.
 double left_of(double closing, double a, double b, double r) {
   const double product = 4 * a * b, sum = a + b;
-  return product > 0 ? closing + r / 2 * product / sum : closing;
+  return product > 0 ? closing + std::min(0.0, r / 2 * product / sum) : closing;
 }
 
 /// Calls `f(contact, push, x, r)` for each that pushes, x from i to j.

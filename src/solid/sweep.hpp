@@ -146,8 +146,8 @@ inline void sweep_shapes(const std::vector<PieceWindow>& windows, const double* 
   }
 }
 
-/// 1/s^2: the largest v^2/R^2 of bodies nearer than R to each other, of any pieces; v their
-/// velocity against each other, R the mean of both reaches.
+/// 1/s^2: the largest v^2/R^2 of bodies nearer to each other than the mean of both reaches, of any
+/// pieces; v their velocity against each other, R the smaller reach.
 inline double fastest_pair(const std::vector<NearWindow>& windows, const double* reach,
                            const MotionRow* rows) {
   PairLanes fastest{};
@@ -156,13 +156,13 @@ inline double fastest_pair(const std::vector<NearWindow>& windows, const double*
       for (std::size_t l = 0; l < lane_count; l += pair_lanes) {
         const Index *own = all_own + l, *partners = all_partners + l;
         const PlaceLanes at(rows, own), beside(rows, partners);
-        const PairLanes R = 0.5 * (gather_numbers(reach, own) + gather_numbers(reach, partners));
+        const PairLanes a = gather_numbers(reach, own), b = gather_numbers(reach, partners);
         const PairLanes x = beside.x - at.x, y = beside.y - at.y, z = beside.z - at.z;
-        const PairLanes R2 = R * R;
-        const PairMask near = x * x + y * y + z * z < R2;
+        const PairLanes mean = 0.5 * (a + b), R = smaller(a, b);
+        const PairMask near = x * x + y * y + z * z < mean * mean;
         const MotionLanes i(rows, own), j(rows, partners);
         const PairLanes u = j.u - i.u, v = j.v - i.v, w = j.w - i.w;
-        fastest = larger(fastest, select(near, (u * u + v * v + w * w) / R2, PairLanes{}));
+        fastest = larger(fastest, select(near, (u * u + v * v + w * w) / (R * R), PairLanes{}));
       }
     });
   double most = 0;
@@ -204,9 +204,10 @@ struct ResponseLanes {
 ///
 /// u > 0 the closing speed that is left where both velocities are extrapolated to the middle by the
 /// bodies' gradients, limited (the limiter of Frontiere, Raskin & Owen, J. Comput. Phys. 332 (2017)
-/// 160); c and s are the material's own, as behind a shock rho (c + s u) u (Dukowicz, J. Comput.
-/// Phys. 61 (1985) 119). Calls `finish(body)` once nothing will be added to its row and neither its
-/// place nor its answer will be asked for again.
+/// 160), and never more than that of the bodies themselves; c and s are the material's own, as
+/// behind a shock rho (c + s u) u (Dukowicz, J. Comput. Phys. 61 (1985) 119). Calls `finish(body)`
+/// once nothing will be added to its row and neither its place nor its answer will be asked for
+/// again.
 template <class Finish>
 void sweep_forces(const std::vector<PieceWindow>& windows, const double* reach,
                   const MotionRow* rows, const ResponseRow* responses, PushRow* forces,
@@ -237,7 +238,9 @@ void sweep_forces(const std::vector<PieceWindow>& windows, const double* reach,
 
         const PairLanes u = (b.u - a.u) * x + (b.v - a.v) * y + (b.w - a.w) * z;  // r dr/dt
         const PairLanes g_own = a.stretching(x, y, z), g_partner = b.stretching(x, y, z);
-        const PairLanes left = u - 0.5 * limiter(g_own, g_partner) * (g_own + g_partner);
+        // Gradients may only lessen a closing speed: else parting bodies would turn heat into
+        // motion.
+        const PairLanes left = larger(u, u - 0.5 * limiter(g_own, g_partner) * (g_own + g_partner));
         const PairLanes mu = left * inverse_r;
         PairLanes q =
             select(mu < 0.0, mu * ((a.linear + b.linear) - (a.square + b.square) * mu), zero);
