@@ -59,6 +59,8 @@ def an_uneven_split_is_as_unlikely_as_coins_say():
     assert score.mcnemar(five, none) == (5, 0, 2 / 2**5)
     assert score.mcnemar([True, False], [False, True])[2] == 1.0
     assert score.mcnemar([True], [True]) == (0, 0, 1.0)
+    for found, expected in zip(score.holm([0.01, 0.04, 0.03]), (0.03, 0.06, 0.06)):
+        assert isclose(found, expected)
 
 
 def the_order_is_drawn_and_no_outcome_enters_it():
@@ -88,9 +90,14 @@ def plates_are_as_far_apart_as_the_table_says():
 
 
 STUB = """#!/bin/sh
+if [ "$1" = check ]; then
+  echo "  ball  152  0.000265  2.93182e-07  4.45637e-05  0.7037"
+  exit
+fi
 [ "$1" = run ] || exit 2
 mkdir -p "$4"
 echo "  1234 bodies, at most about 5 MB a rank on 1 rank"
+printf "step,unexplained\n0,0\n1,-0.001\n" > "$4/series.csv"
 cat > "$4/results.toml" <<END
 [shield_wall]
 verdict = "held"
@@ -100,11 +107,6 @@ still_coming = 0.004
 opening_at_edge = false
 hole = 0.0
 spall_mass = 1e-9
-[conservation]
-energy_unexplained = 0.002
-dissipated = 100.0
-[solver]
-steps = 200
 [provenance]
 commit = "abc"
 END
@@ -125,6 +127,14 @@ def what_is_done_is_kept_and_what_is_missing_goes_on():
             run.main()
             assert sorted(row["row"] for row in run.known()) == sorted(wanted[:expected])
         assert {row["bodies"] for row in run.known()} == {"1234"}
+        # The ball is as heavy as that of the shot, however many sites of the lattice are in it.
+        row = run.known()[0]
+        shot = shots[int(row["row"]) - 1]
+        case = tomllib.loads((folder / f"out/{row['row']}-6-1/shot.toml").read_text())
+        grown = case["groups"][2]["volume"]["diameter"] / (shot.diameter / 100)
+        assert isclose(4.45637e-05 * grown**3, run.ball_of(shot), rel_tol=1e-6)
+        assert isclose(float(row["energy_unexplained"]),
+                       0.001 / (0.5 * run.ball_of(shot) * (1000 * shot.speed)**2), rel_tol=0.01)
         program.write_text("#!/bin/sh\nexit 1\n")
         sys.argv = ["run.py", "--most", "1", "--program", str(program),
                     "--out", str(folder / "out")]
