@@ -123,7 +123,8 @@ def case_of(shot, setting, seed, grown=1):
                      1000 * shot.speed)
     angle = math.radians(shot.angle)
     shape = "box" if angle else "cylinder"
-    clear = grown * d / 2 + 1.05 * max(setting.ball, setting.bumper)  # of its centre from the bumper
+    # Of its centre from the bumper.
+    clear = grown * d / 2 + 1.05 * max(setting.ball, setting.bumper)
     bumper = BUMPER_WIDTH * d
     libraries = [BALLS.get(shot.metals[0], STAND_IN),
                  *(PLATES.get(metal, STAND_IN) for metal in shot.metals[1:])]
@@ -166,8 +167,8 @@ def ball_of(shot):
 
 
 def mass_of_group(program, case, group):
-    """kg, as `spall check` tells it: a lattice has its own number of sites in a sphere. Nothing where
-    it refuses."""
+    """kg, as `spall check` tells it: a lattice has its own number of sites in a sphere. Nothing
+    where it refuses."""
     told = subprocess.run([program, "check", case], capture_output=True, text=True)
     row = re.search(rf"^  {group} +\d+ +\S+ +\S+ +(\S+)", told.stdout, re.M)
     return float(row[1]) if told.returncode == 0 else None

@@ -50,12 +50,13 @@ def share(calls):
     n, p = len(calls), sum(calls) / len(calls)
     centre = (p + 1 / (2 * n)) / (1 + 1 / n)
     half = sqrt(p * (1 - p) / n + 1 / (4 * n**2)) / (1 + 1 / n)
-    return f"{100 * p:.0f} ({100 * (centre - half):.0f}–{100 * (centre + half):.0f}) %"
+    low, high = 100 * (centre - half), 100 * (centre + half)
+    return f"{100 * p:.0f} ({low:.0f}–{high:.0f}) %"
 
 
 def counted(shots, options):
-    """(shot, line of results.csv) of what was run by the rule and has a verdict; how many have none,
-    and how many the rule has."""
+    """(shot, line of results.csv) of what was run by the rule and has a verdict; how many have
+    none, and how many the rule has."""
     by_row = {shot.row: shot for shot in chosen(shots, options.across)}
     lines = [line for line in csv.DictReader(RESULTS.open()) if int(line["row"]) in by_row
              and float(line["across"]) == options.across and int(line["seed"]) == options.seed]
