@@ -615,6 +615,25 @@ TEST(Memory, a_run_of_clumps_that_is_stopped_goes_on_with_the_same_bits) {
     EXPECT_EQ(a.orientation[k].coeffs(), b.orientation[k].coeffs());
 }
 
+TEST(Memory, of_shapes_that_the_case_does_not_have_is_refused) {
+  const Scene scene(std::make_shared<Case>(parse_case(heap, "heap.toml")));
+  RestartState state = Simulation(testing_world(), scene).save();
+  const auto complaint = [&] {
+    return complaint_of([&] { Simulation(testing_world(), scene, state); });
+  };
+  EXPECT_EQ(complaint(), "");
+  const std::string told =
+      "heap.toml: bodies of the restart file have other shapes than [shapes] and packings tell";
+  const std::int32_t own = state.bodies.shape[0];
+  for (const int wrong : {-1, 3}) {
+    if (testing_world().rank == 0) state.bodies.shape[0] = wrong;
+    EXPECT_EQ(complaint(), told) << wrong;
+  }
+  state.bodies.shape[0] = own;
+  set_fields(state.bodies, FieldSet{Field::angular_velocity, Field::acceleration});
+  EXPECT_EQ(complaint(), told);
+}
+
 // Cases --------------------------------------------------------------------------------------
 
 TEST(Case, orientations_are_the_same_on_any_number_of_ranks) {

@@ -340,6 +340,7 @@ TEST(Refusals, are_of_changes_of_what_lies_behind_a_run_that_goes_on) {
            {"groups.a.volume.radius=2", "the bodies are made already"},
            {"groups.0.velocity=[1, 0, 0]", "the bodies are made already"},
            {"allowed_overlap=0.1", "the bodies are made already"},
+           {"shapes.rod.count=3", "the bodies are made already"},
            {"materials.rock.density=5", "bodies have their masses already"},
            {"materials.rock.solid.distension=2", "bodies have their masses already"},
            {"periodic.size=[9, 9, 9]", "bodies and their images lie in the box so far"},

@@ -70,7 +70,7 @@ void check_change(const RestartState& state, const Case& before, const std::stri
   const toml::table told = parse_override(change);
   for (const auto& [key, node] : told) {
     require(
-        !is_one_of(key.str(), {"groups", "seed", "allowed_overlap"}),
+        !is_one_of(key.str(), {"groups", "shapes", "seed", "allowed_overlap"}),
         "{}: the bodies are made already, and keep what they are; --set changes what lies ahead",
         option);
     const toml::table* table = node.as_table();

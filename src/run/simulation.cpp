@@ -68,6 +68,19 @@ void check_changed(const World& world, const Bodies& former) {
     require(wrong[k] < 0, "change_bodies: body {:.0f} would have {}", wrong[k], what[k]);
 }
 
+/// Throws Error, on every rank, where stored bodies have a shape that the scene lacks, or lack the
+/// shapes that it has. Collective.
+void check_shapes(const Comm& comm, const Case& scene, const Bodies& stored) {
+  const bool has = stored.has(Field::shape);
+  const std::int64_t known = std::max<std::int64_t>(std::ssize(scene.shapes), 1);  // the sphere
+  bool wrong = !has && !scene.shapes.empty();
+  for (Index b = 0; has && b < stored.owned; ++b)
+    wrong |= stored.shape[b] < 0 || stored.shape[b] >= known;
+  require(!comm.any(wrong),
+          "{}: bodies of the restart file have other shapes than [shapes] and packings tell",
+          scene.file);
+}
+
 /// Calls of a program within another one: its force would move bodies while they are moved.
 class Alone {
  public:
@@ -145,6 +158,7 @@ Simulation::Simulation(const Comm& comm, const Scene& scene)
 Simulation::Simulation(const Comm& comm, const Scene& scene, const RestartState& from)
     : state_(std::make_unique<State>(comm, scene.parts())) {
   World& world = state_->world;
+  check_shapes(comm, this->scene(), from.bodies);
   state_->clock = from.clock;
   world.bodies = from.bodies;
   set_fields(world.bodies, fields_of(this->scene()));
