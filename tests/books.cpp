@@ -195,6 +195,9 @@ TEST(Books, of_what_dissipates_next_to_nothing_are_measured_by_its_motion) {
   EXPECT_TRUE(says(told(1, 1e-9), "energy_unexplained = 0.2 "));
   EXPECT_TRUE(says(told(1, 0.5), "energy_unexplained = 0.5 ")) << told(1, 0.5);
   EXPECT_FALSE(says(told(1, 0.5), "energy_measure"));
+  EXPECT_TRUE(says(told(1, -1e-9), "kinetic: next to nothing was dissipated"));
+  EXPECT_TRUE(says(told(1, -0.5), "energy_unexplained = 0.2 ")) << told(1, -0.5);
+  EXPECT_TRUE(says(told(1, -0.5), "kinetic: energy was gained, dissipated is negative"));
 }
 
 TEST(Books, go_on_from_rigid_spheres_to_springs_and_back) {

@@ -406,6 +406,44 @@ TEST(Clump, box_of_eight_spheres_slides_beyond_the_angle_of_friction_and_stays_b
   }
 }
 
+TEST(Clump, energy_that_an_eccentric_hit_gives_is_counted) {
+  std::vector<ShapeSphere> spheres;
+  for (int k = 0; k < 7; ++k) spheres.push_back({Vec3(1.5 * k, 0, 0), 1});
+  const BodyShape rod = make_shape("rod", spheres);
+  struct Hit {
+    double gained, change;  ///< J, as it is counted, and of the kinetic energy
+  };
+  const auto hit = [&](double mu, double e, bool gravity) {
+    Clump clump{.radius = 1 / rod.spheres[0].radius, .velocity = {-1, 0, -1}};
+    clump.orientation = turned_by(Vec3(0, 1, 0), rod.as_listed);
+    double lowest = 0;
+    for (const ShapeSphere& one : rod.spheres)
+      lowest = std::min(lowest, clump.radius * (clump.orientation * one.at).z());
+    clump.position = {0, 0, 1.0005 - lowest};
+    Lab world = make_world(testing_world(), with_sphere({rod}),
+                           {clump, {.shape = 0, .position = {50, 0, 50}},
+                            {.shape = 0, .position = {60, 0, 50}},
+                            {.shape = 0, .position = {70, 0, 50}}},
+                           {.friction = mu, .restitution = e});
+    world.planes = {floor_plane};
+    if (gravity) world.uniform_gravity = {0, 0, -1e-3};
+    const double before = diagnose(world).kinetic;
+    advance(world, 1e-3, 3);
+    const Diagnostics after = diagnose(world);
+    return Hit{after.gained, after.kinetic - before};
+  };
+  // The tip slips backwards after the hit, not forwards as before: friction then works along its
+  // mean motion.
+  const Hit gains = hit(0.1, 1, false);
+  EXPECT_GT(gains.change, 0.01);
+  EXPECT_NEAR(gains.gained / gains.change, 1, 1e-9);
+  for (const bool gravity : {false, true}) {
+    EXPECT_GT(hit(0.1, 1, gravity).gained, 0.01);
+    EXPECT_EQ(hit(0.1, 0, gravity).gained, 0) << "without restitution";
+    EXPECT_EQ(hit(0, 1, gravity).gained, 0) << "without friction";
+  }
+}
+
 /// Clumps and spheres at random, their outer spheres apart by `gap` times their radii.
 std::vector<Clump> cloud_of_clumps(int count, double edge, double nearest, double speed) {
   std::mt19937_64 random(7);

@@ -195,7 +195,12 @@ class Verdicts(unittest.TestCase):
         for rest, grade in ((-0.009, "good"), (0.02, "note"), (-0.2, "bad")):
             self.check(books(energy_unexplained=rest), grade, "The energy account")
             self.check(books(energy_unexplained=rest, dissipated=0.0, energy_measure=2.0), grade,
-                       "of the kinetic energy")
+                       "of the kinetic energy, as next to nothing")
+        lost = {"energy_unexplained": 1e-9, "dissipated": -40.0, "energy_measure": 280.0}
+        self.check(books(**lost), "good", "as energy was gained and not dissipated")
+        self.check(books(**lost, gained_by_restitution=44.0), "bad", "Hits gave 44 J to clumps")
+        self.check(books(energy_unexplained=1e-9, dissipated=1e4, gained_by_restitution=44.0),
+                   "note", "Hits gave 44 J to clumps, beside 1e+04 J")
 
     def test_beta_that_is_only_a_bounce_is_said_to_be_so(self):
         def beta(value, **more):

@@ -42,7 +42,7 @@ Diagnostics diagnose(const World& world) {
       received.impulse += one.impulse;
       received.moment += one.moment;
     }
-  std::array<double, 27> sums{d.mass,
+  std::array<double, 28> sums{d.mass,
                               moment[0],
                               moment[1],
                               moment[2],
@@ -68,7 +68,8 @@ Diagnostics diagnose(const World& world) {
                               received.impulse[2],
                               received.moment[0],
                               received.moment[1],
-                              received.moment[2]};
+                              received.moment[2],
+                              world.ledger.gained};
   world.comm.sum(sums);
   d.mass = sums[0];
   d.centre = d.mass > 0 ? Vec3(Vec3(sums[1], sums[2], sums[3]) / d.mass) : Vec3::Zero();
@@ -86,6 +87,7 @@ Diagnostics diagnose(const World& world) {
   d.own_work = sums[18];
   d.fallen = sums[19];
   d.prescribed_work = sums[20];
+  d.gained = sums[27];
   d.given_momentum = -Vec3(sums[21], sums[22], sums[23]);
   d.given_angular_momentum = -Vec3(sums[24], sums[25], sums[26]);
   return d;

@@ -8,6 +8,7 @@ ROUND_OFF = 1e-9  # drift of momentum, of the impactor's, that sums of many numb
 # Drift of angular momentum that gravity's tree may make: the default of its accuracy.
 OF_A_TREE = 1e-4
 ENERGY_CLOSED, ENERGY_OPEN = 0.01, 0.05  # unexplained, of what was dissipated or moves
+NEXT_TO_NOTHING = 1e-6  # dissipated, of the kinetic energy; as src/run/account.cpp has it
 SAME_BETA = 0.02  # beta within this of 1 + e is taken for it
 STILL_RISING = 0.02  # of dv between the last two read-outs
 YET_TO_COME = 0.01  # of the energy that flies at a wall, beyond which its verdict is not final
@@ -116,9 +117,21 @@ def books(results):
     rest = conservation.get("energy_unexplained")
     if rest is None:
         return
-    of = f"{percent(rest)} of " + ("the kinetic energy, as next to nothing was dissipated."
-                                   if "energy_measure" in conservation else "what was dissipated.")
-    if not conservation.get("dissipated") and "energy_measure" not in conservation:
+    dissipated = conservation.get("dissipated", 0)
+    kinetic = conservation.get("energy_measure")  # only where next to nothing was dissipated
+    if (gained := conservation.get("gained_by_restitution")) is not None:
+        small = gained <= ENERGY_CLOSED * (kinetic or dissipated)
+        yield NOTE if small else BAD, (
+            f"Hits gave {gained:.3g} J to clumps, beside {dissipated:.3g} J that were dissipated "
+            "in all: restitution with friction may give energy where a hit is eccentric.")
+    if kinetic is None:
+        measure = "what was dissipated."
+    elif dissipated < -NEXT_TO_NOTHING * kinetic:
+        measure = "the kinetic energy, as energy was gained and not dissipated."
+    else:
+        measure = "the kinetic energy, as next to nothing was dissipated."
+    of = f"{percent(rest)} of {measure}"
+    if not dissipated and kinetic is None:
         yield NOTE, ("Nothing was dissipated, so there is no measure for the energy that no entry "
                      "explains.")
     elif abs(rest) <= ENERGY_CLOSED:

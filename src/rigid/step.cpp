@@ -3,6 +3,7 @@
 #include "rigid/step.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "engine/prescribed.hpp"
@@ -159,6 +160,28 @@ double book_reactions(World& world, const Contacts& contacts) {
   return world.ledger.prescribed_work - before;
 }
 
+/// Newton's law of restitution tells normal speeds alone: with friction an eccentric hit of a shape
+/// may give energy. Books what a step of hits gained (`gain`, J, of this rank), beyond what its
+/// solver leaves open of the `exchanged` energy, and beyond what impulses do in the change of speed
+/// between two kicks of gravity. Collective.
+void book_gain(World& world, const Contacts& contacts, double gain, double exchanged,
+               double residual) {
+  const Bodies& bodies = world.bodies;
+  double open = residual * exchanged;
+  const double interval =
+      world.has_gravity() ? std::max(world.kick.interval, world.kick.load) : 0;  // s
+  for (Index c = 0; c < contacts.size(); ++c) {
+    const Index i = contacts.i[c], j = contacts.j[c];
+    if (i >= bodies.owned) continue;
+    Vec3 a = -bodies.acceleration[i];
+    if (j != ground) a += bodies.acceleration[j];
+    open += interval * a.norm() * contacts.impulse[c].norm();
+  }
+  std::array<double, 2> sums{gain, open};
+  world.comm.sum(sums);
+  if (world.comm.rank == 0 && sums[0] > sums[1]) world.ledger.gained += sums[0];
+}
+
 /// Adds the impulses' velocities to all rows; books the work of contacts, cohesion and gravity.
 /// With v the velocity before the kick k and v' after the impulses' dv, the kinetic energy changes
 /// by
@@ -166,9 +189,9 @@ double book_reactions(World& world, const Contacts& contacts) {
 ///   m (v' - v).(v' + v)/2 = m k.(v + v')/2 + m dv.(v + v')/2,
 ///
 /// so a pile at rest (v = v' = 0) dissipates nothing, whatever its load. What held bodies gave by
-/// their work is no loss of the others.
+/// their work is no loss of the others. `met`: bodies have hit each other, on any rank.
 void kick_by_impulses(World& world, const Contacts& contacts, const ProblemData& data,
-                      const std::vector<VelocityChange>& change, StepReport& report) {
+                      const std::vector<VelocityChange>& change, bool met, StepReport& report) {
   Bodies& bodies = world.bodies;
   const double load = world.has_gravity() ? world.kick.load : 0;
   std::vector<double> closing_before;
@@ -189,16 +212,18 @@ void kick_by_impulses(World& world, const Contacts& contacts, const ProblemData&
       closing_before.push_back(closing(c) - load * contacts.normal[c].dot(a));
     }
 
-  double by_impulses = 0, by_gravity = 0;
+  double by_impulses = 0, by_gravity = 0, exchanged = 0;
   for (Index b = 0; b < bodies.size(); ++b) {
     const Eigen::Map<const Vec3> dv(change[b].linear), ds(change[b].angular);
     if (b < bodies.owned && std::isfinite(bodies.mass[b])) {
       const Vec3 s = bodies.radius[b] * bodies.angular_velocity[b];
       const Vec3 kick = load * bodies.acceleration[b];
       const Vec3 mean = bodies.velocity[b] + (dv - kick) / 2;
-      const double by_turn = world.shapes.empty()
-                                 ? sphere_inertia * ds.dot(s + ds / 2)
-                                 : (inertia_factor(world.shapes, bodies, b) * ds).dot(s + ds / 2);
+      double by_turn = sphere_inertia * ds.dot(s + ds / 2);
+      if (!world.shapes.empty()) {
+        by_turn = (inertia_factor(world.shapes, bodies, b) * ds).dot(s + ds / 2);
+        exchanged += bodies.mass[b] * (dv.norm() * mean.norm() + std::abs(by_turn));
+      }
       by_impulses += bodies.mass[b] * (dv.dot(mean) + by_turn);
       by_gravity += bodies.mass[b] * kick.dot(mean);
     }
@@ -213,7 +238,10 @@ void kick_by_impulses(World& world, const Contacts& contacts, const ProblemData&
         by_cohesion -= data.cohesive_impulse[c] * (closing_before[c] + closing(c)) / 2;
   const double by_held = book_reactions(world, contacts);
   world.ledger.cohesion_work += by_cohesion;
-  world.ledger.dissipated -= by_impulses - by_cohesion - by_held;
+  const double gain = by_impulses - by_cohesion - by_held;
+  world.ledger.dissipated -= gain;
+  if (met && !world.shapes.empty())
+    book_gain(world, contacts, gain, exchanged, report.solver.residual);
   report.gravity_work = by_gravity;
 }
 
@@ -282,7 +310,7 @@ StepReport nonsmooth_step(World& world, Rigid& rigid, const StepRequest& request
     const SolverResult result =
         solve(data.view(contacts, dimension), rigid.neighbours.ghosts, settings, contacts.impulse);
     report.solver = result.report;
-    kick_by_impulses(world, contacts, data, result.change, report);
+    kick_by_impulses(world, contacts, data, result.change, met, report);
     if (kick.load > 0) {
       keep_impulses(contacts, pairs);
       kick.remembered_load = kick.load;

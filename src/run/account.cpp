@@ -57,15 +57,21 @@ void Account::add_drifts(ResultTable& table, double momentum,
 
 void Account::add_energies(ResultTable& table, const Diagnostics& sums, double potential) const {
   // Where next to nothing is dissipated, what is would make any error look large, or none at all.
-  const bool conserves = sums.dissipated <= 1e-6 * sums.kinetic;
+  constexpr double next_to_nothing = 1e-6;  // of the kinetic energy
+  const bool conserves = sums.dissipated <= next_to_nothing * sums.kinetic;
+  const bool gained = sums.dissipated < -next_to_nothing * sums.kinetic;
   const double measure = conserves ? sums.kinetic : sums.dissipated;
   table.add("conservation", "energy_unexplained", measure > 0 ? unexplained_ / measure : 0, "",
             conserves ? "energy that no entry explains, of energy_measure"
                       : "energy that no entry explains, of what was dissipated");
   if (conserves && measure > 0)
     table.add("conservation", "energy_measure", measure, "J",
-              "kinetic: next to nothing was dissipated");
+              gained ? "kinetic: energy was gained, dissipated is negative"
+                     : "kinetic: next to nothing was dissipated");
   table.add("conservation", "dissipated", sums.dissipated, "J");
+  if (sums.gained > 0)
+    table.add("conservation", "gained_by_restitution", sums.gained, "J",
+              "in steps whose hits gave energy to clumps: restitution with friction may");
   if (sums.prescribed_work != 0)
     table.add("conservation", "prescribed_work", sums.prescribed_work, "J",
               "by groups that move as prescribed, on the others");

@@ -378,6 +378,12 @@ class Run {
     add_communication(world(), clock().step - std::max<std::int64_t>(resumes_at_, 0), table);
     progress_.say("\n" + table.text());
     if (const std::string warning = verdict_.warning(); !warning.empty()) progress_.say(warning);
+    if (sums.gained > 0)
+      progress_.say(fmt::format(
+          "WARNING: hits of clumps gave {:.3g} J, beside {:.3g} J that bodies move with: "
+          "restitution with friction may do so where a hit is eccentric, and without restitution "
+          "nothing is gained",
+          sums.gained, sums.kinetic));
     for (const std::string& line : judged) progress_.say(line);
     write_results(comm_, folder_.path(), table, provenance_);
     snapshots_->write_index();

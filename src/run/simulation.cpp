@@ -170,6 +170,9 @@ Simulation::Simulation(const Comm& comm, const Scene& scene, const RestartState&
   world.time = clock.time;
   check_held(world, this->scene().file);
   load_scalars(world, from.scalars);
+  // Files of before this was counted have none.
+  if (const auto gained = from.scalars.find("ledger.gained"); gained != from.scalars.end())
+    world.ledger.gained = gained->second;
   if (comm.rank > 0) {
     world.ledger = {};
     for (auto* all : {&world.reactions.of_walls, &world.reactions.of_groups})
@@ -414,11 +417,12 @@ RestartState Simulation::save() {
   // What the ranks know in parts goes to rank 0, whose scalars a restart file keeps.
   World& world = state_->world;
   Ledger& ledger = world.ledger;
-  std::array<double, 6> sums{ledger.dissipated, ledger.cohesion_work, ledger.corrections,
-                             ledger.own_work,   ledger.fallen,        ledger.prescribed_work};
+  std::array<double, 7> sums{ledger.dissipated, ledger.cohesion_work, ledger.corrections,
+                             ledger.own_work,   ledger.fallen,        ledger.prescribed_work,
+                             ledger.gained};
   world.comm.sum(sums);
   const bool keeps = world.comm.rank == 0;
-  ledger = keeps ? Ledger{sums[0], sums[1], sums[2], sums[3], sums[4], sums[5]} : Ledger{};
+  ledger = keeps ? Ledger{sums[0], sums[1], sums[2], sums[3], sums[4], sums[5], sums[6]} : Ledger{};
   for (auto* all : {&world.reactions.of_walls, &world.reactions.of_groups})
     gather(world.comm, *all);
   PairMemory memory = engine().remember(world);
@@ -438,6 +442,7 @@ RestartState Simulation::save() {
   for (auto& [stage, use] : world.stages) use = own.at(stage);  // timers under way point to them
   save_scalars(state_->account, state.scalars);
   save_scalars(*state_, state.scalars);
+  state.scalars["ledger.gained"] = ledger.gained;
   state.scalars["law.cohesion"] = world.contact.common().cohesion;
   return state;
 }

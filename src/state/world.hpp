@@ -59,6 +59,7 @@ struct Ledger {
   double fallen = 0;  ///< height in the uniform field, m g z, that bodies regained as they were set
                       ///< back into a period: they are deeper than their places say
   double prescribed_work = 0;  ///< by bodies that move as prescribed, on the others
+  double gained = 0;  ///< by the bodies in steps whose hits gave energy; less in `dissipated`
 };
 
 /// Forces of a program: adds to the force (N) on each owned body, row by row.
