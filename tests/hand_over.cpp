@@ -172,6 +172,41 @@ TEST(HandOver, launches_against_the_ellipsoid_where_it_is_asked_to) {
   EXPECT_GT(tilted, std::sin(pi / 4 - slope) / std::sin(pi / 4) * plane);
 }
 
+TEST(HandOver, beyond_the_limb_of_the_ellipsoid_launches_along_the_flight_and_not_sideways) {
+  Impactor impactor = kilograms_of_500();
+  impactor.coupling->surface = LaunchSurface::ellipsoid;
+  impactor.coupling->crater_radius = 54;
+  const Layer layer(1);
+  const Handed handed = hand_over(testing_world(), layer, impactor);
+  // A layer of 40 x 40 m has an ellipsoid with semi-axes of sqrt(5/12) 40 = 25.8 m across; corners
+  // lie 28.3 m from its axis.
+  const double limb = std::sqrt(5.0 / 12) * 40;
+  Vec3 recoil = Vec3::Zero();  // of what is launched nowhere: deep below
+  int deep = 0, beyond = 0;
+  for (std::size_t k = 0; k + 1 < layer.spheres.size(); ++k) {
+    if (layer.spheres[k].position.z() > -20) continue;
+    recoil += handed.after[k].velocity - layer.spheres[k].velocity;
+    ++deep;
+  }
+  recoil /= deep;
+  double sideways = 0, outwards = 0, along = 0;
+  for (std::size_t k = 0; k + 1 < layer.spheres.size(); ++k) {
+    const Vec3 x = layer.spheres[k].position;
+    const double from_axis = x.head<2>().norm();
+    const Vec3 v = handed.after[k].velocity - layer.spheres[k].velocity - recoil;
+    if (from_axis < limb + 0.5 || v.norm() < 0.1 * recoil.norm()) continue;
+    const Vec3 out = Vec3(x.x(), x.y(), 0) / from_axis, side = Vec3::UnitZ().cross(out);
+    sideways += std::abs(v.dot(side));
+    outwards += v.dot(out);
+    along -= v.z();  // the impactor flies downwards
+    ++beyond;
+  }
+  EXPECT_GT(beyond, 3);
+  EXPECT_GT(outwards, 0);
+  EXPECT_LT(sideways, 0.2 * outwards);
+  EXPECT_GT(along, 0);  // faster than the recoil, which goes the same way
+}
+
 TEST(HandOver, without_bodies_in_its_way_is_an_error) {
   Impactor impactor = kilograms_of_500();
   impactor.coupling->hand_over = 11.9;

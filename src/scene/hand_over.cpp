@@ -56,7 +56,13 @@ Motion motion_of(const Comm& comm, const Bodies& bodies) {
   return {Vec3(sums[0], sums[1], sums[2]), Vec3(sums[3], sums[4], sums[5]), sums[6]};
 }
 
-/// The target's outward normal where a line along the flight enters its ellipsoid of moments.
+/// The surface where a line along the flight meets it: unit vectors.
+struct Surface {
+  Vec3 normal;  ///< outwards
+  Vec3 away;    ///< along the surface, away from the site
+};
+
+/// The target's ellipsoid of moments.
 class Ellipsoid {
  public:
   explicit Ellipsoid(const std::vector<Boulder>& boulders) {
@@ -73,13 +79,16 @@ class Ellipsoid {
     form_ = (5 * second).inverse();
   }
 
-  /// Beside the ellipsoid that of its limb: the point of the line that is nearest to it.
-  Vec3 normal(double y, double z) const {
+  /// Where the line through `at` enters; `out`: from the site to there, across the flight. Beside
+  /// the ellipsoid the normal is that of its limb, the point of the line that is nearest to it; at
+  /// the limb the surface runs along the flight.
+  Surface surface(const Vec3& at, const Vec3& out) const {
     // q(t) = (x + t e)^T F (x + t e) = 1 with x on the plane through the centre, e along z.
-    const Vec3 x(y - center_.x(), z - center_.y(), 0), e = Vec3::UnitZ();
+    const Vec3 x(at.x() - center_.x(), at.y() - center_.y(), 0), e = Vec3::UnitZ();
     const double ee = e.dot(form_ * e), xe = x.dot(form_ * e), xx = x.dot(form_ * x);
     const double root = std::sqrt(std::max(xe * xe - ee * (xx - 1), 0.0));
-    return (form_ * (x + (-xe - root) / ee * e)).normalized();
+    const Vec3 normal = (form_ * (x + (-xe - root) / ee * e)).normalized();
+    return {normal, root > 0 ? Vec3((out - out.dot(normal) * normal).normalized()) : e};
   }
 
  private:
@@ -241,11 +250,11 @@ HandOver hand_over_flow(const Comm& comm, const Impactor& impactor, BodyId id, B
     for (int k = 0; k < around; ++k) {
       const double phi = 2 * pi * (k + 0.5) / around;
       const Vec3 out(std::cos(phi), std::sin(phi), 0);
-      const Vec3 normal = source.surface == LaunchSurface::ellipsoid
-                              ? ellipsoid.normal(x * out.x(), x * out.y())
-                              : Vec3(0, 0, -1);
-      const Vec3 along = (out - out.dot(normal) * normal).normalized();
-      const Vec3 launch = std::sin(source.angle) * normal + std::cos(source.angle) * along;
+      const Surface here_is = source.surface == LaunchSurface::ellipsoid
+                                  ? ellipsoid.surface(x * out, out)
+                                  : Surface{.normal = -Vec3::UnitZ(), .away = out};
+      const Vec3 launch =
+          std::sin(source.angle) * here_is.normal + std::cos(source.angle) * here_is.away;
       result.found_mass += rays.launch(x * out.x(), x * out.y(), here.mass / (around * area), area,
                                        here.momentum / here.mass * launch);
     }
