@@ -267,6 +267,21 @@ double value(const toml::table& results, const char* section, const char* key) {
   return results[section][key].value<double>().value();
 }
 
+TEST(CoupledRun, that_would_make_energy_is_refused) {
+  const auto told = [](const std::string& hand_over) {
+    std::string with = coupled;
+    with.replace(with.find("hand_over = 1"), 13, "hand_over = " + hand_over);
+    with.replace(with.find("sand"), 4, "rock");  // launches more near the site
+    return complaint_of([&] { parse_case(ball(with), "ball.toml"); });
+  };
+  EXPECT_EQ(told("0.1"), "");
+  const std::string message = told("8");
+  EXPECT_TRUE(message.starts_with("ball.toml:")) << message;
+  EXPECT_NE(message.find("phases.impact.impactor.coupling.hand_over = 8 m: "), message.npos)
+      << message;
+  EXPECT_NE(message.find("a smaller hand_over gives more to bodies"), message.npos) << message;
+}
+
 TEST(CoupledRun, closes_its_books_and_goes_on_after_a_stop) {
   const std::string folder = folder_of("ball"), again = folder_of("again");
   run_case(testing_world(), parse_case(ball(coupled), "ball.toml"), folder, Former::overwrite);
@@ -277,6 +292,11 @@ TEST(CoupledRun, closes_its_books_and_goes_on_after_a_stop) {
   EXPECT_LT(value(results, "conservation", "linear"), 1e-10);
   EXPECT_LT(std::abs(value(results, "conservation", "energy_unexplained")), 1e-6);
   EXPECT_GT(value(results, "deflection", "beta"), 1.2);
+  const double energy = 0.5 * 0.5 * 6000 * 6000;
+  EXPECT_NEAR(value(results, "coupling", "carrier_energy") +
+                  value(results, "coupling", "flow_energy") +
+                  value(results, "coupling", "heat") / energy,
+              1, 1e-6);
   EXPECT_FALSE(results["deflection"].as_table()->contains("struck_mass"));
   EXPECT_FALSE(results["deflection"].as_table()->contains("warning"));
 

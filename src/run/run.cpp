@@ -147,10 +147,12 @@ class Run {
     if (events.flow)
       progress_.say(fmt::format(
           "its flow: {:.4g} kg get {:.4g} of its momentum back, beyond {:.4g} m; {:.4g} leave from "
-          "within with its body; {:.3g} % of its energy moves bodies, the rest is booked as heat",
+          "within with its body; {:.3g} % of its energy moves bodies, {:.3g} % its own body, the "
+          "rest is booked as heat",
           events.flow->found_mass, events.flow->given_momentum / verdict_.impactor_momentum(),
           events.flow->hand_over, events.flow->inner_momentum / verdict_.impactor_momentum(),
-          100 * events.flow->flow_energy / events.flow->energy));
+          100 * events.flow->flow_energy / events.flow->energy,
+          100 * events.flow->carrier_energy / events.flow->energy));
   }
 
   /// Of a run that goes on from a restart file: what there is nothing left to do of.

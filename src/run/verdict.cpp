@@ -25,13 +25,15 @@ void add_flow(const HandOver& flow, double unit, ResultTable& table) {
   add("inner_mass", flow.inner_mass, "kg", "launched within, by the formulas; stays with bodies");
   add("inner_momentum", flow.inner_momentum / unit, "m U",
       "against the flight; leaves with the impactor's body");
-  add("inner_energy", flow.inner_energy / flow.energy, "m U^2/2", "of that mass; in the heat");
+  add("inner_energy", flow.inner_energy / flow.energy, "m U^2/2", "of that mass, by the formulas");
   add("outer_mass", flow.outer_mass, "kg", "launched beyond, by the formulas");
   add("outer_momentum", flow.outer_momentum / unit, "m U", "the sum of sizes");
   add("outer_energy", flow.outer_energy / flow.energy, "m U^2/2", "");
   add("found_mass", flow.found_mass, "kg", "of bodies where that is launched");
   add("given_momentum", flow.given_momentum / unit, "m U", "that these got, against the flight");
   add("flow_energy", flow.flow_energy / flow.energy, "m U^2/2", "that bodies of the target got");
+  add("carrier_energy", flow.carrier_energy / flow.energy, "m U^2/2",
+      "that the impactor's body has with the inner momentum");
   add("heat", flow.heat, "J", "the rest of the impactor's energy, booked as dissipated");
   add("momentum_closure", flow.momentum_closure, "m U", "open after the recoil");
   add("angular_closure", flow.angular_closure, "m U times the target's reach", "the same");

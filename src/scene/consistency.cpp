@@ -80,6 +80,12 @@ void check_coupling(const Case& scene, const Phase& phase) {
   require(source.hand_over < flow.end(),
           "{}.hand_over = {:g} m lies beyond {:.4g} m, n2 radii of the crater, where the flow ends",
           place, source.hand_over, flow.end());
+  const double inner =
+      flow.between(flow.begin(), source.hand_over).momentum * std::sin(source.angle);
+  require(inner <= impactor.mass * impactor.speed,
+          "{}.hand_over = {:g} m: {:.3g} m U are launched within, and in the impactor's body alone "
+          "they would have more energy than the impact: a smaller hand_over gives more to bodies",
+          place, source.hand_over, inner / (impactor.mass * impactor.speed));
   const auto refuse_beside = [&](bool there, std::string_view what) {
     require(!there, "{}: {} would take a part of the recoil, which is the free target's", place,
             what);

@@ -292,6 +292,11 @@ HandOver hand_over_flow(const Comm& comm, const Impactor& impactor, BodyId id, B
   result.heat = before.energy - after.energy;
   result.carrier_energy = result.inner_momentum * result.inner_momentum / (2 * impactor.mass);
   result.flow_energy = result.energy - result.carrier_energy - result.heat;
+  require(result.heat >= 0,
+          "{}.coupling: bodies would get {:.3g} and the impactor's {:.3g} of the energy of the "
+          "impact: another hand_over is wanted",
+          impactor.place, result.flow_energy / result.energy,
+          result.carrier_energy / result.energy);
   return result;
 }
 
