@@ -207,6 +207,30 @@ TEST(HandOver, beyond_the_limb_of_the_ellipsoid_launches_along_the_flight_and_no
   EXPECT_GT(along, 0);  // faster than the recoil, which goes the same way
 }
 
+TEST(HandOver, leaves_what_does_not_hang_together_with_the_target_alone) {
+  Layer layer(1);
+  const Handed without = hand_over(testing_world(), layer, kilograms_of_500());
+  const Sphere impactor = layer.spheres.back();
+  layer.spheres.pop_back();
+  const std::size_t pair = layer.spheres.size();
+  // Below the layer, where rays go on, and aside, both beyond a gap; the last two hang together.
+  layer.spheres.push_back({5, 1e6, Vec3(0, 0, -60), Vec3(1, 0, 0)});
+  layer.spheres.push_back({20, 1e8, Vec3(400, 0, 0), Vec3(0, 2, 0)});
+  layer.spheres.push_back({20, 1e8, Vec3(440, 0, 0), Vec3(0, 2, 0)});
+  layer.impactor = static_cast<BodyId>(layer.spheres.size());
+  layer.spheres.push_back(impactor);
+  const Handed handed = hand_over(testing_world(), layer, kilograms_of_500());
+  for (std::size_t k = pair; k < pair + 3; ++k) {
+    EXPECT_EQ(handed.after[k].velocity, layer.spheres[k].velocity);
+    EXPECT_EQ(handed.after[k].spin, Vec3::Zero());
+  }
+  // The others do as without them, to the round-off of sums that now hold these three, too.
+  for (std::size_t k = 0; k < pair; ++k)
+    ASSERT_LT((handed.after[k].velocity - without.after[k].velocity).norm(), 1e-6) << k;
+  EXPECT_LT(handed.books.momentum_closure, 1e-10);
+  EXPECT_EQ(handed.books.reach, without.books.reach);
+}
+
 TEST(HandOver, without_bodies_in_its_way_is_an_error) {
   Impactor impactor = kilograms_of_500();
   impactor.coupling->hand_over = 11.9;

@@ -7,8 +7,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <vector>
 
+#include "pairs/grid.hpp"
 #include "scene/shape.hpp"
 #include "spall/error.hpp"
 
@@ -140,9 +142,9 @@ class Rays {
   std::vector<Hit> hits_;
 };
 
-/// All boulders of the target on every rank, in an order that no rank changes.
-std::vector<Boulder> gather_target(const Comm& comm, const Bodies& bodies, BodyId impactor,
-                                   const Vec3& on_line, const Eigen::Matrix3d& axes) {
+/// All bodies but the impactor on every rank, in an order that no rank changes.
+std::vector<Boulder> gather_boulders(const Comm& comm, const Bodies& bodies, BodyId impactor,
+                                     const Vec3& on_line, const Eigen::Matrix3d& axes) {
   std::vector<double> own;
   for (Index b = 0; b < bodies.owned; ++b) {
     if (bodies.id[b] == impactor) continue;
@@ -162,8 +164,58 @@ std::vector<Boulder> gather_target(const Comm& comm, const Bodies& bodies, BodyI
   return boulders;
 }
 
+/// The place of the first boulder in the way of a sphere of this radius; their count without any.
+std::size_t first_in_the_way(const std::vector<Boulder>& boulders, double radius) {
+  std::size_t first = boulders.size();
+  double least = infinity;
+  for (std::size_t k = 0; k < boulders.size(); ++k) {
+    const double reach = boulders[k].radius + radius;
+    const double half2 = reach * reach - boulders[k].place.head<2>().squaredNorm();
+    if (half2 <= 0) continue;
+    const double enters = boulders[k].place.z() - std::sqrt(half2);
+    if (enters > least || (enters == least && boulders[k].id > boulders[first].id)) continue;
+    least = enters;
+    first = k;
+  }
+  return first;
+}
+
+/// Leaves those boulders that hang together with the struck one: chains of gaps join them, each
+/// narrower than the mean of both radii. So narrow are the pores of a pile, loose ones too; what
+/// lies behind a wider gap feels nothing of the impact yet.
+void keep_target(std::vector<Boulder>& boulders, std::size_t struck) {
+  Bodies bodies;
+  bodies.fields = {};
+  resize(bodies, static_cast<Index>(boulders.size()));
+  bodies.owned = bodies.size();
+  std::vector<double> half_a_radius;
+  for (Index b = 0; b < bodies.owned; ++b) {
+    bodies.id[b] = boulders[b].id;
+    bodies.position[b] = boulders[b].place;
+    bodies.radius[b] = boulders[b].radius;
+    half_a_radius.push_back(boulders[b].radius / 2);
+  }
+  std::vector<Index> piece(boulders.size());  // a place on the way to that which names the piece
+  std::iota(piece.begin(), piece.end(), 0);
+  const auto name_of = [&](Index b) {
+    while (piece[b] != b) b = piece[b] = piece[piece[b]];
+    return b;
+  };
+  std::vector<Index> partners;
+  find_partners(bodies, {.of_rows = half_a_radius}, ListedWith::lower_row, partners,
+                [&](Index row, Index) {
+                  for (const Index other : partners) piece[name_of(other)] = name_of(row);
+                  partners.clear();
+                });
+  const Index name = name_of(static_cast<Index>(struck));
+  std::vector<Boulder> kept;
+  for (Index b = 0; b < bodies.owned; ++b)
+    if (name_of(b) == name) kept.push_back(boulders[b]);
+  boulders = std::move(kept);
+}
+
 /// Lets the mass that is not launched recoil rigidly, by `linear` and `angular` about the origin.
-/// `launched`: kg, of each owned body.
+/// `launched`: kg, of each owned body; all of a body that has no part in the recoil.
 void recoil(const Comm& comm, const Vec3& linear, const Vec3& angular,
             const std::vector<double>& launched, Bodies& bodies) {
   const bool spins = bodies.has(Field::angular_velocity);
@@ -199,24 +251,33 @@ void recoil(const Comm& comm, const Vec3& linear, const Vec3& angular,
 HandOver hand_over_flow(const Comm& comm, const Impactor& impactor, BodyId id, Bodies& bodies) {
   const PointSource& source = *impactor.coupling;
   const Motion before = motion_of(comm, bodies);
-  std::array<double, 7> sums{};  // the impactor's place, the target's mass and momentum
-  Eigen::Map<Vec3> on_line(sums.data()), momentum(sums.data() + 4);
-  for (Index b = 0; b < bodies.owned; ++b) {
-    if (bodies.id[b] == id) {
-      on_line = bodies.position[b];
-      continue;
-    }
-    sums[3] += bodies.mass[b];
-    momentum += bodies.mass[b] * bodies.velocity[b];
-  }
-  comm.sum(sums);
-  const Vec3 drift = momentum / sums[3], d = impactor.direction;
+  Vec3 on_line = Vec3::Zero();
+  for (Index b = 0; b < bodies.owned; ++b)
+    if (bodies.id[b] == id) on_line = bodies.position[b];
+  on_line = comm.sum(on_line);
+  const Vec3 d = impactor.direction;
 
   Eigen::Matrix3d axes;
   axes.col(2) = d;
   axes.col(0) = d.unitOrthogonal();
   axes.col(1) = d.cross(axes.col(0));
-  std::vector<Boulder> boulders = gather_target(comm, bodies, id, on_line, axes);
+  std::vector<Boulder> boulders = gather_boulders(comm, bodies, id, on_line, axes);
+
+  const std::size_t struck = first_in_the_way(boulders, impactor.radius);
+  require(struck < boulders.size(), "{}: no body lies on the line of flight", impactor.place);
+  keep_target(boulders, struck);
+  std::vector<BodyId> target;
+  for (const Boulder& one : boulders) target.push_back(one.id);
+  std::ranges::sort(target);
+  const auto in_target = [&](Index b) { return std::ranges::binary_search(target, bodies.id[b]); };
+  std::array<double, 4> sums{};  // the target's momentum and mass
+  for (Index b = 0; b < bodies.owned; ++b) {
+    if (!in_target(b)) continue;
+    Eigen::Map<Vec3>(sums.data()) += bodies.mass[b] * bodies.velocity[b];
+    sums[3] += bodies.mass[b];
+  }
+  comm.sum(sums);
+  const Vec3 drift = Vec3(sums[0], sums[1], sums[2]) / sums[3];
 
   HandOver result;
   result.a = impactor.radius;
@@ -271,6 +332,10 @@ HandOver hand_over_flow(const Comm& comm, const Impactor& impactor, BodyId id, B
       // Its own momentum has gone into the flow; it takes the inner part's along.
       launched[b] = bodies.mass[b];
       bodies.velocity[b] = drift - result.inner_momentum / bodies.mass[b] * d;
+      continue;
+    }
+    if (!in_target(b)) {
+      launched[b] = bodies.mass[b];
       continue;
     }
     const Boulder& one = *std::ranges::lower_bound(boulders, bodies.id[b], {}, &Boulder::id);

@@ -61,8 +61,10 @@ struct HandOver {
 /// their mass makes up the column. Each body gets the momentum of what it has there, so the
 /// momentum does not depend on its size: a body that is launched in part flies more slowly. What
 /// is launched within the hand-over is smaller than bodies; its momentum is given to the
-/// impactor's body, which flies back with it. All other mass recoils as a rigid body, so that
-/// momentum and angular momentum stay what they were with the impactor.
+/// impactor's body, which flies back with it. All other mass of the target recoils as a rigid body,
+/// so that momentum and angular momentum stay what they were with the impactor. The target is what
+/// hangs together with the first body in the way: by chains of gaps, each narrower than the mean of
+/// both radii. Other bodies get nothing.
 ///
 /// Bodies hold no ghosts. The same bits of the launches on any number of ranks; the recoil's to
 /// round-off. Throws Error, with the impactor's place, where no body lies in the way of the flow.
