@@ -14,6 +14,7 @@
 #include "rigid/narrow_phase.hpp"
 #include "run/simulation.hpp"
 #include "scene/case.hpp"
+#include "scene/impactor.hpp"
 #include "scene/scene.hpp"
 #include "solver/problem.hpp"
 #include "solver/settings.hpp"
@@ -421,7 +422,8 @@ TEST(Clump, energy_that_an_eccentric_hit_gives_is_counted) {
       lowest = std::min(lowest, clump.radius * (clump.orientation * one.at).z());
     clump.position = {0, 0, 1.0005 - lowest};
     Lab world = make_world(testing_world(), with_sphere({rod}),
-                           {clump, {.shape = 0, .position = {50, 0, 50}},
+                           {clump,
+                            {.shape = 0, .position = {50, 0, 50}},
                             {.shape = 0, .position = {60, 0, 50}},
                             {.shape = 0, .position = {70, 0, 50}}},
                            {.friction = mu, .restitution = e});
@@ -738,6 +740,43 @@ duration = 1
   const Bodies bodies = make_bodies(scene, alone());
   const Vec3 end = 2 * (bodies.orientation[0] * scene.shapes[1].spheres[2].at);
   EXPECT_LE((end - Vec3(0, 0, -1)).norm(), 1e-5) << end.transpose();
+}
+
+TEST(Case, an_impactor_is_aimed_at_the_spheres_of_a_clump) {
+  const std::array<ShapeSphere, 3> three{
+      {{Vec3(-4, 0, 0), 1}, {Vec3(0, 0, 0), 3.5}, {Vec3(4, 0, 0), 1}}};
+  const BodyShape shape = make_shape("rod", three);
+  Clump clump{.radius = 5, .position = {1, 2, 3}, .orientation = shape.as_listed};
+  clump.orientation = turned_by(Vec3(0, 0, pi / 2), clump.orientation);  // along y now
+  const Lab world = make_world(testing_world(), with_sphere({shape}),
+                               {clump,
+                                {.shape = 0, .mass = 1e-9, .position = {1, 2, -300}},
+                                {.shape = 0, .mass = 1e-9, .position = {1, 2, -400}},
+                                {.shape = 0, .mass = 1e-9, .position = {1, 2, -500}}},
+                               {});
+  Impactor impactor{.mass = 1,
+                    .radius = 0.5,
+                    .place = "it",
+                    .speed = 10,
+                    .direction = -Vec3::UnitZ(),
+                    .distance = 2,
+                    .offset = Vec3(4.2, 0, 0),
+                    .aim = Aiming::line};
+  const auto aim = [&] { return aim_impactor(world.comm, impactor, world.bodies, world.shapes); };
+  // Within the sphere around the clump, 4.2 m from its middle across it, there is nothing of it.
+  EXPECT_NE(complaint_of(aim).find("the impactor misses"), std::string::npos);
+  EXPECT_FALSE(would_hit(world.comm, impactor, world.bodies, world.shapes));
+  const double round_off =
+      1e-4;  // of the moments by which a shape finds its centre, and of 1e-9 kg
+  for (const double y : {-4.0, 4.0}) {
+    impactor.offset = Vec3(0, y, 0);
+    EXPECT_LE((aim().position - Vec3(1, 2 + y, 3 + 1 + 0.5 + 2)).norm(), round_off) << y;
+    EXPECT_EQ(aim().struck, 0);
+  }
+  impactor.offset = Vec3(0.9, 4, 0);
+  EXPECT_NEAR(aim().position.z(), 5 + std::sqrt(1.5 * 1.5 - 0.81), round_off);
+  impactor.aim = Aiming::head_on;
+  EXPECT_LE((aim().position - Vec3(1, 6, 6.5)).norm(), round_off);
 }
 
 TEST(Case, what_shapes_are_not_modelled_with_is_refused) {

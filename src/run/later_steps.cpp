@@ -23,7 +23,7 @@ void check_later_steps(const World& world, const Case& scene, const Clock& clock
     std::ranges::fill(bodies.velocity, Vec3::Zero());
     if (one.cohesion) set_cohesion(later.contact, *one.cohesion);
     // Bodies may lie elsewhere then: an impactor that would miss them now may hit.
-    if (one.impactor && would_hit(later.comm, *one.impactor, bodies))
+    if (one.impactor && would_hit(later.comm, *one.impactor, bodies, scene.shapes))
       add_impactor(later.comm, scene, *one.impactor, bodies);
     one.engine->make(one.settings)
         ->check_steps(later, {.h = one.step, .lasts = one.duration, .place = one.place});

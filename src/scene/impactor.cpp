@@ -11,33 +11,47 @@
 namespace spall {
 namespace {
 
-/// A meeting of the impactor with one body: `along` is the impactor's place on its line, m.
+/// A meeting of the impactor with a sphere of one body: `along` is the impactor's place on its
+/// line, m.
 struct Meeting {
   double along = infinity;
   BodyId id = -1;
-  Vec3 center = Vec3::Zero();
+  int sphere = 0;              ///< of the body's shape
+  Vec3 center = Vec3::Zero();  ///< m, of that sphere
 };
 
-/// The first body that a sphere of `radius` meets that comes along `direction` on the line through
-/// `through`; of all ranks. Without any it lies infinitely far.
-Meeting first_meeting(const Comm& comm, const Bodies& bodies, const Vec3& through,
-                      const Vec3& direction, double radius) {
+/// The first sphere of a body that a sphere of `radius` meets that comes along `direction` on the
+/// line through `through`; of all ranks. Without any it lies infinitely far.
+Meeting first_meeting(const Comm& comm, const Bodies& bodies, const BodyShapes& shapes,
+                      const Vec3& through, const Vec3& direction, double radius) {
   Meeting own;
-  for (Index b = 0; b < bodies.owned; ++b) {
-    const Vec3 to = bodies.position[b] - through;
+  const auto meet = [&](Index b, int sphere, const Vec3& center, double radius_of_it) {
+    const Vec3 to = center - through;
     const double along = to.dot(direction);
-    const double reach = radius + bodies.radius[b];
+    const double reach = radius + radius_of_it;
     const double aside2 = (to - along * direction).squaredNorm();
-    if (aside2 >= reach * reach) continue;
+    if (aside2 >= reach * reach) return;
     const double at = along - std::sqrt(reach * reach - aside2);
     if (at < own.along || (at == own.along && bodies.id[b] < own.id))
-      own = {at, bodies.id[b], bodies.position[b]};
+      own = {at, bodies.id[b], sphere, center};
+  };
+  for (Index b = 0; b < bodies.owned; ++b) {
+    if (shapes.empty() || shape_of(shapes, bodies, b).is_sphere()) {
+      meet(b, 0, bodies.position[b], bodies.radius[b]);
+      continue;
+    }
+    const auto& spheres = shape_of(shapes, bodies, b).spheres;
+    for (int k = 0; k < std::ssize(spheres); ++k)
+      meet(b, k, bodies.position[b] + bodies.radius[b] * (bodies.orientation[b] * spheres[k].at),
+           bodies.radius[b] * spheres[k].radius);
   }
   Meeting first;
   first.along = comm.min(own.along);
   const bool may = own.along == first.along;
   first.id = static_cast<BodyId>(comm.min(may ? static_cast<double>(own.id) : infinity));
-  first.center = comm.sum(may && own.id == first.id ? own.center : Vec3(Vec3::Zero()));
+  const bool is = may && own.id == first.id;
+  first.center = comm.sum(is ? own.center : Vec3(Vec3::Zero()));
+  if (!shapes.empty()) first.sphere = static_cast<int>(comm.sum(is ? double(own.sphere) : 0.0));
   return first;
 }
 
@@ -61,31 +75,35 @@ Target measure_target(const Comm& comm, const Bodies& bodies) {
 
 }  // namespace
 
-Aim aim_impactor(const Comm& comm, const Impactor& impactor, const Bodies& bodies) {
+Aim aim_impactor(const Comm& comm, const Impactor& impactor, const Bodies& bodies,
+                 const BodyShapes& shapes) {
   const Target target = measure_target(comm, bodies);
   const Vec3& direction = impactor.direction;
   Vec3 through = target.center + impactor.offset;
-  Meeting met = first_meeting(comm, bodies, through, direction, impactor.radius);
+  Meeting met = first_meeting(comm, bodies, shapes, through, direction, impactor.radius);
   require(met.along < infinity,
           "{}: the impactor misses: no body within its radius, {} m, of its line of flight",
           impactor.place, impactor.radius);
   // Each shift brings the impactor to an earlier meeting, so this ends.
-  for (BodyId struck = -1; impactor.aim == Aiming::head_on && met.id != struck;) {
-    struck = met.id;
+  Meeting before;
+  while (impactor.aim == Aiming::head_on && (met.id != before.id || met.sphere != before.sphere)) {
+    before = met;
     through = met.center;
-    met = first_meeting(comm, bodies, through, direction, impactor.radius);
+    met = first_meeting(comm, bodies, shapes, through, direction, impactor.radius);
   }
   return {through + (met.along - impactor.distance) * direction,
           target.velocity + impactor.speed * direction, met.id};
 }
 
-bool would_hit(const Comm& comm, const Impactor& impactor, const Bodies& bodies) {
+bool would_hit(const Comm& comm, const Impactor& impactor, const Bodies& bodies,
+               const BodyShapes& shapes) {
   const Vec3 through = measure_target(comm, bodies).center + impactor.offset;
-  return first_meeting(comm, bodies, through, impactor.direction, impactor.radius).along < infinity;
+  return first_meeting(comm, bodies, shapes, through, impactor.direction, impactor.radius).along <
+         infinity;
 }
 
 Aim add_impactor(const Comm& comm, const Case& scene, const Impactor& impactor, Bodies& bodies) {
-  const Aim aim = aim_impactor(comm, impactor, bodies);
+  const Aim aim = aim_impactor(comm, impactor, bodies, scene.shapes);
   const Walls walls = scene.walls();
   for (std::size_t w = 0; w < walls.size(); ++w) {
     const double gap = face_of(walls, w, aim.position).height - impactor.radius;

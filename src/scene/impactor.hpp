@@ -5,6 +5,7 @@
 #include "scene/case.hpp"
 #include "spall/bodies.hpp"
 #include "spall/comm.hpp"
+#include "state/body_shape.hpp"
 
 namespace spall {
 
@@ -17,12 +18,15 @@ struct Aim {
 /// can move) plus `offset`. Aimed head-on it is shifted to pass through the centre of the first
 /// body that the impactor meets, and again if on the new line that is another one: the last body
 /// is met first and head-on. Bodies are taken where they are now; of equals the lower id is met.
+/// Of a body with one of the `shapes` its spheres are met, and head-on means that sphere's centre.
 /// Throws Error, with the impactor's place in the case, where the line misses all bodies.
 /// Collective.
-Aim aim_impactor(const Comm& comm, const Impactor& impactor, const Bodies& bodies);
+Aim aim_impactor(const Comm& comm, const Impactor& impactor, const Bodies& bodies,
+                 const BodyShapes& shapes = {});
 
 /// Whether the line of flight meets any body. Collective.
-bool would_hit(const Comm& comm, const Impactor& impactor, const Bodies& bodies);
+bool would_hit(const Comm& comm, const Impactor& impactor, const Bodies& bodies,
+               const BodyShapes& shapes = {});
 
 /// Adds the impactor, aimed, as an owned row of the rank that owns the struck body; its id is the
 /// next, its group the next after the case's. Bodies must hold no ghosts. Throws Error where it
