@@ -779,6 +779,43 @@ TEST(Case, an_impactor_is_aimed_at_the_spheres_of_a_clump) {
   EXPECT_LE((aim().position - Vec3(1, 6, 6.5)).norm(), round_off);
 }
 
+TEST(Case, clumps_may_lie_within_the_spheres_around_each_other_but_not_in_each_other) {
+  const auto complaint = [](const std::string& center, const std::string& rotation) {
+    const std::string text = R"(
+[materials.rock]
+density = 1000
+[shapes.rod]
+spheres = [{at = [0, 0, 0], radius = 1}, {at = [1.5, 0, 0], radius = 1}, {at = [3, 0, 0], radius = 1}, {at = [4.5, 0, 0], radius = 1}, {at = [6, 0, 0], radius = 1}]
+[[groups]]
+name = "a"
+material = "rock"
+volume = {radius = 4}
+packing = {kind = "single", shape = "rod"}
+[[groups]]
+name = "b"
+material = "rock"
+volume = {radius = 4, center = )" +
+                             center +
+                             R"(}
+packing = {kind = "single", shape = "rod", rotation = )" +
+                             rotation + R"(}
+[[phases]]
+name = "rest"
+step = 1
+duration = 1
+)";
+    return complaint_of([&] { make_bodies(parse_case(text, "rods.toml"), alone()); });
+  };
+  EXPECT_EQ(complaint("[0, 0, 2.01]", "[0, 0, 0]"), "") << "side by side, 2 m apart";
+  EXPECT_EQ(complaint("[0, 0, 2.01]", "[0, 0, 1.5708]"), "") << "crosswise";
+  const std::string told = complaint("[0, 0, 1.9]", "[0, 0, 1.5708]");
+  EXPECT_NE(told.find("groups.b: body 1 at ("), std::string::npos) << told;
+  EXPECT_NE(told.find("overlaps body 0 of groups.a at ("), std::string::npos) << told;
+  EXPECT_NE(told.find("by 0.1 m"), std::string::npos) << told;
+  EXPECT_NE(complaint("[0, 0, 1.5]", "[0, 1.5708, 0]"), "") << "end on";
+  EXPECT_EQ(complaint("[5.01, 0, 3]", "[0, 1.5708, 0]"), "") << "beside its end";
+}
+
 TEST(Case, what_shapes_are_not_modelled_with_is_refused) {
   const auto complaint = [](const std::string& from, const std::string& to) {
     std::string text = heap;

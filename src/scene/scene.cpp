@@ -73,21 +73,38 @@ struct Placed {
   BodyId first;
   bool stored;
   Eigen::AlignedBox3d box;  ///< m, that holds all of its spheres; far less than some volumes
-  SphereSet spheres;
+  SphereSet spheres;        ///< around the bodies
+  // Where bodies have shapes: the spheres that they are made of, and whose each is.
+  SphereSet parts;
+  std::vector<std::int64_t> body_of_part;
 
   Placed(const Group& of, std::size_t g, BodyId id, std::int64_t count)
       : group(g),
         first(id),
         stored(!of.packing.stored.empty()),
-        spheres(of.volume.center, reach(of), count) {}
+        spheres(of.volume.center, reach(of), count),
+        parts(spheres) {}
   /// Of the spheres that a program adds, in `box`.
   Placed(const Eigen::AlignedBox3d& within, std::size_t g, BodyId id, std::int64_t count)
-      : group(g), first(id), stored(false), spheres(within.center(), within.sizes() / 2, count) {}
+      : group(g),
+        first(id),
+        stored(false),
+        spheres(within.center(), within.sizes() / 2, count),
+        parts(spheres) {}
 
   void add(const Vec3& center, double radius) {
     box.extend(center - Vec3::Constant(radius)).extend(center + Vec3::Constant(radius));
     spheres.add(center, radius);
+    ++bodies_;
   }
+  /// Of the body that was added last.
+  void add_part(const ShapeSphere& part) {
+    parts.add(part.at, part.radius);
+    body_of_part.push_back(bodies_ - 1);
+  }
+
+ private:
+  std::int64_t bodies_ = 0;
 };
 
 /// Calls `f(image, itself)` with each image of `x` inside the box `center` +- `half`, which is
@@ -107,12 +124,13 @@ void for_each_image(const Period& period, const Vec3& x, const Vec3& center, con
         f(Vec3(x + period.size.cwiseProduct(Vec3(n, m, l))), n == 0 && m == 0 && l == 0);
 }
 
-/// An overlap of a sphere, of group `g`, and of its images with those of `earlier`.
+/// An overlap of a sphere, of group `g`, and of its images with `others` of `earlier`.
 struct Overlap : SphereSet::Overlap {
   bool of_image;
 };
-std::optional<Overlap> find_overlap(const Period& period, const Placed& earlier, std::size_t g,
-                                    const Vec3& center, double radius, double allowed) {
+std::optional<Overlap> find_overlap(const Period& period, const Placed& earlier,
+                                    const SphereSet& others, std::size_t g, const Vec3& center,
+                                    double radius, double allowed) {
   std::optional<Overlap> found;
   // Groups keep clear of themselves; those of an earlier run overlap as they did there.
   const bool own = earlier.group == g;
@@ -120,8 +138,7 @@ std::optional<Overlap> find_overlap(const Period& period, const Placed& earlier,
   const Vec3 half = earlier.box.sizes() / 2 + Vec3::Constant(radius);
   for_each_image(period, center, earlier.box.center(), half, [&](const Vec3& image, bool itself) {
     if (found || (own && itself)) return;
-    if (const auto hit = earlier.spheres.find_overlap(image, radius, allowed))
-      found = {*hit, !itself};
+    if (const auto hit = others.find_overlap(image, radius, allowed)) found = {*hit, !itself};
   });
   return found;
 }
@@ -143,39 +160,55 @@ Quaternion orientation_of(const Case& scene, std::size_t g, BodyId k) {
   return (turned * scene.shapes[packing.shape].as_listed).normalized();
 }
 
+/// m: the spheres that the `k`-th body of group `g` is made of, itself where it has no shape.
+std::vector<ShapeSphere> parts_of(const Case& scene, std::size_t g, BodyId k, const Vec3& center,
+                                  double radius) {
+  if (g >= scene.groups.size() || scene.groups[g].packing.shape == 0) return {{center, radius}};
+  const Quaternion turn = orientation_of(scene, g, k);
+  std::vector<ShapeSphere> parts = scene.shapes[scene.groups[g].packing.shape].spheres;
+  for (ShapeSphere& part : parts) part = {center + radius * (turn * part.at), radius * part.radius};
+  return parts;
+}
+
 /// Throws unless `sphere`, body `id` of group `g`, which `place` asks for, is clear of walls and of
-/// `placed`.
+/// `placed`: the spheres of its shape are, of those of others.
 void check_clear(const Case& scene, const std::string& place, std::size_t g,
                  const std::vector<Placed>& placed, BodyId id, const PackedSphere& sphere,
                  BodyId place_in_group = 0) {
   const Vec3& center = sphere.center;
   const double radius = sphere.radius;
   const Walls walls = scene.walls();
+  // Some of the sphere around a shape is empty.
+  const std::vector<ShapeSphere> parts = parts_of(scene, g, place_in_group, center, radius);
   for (std::size_t w = 0; w < walls.size(); ++w) {
-    double gap = face_of(walls, w, center).height - radius;
-    if (gap < 0 && g < scene.groups.size() && scene.groups[g].packing.shape > 0) {
-      // Some of the sphere around a shape is empty.
-      gap = infinity;
-      const Quaternion turn = orientation_of(scene, g, place_in_group);
-      for (const ShapeSphere& one : scene.shapes[scene.groups[g].packing.shape].spheres)
-        gap = std::min(
-            gap, face_of(walls, w, center + radius * (turn * one.at)).height - radius * one.radius);
-    }
+    double gap = infinity;
+    for (const ShapeSphere& part : parts)
+      gap = std::min(gap, face_of(walls, w, part.at).height - part.radius);
     require(gap >= -scene.allowed_overlap * radius,
             "{}: body {} at {} lies {:.3g} m deep in the wall {}; allowed_overlap = {} of its "
             "radius, {} m",
             place, id, words(center), -gap, walls.name(w), scene.allowed_overlap, radius);
   }
+  const bool shapes = !scene.shapes.empty();
   for (const Placed& earlier : placed) {
-    const auto hit = find_overlap(scene.period, earlier, g, center, radius, scene.allowed_overlap);
-    if (!hit) continue;
-    throw Error(fmt::format(
-        "{}: body {} at {} overlaps {}body {} of {} at {} by {:.3g} m; allowed_overlap = {} "
-        "of the smaller radius, {} m",
-        place, id, words(center), hit->of_image ? "an image of " : "", earlier.first + hit->sphere,
-        earlier.group < scene.groups.size() ? "groups." + scene.groups[earlier.group].name
-                                            : "the program",
-        words(hit->center), hit->depth, scene.allowed_overlap, std::min(radius, hit->radius)));
+    // Spheres of shapes meet only where those around them do.
+    if (!find_overlap(scene.period, earlier, earlier.spheres, g, center, radius,
+                      shapes ? 0 : scene.allowed_overlap))
+      continue;
+    for (const ShapeSphere& part : parts) {
+      const auto hit = find_overlap(scene.period, earlier, shapes ? earlier.parts : earlier.spheres,
+                                    g, part.at, part.radius, scene.allowed_overlap);
+      if (!hit) continue;
+      throw Error(fmt::format(
+          "{}: body {} at {} overlaps {}body {} of {} at {} by {:.3g} m; allowed_overlap = {} "
+          "of the smaller radius, {} m",
+          place, id, words(part.at), hit->of_image ? "an image of " : "",
+          earlier.first + (shapes ? earlier.body_of_part[hit->sphere] : hit->sphere),
+          earlier.group < scene.groups.size() ? "groups." + scene.groups[earlier.group].name
+                                              : "the program",
+          words(hit->center), hit->depth, scene.allowed_overlap,
+          std::min(part.radius, hit->radius)));
+    }
   }
 }
 
@@ -285,7 +318,8 @@ Bodies make_bodies(const Case& scene, const Comm& comm) {
       for (std::size_t w = 0; w < walls.size(); ++w)
         if (face_of(walls, w, center).height < radius) return false;
       for (const Placed& earlier : placed)
-        if (find_overlap(scene.period, earlier, g, center, radius, 0)) return false;
+        if (find_overlap(scene.period, earlier, earlier.spheres, g, center, radius, 0))
+          return false;
       return true;
     };
     const auto place = [&](const PackedSphere& sphere, double nominal) {
@@ -294,7 +328,12 @@ Bodies make_bodies(const Case& scene, const Comm& comm) {
       const double mass = held ? infinity : factor * nominal;
       if (!group.packing.type->keeps_clear)
         check_clear(scene, group.place, g, placed, id, sphere, id - first);
-      if (keeps_spheres) placed.back().add(center, sphere.radius);
+      if (keeps_spheres) {
+        placed.back().add(center, sphere.radius);
+        if (!scene.shapes.empty())
+          for (const ShapeSphere& part : parts_of(scene, g, id - first, center, sphere.radius))
+            placed.back().add_part(part);
+      }
       if (group.thermal) masses.push_back(mass);
       if (id >= first_owned && id < end_owned) {
         const Index row = append_row(bodies);
@@ -330,6 +369,7 @@ Bodies make_bodies(const Case& scene, const Comm& comm) {
     check_clear(scene, fmt::format("{}: sphere {}", scene.file, k), group_of_added + 1, placed, id,
                 {.center = sphere.position, .radius = sphere.radius});
     placed.back().add(sphere.position, sphere.radius);
+    if (!scene.shapes.empty()) placed.back().add_part({sphere.position, sphere.radius});
     if (id >= first_owned && id < end_owned) {
       const Index row = append_row(bodies);
       bodies.id[row] = id;
