@@ -121,6 +121,13 @@ TEST(Shape, ellipsoid_is_filled_from_inside_and_the_better_the_more_spheres_ther
   EXPECT_EQ(fill_ellipsoid(Vec3::Ones(), 5).size(), 1u) << "all of them are the ball";
 }
 
+TEST(Shape, of_spheres_that_touch_to_round_off_hangs_together) {
+  for (const double at : {0.6, 0.1, 1e3}) {
+    const std::array<ShapeSphere, 2> two{{{Vec3(at, 0, 0), 0.1}, {Vec3(at + 0.2, 0, 0), 0.1}}};
+    EXPECT_EQ(complaint_of([&] { make_shape("chain", two); }), "") << at;
+  }
+}
+
 TEST(Shape, that_does_not_hang_together_is_refused) {
   const std::array<ShapeSphere, 2> two{{{Vec3::Zero(), 1}, {Vec3(2.01, 0, 0), 1}}};
   EXPECT_EQ(complaint_of([&] { make_shape("pair", two); }),

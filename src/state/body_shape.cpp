@@ -97,8 +97,10 @@ Moments moments_of(std::span<const ShapeSphere> spheres) {
   }
 }
 
-/// Whether one can go from each sphere to each other without leaving them.
+/// Whether one can go from each sphere to each other without leaving them. Spheres that touch hang
+/// together, whatever round-off made of their places.
 bool hangs_together(std::span<const ShapeSphere> spheres) {
+  constexpr double round_off = 1e-9;  // of the sum of radii
   std::vector<bool> reached(spheres.size(), false);
   std::vector<std::size_t> next{0};
   reached[0] = true;
@@ -106,8 +108,8 @@ bool hangs_together(std::span<const ShapeSphere> spheres) {
     const ShapeSphere from = spheres[next.back()];
     next.pop_back();
     for (std::size_t k = 0; k < spheres.size(); ++k) {
-      if (reached[k] || (spheres[k].at - from.at).norm() > from.radius + spheres[k].radius)
-        continue;
+      const double reach = (1 + round_off) * (from.radius + spheres[k].radius);
+      if (reached[k] || (spheres[k].at - from.at).norm() > reach) continue;
       reached[k] = true;
       next.push_back(k);
     }
