@@ -121,6 +121,13 @@ class Interior(unittest.TestCase):
         rows = dict((row[0], row[1:]) for row in report_interior.table(states))
         self.assertEqual(rows["bodies in the largest clump"],
                          tuple(str(len(crystal(r))) for r in (9, 8)))
+        with h5py.File(self.path / "after_impact.h5", "a") as file:
+            shapes = np.zeros(len(crystal(8)), dtype=np.int32)
+            file["bodies/shape"] = shapes
+        self.assertIsNotNone(report_interior.interior(run), "all of them are spheres")
+        with h5py.File(self.path / "after_impact.h5", "a") as file:
+            file["bodies/shape"][3] = 1
+        self.assertIsNone(report_interior.interior(run), "clumps are no balls of their radius")
 
 
 if __name__ == "__main__":

@@ -136,10 +136,20 @@ def restart_files(run):
     return [(name, path) for name, path in paths if os.path.exists(path)]
 
 
+def has_clumps(path):
+    """Whether bodies of a restart file are unions of spheres, whose radius is that around them."""
+    with h5py.File(path) as file:
+        return "bodies/shape" in file and bool(np.any(file["bodies/shape"][:]))
+
+
 def interior(run):
-    """Figure and table rows of the inside, before and after; None without restart files."""
+    """Figure and table rows of the inside, before and after; None without restart files, and of
+    clumps: balls around them would fill more than all of the pile."""
     reach = 1e-3 * np.median(run.before.radius)
-    states = [(name, Inside(path, reach)) for name, path in restart_files(run)]
+    files = restart_files(run)
+    if any(has_clumps(path) for _, path in files):
+        return None
+    states = [(name, Inside(path, reach)) for name, path in files]
     # A pile by its own gravity.
     states = [(name, state) for name, state in states if np.any(state.force > 0)]
     if not states:
