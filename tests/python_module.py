@@ -140,6 +140,37 @@ class Module(unittest.TestCase):
                 kept[0].velocity[0] = 1
             self.assertTrue(np.shares_memory(kept[0].velocity, sim.bodies.velocity))
 
+    def test_what_is_kept_of_change_bodies_changes_nothing_later(self):
+        sim = apart(1e-2)
+        kept = []
+
+        def push(bodies):
+            bodies.velocity[:, 1] = 1
+            self.assertIs(bodies.velocity, bodies.velocity)
+            kept.extend([bodies.velocity, bodies.velocity[:]])
+
+        sim.change_bodies(push)
+        with self.assertRaises(ValueError):
+            kept[0][:] = 1e6
+        kept[1][:] = 1e6
+        np.testing.assert_array_equal(by_id(sim, "velocity"), [[0, 1, 0]] * 4)
+
+        def half(bodies):
+            bodies.velocity[:] = 1e6
+            raise KeyError("in the midst")
+
+        with self.assertRaisesRegex(KeyError, "in the midst"):
+            sim.change_bodies(half)
+
+        def heavy(bodies):
+            bodies.mass[:] = -1
+
+        with self.assertRaisesRegex(spall.Error, r"change_bodies: body \d would have a mass"):
+            sim.change_bodies(heavy)
+        np.testing.assert_array_equal(by_id(sim, "velocity"), [[0, 1, 0]] * 4)
+        sim.run_until(1)
+        np.testing.assert_allclose(by_id(sim, "position")[:, 1], 1, rtol=1e-12)
+
     def test_memory_of_a_view_lives_as_long_as_the_view(self):
         sim = apart(1e-2)
         mass = sim.bodies.mass

@@ -131,6 +131,40 @@ class Bodies:
         return pandas.DataFrame(columns).set_index("id").sort_index()
 
 
+class _Copies:
+    """Fields while a program changes them: copies, which become the bodies' when its call returns.
+
+    A view into the simulation would stay writable for whoever kept it, past checks and booking.
+    """
+
+    def __init__(self, fields):
+        self._fields, self._copies = fields, {}
+
+    def names(self):
+        return self._fields.names()
+
+    def __len__(self):
+        return len(self._fields)
+
+    def get(self, name):
+        values = self._fields.get(name)
+        if self._copies is None or values is None or not values.flags.writeable:
+            return values
+        if name not in self._copies:
+            self._copies[name] = values.copy()
+        return self._copies[name]
+
+    def write_back(self):
+        for name, values in self._copies.items():
+            self._fields.get(name)[:] = values
+
+    def end_call(self):
+        """From now on the fields are the simulation's, read-only; what was kept changes nothing."""
+        for values in self._copies.values():
+            values.setflags(write=False)
+        self._copies = None
+
+
 class Simulation:
     """A scene on its way through time, without files. Takes a Scene, or what a Scene takes."""
 
@@ -213,8 +247,16 @@ class Simulation:
 
     def change_bodies(self, change):
         """Calls `change(bodies)`, whose arrays may be written; the energy that it gives is
-        booked."""
-        self._simulation.change_bodies(lambda fields: change(Bodies(fields)))
+        booked. They are copies, which the bodies take over when the call returns."""
+        def on_copies(fields):
+            copies = _Copies(fields)
+            try:
+                change(Bodies(copies))
+                copies.write_back()
+            finally:
+                copies.end_call()
+
+        self._simulation.change_bodies(on_copies)
         return self
 
     def add_force(self, force):
