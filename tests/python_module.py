@@ -105,6 +105,12 @@ class Module(unittest.TestCase):
         # To half a step, by which the one begins earlier than the other.
         np.testing.assert_allclose(fall(True), fall(False), atol=9.81 * 1e-3 * 0.3)
 
+    def test_a_force_that_is_returned_is_refused(self):
+        sim = apart(1e-2)
+        sim.add_force(lambda bodies, forces: np.ones(forces.shape))
+        with self.assertRaisesRegex(TypeError, "write into forces"):
+            sim.step()
+
     def test_arrays_are_views_that_only_change_bodies_may_write(self):
         sim = spall.Simulation(**ROCK, phases=one_phase(1e-2, 1))
         for k in range(8):

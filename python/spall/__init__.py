@@ -261,8 +261,13 @@ class Simulation:
 
     def add_force(self, force):
         """From now on `force(bodies, forces)` adds to the force (N) on each owned body, row by
-        row."""
-        self._simulation.add_force(lambda fields, forces: force(Bodies(fields), forces))
+        row. What it returns would not be used: anything but None is refused."""
+        def add(fields, forces):
+            if force(Bodies(fields), forces) is not None:
+                raise TypeError("add_force: write into forces, as in forces[:] += ...; what the "
+                                "function returns is not used")
+
+        self._simulation.add_force(add)
         return self
 
     def draw(self, file=None, **how):
