@@ -111,6 +111,24 @@ class Module(unittest.TestCase):
         with self.assertRaisesRegex(TypeError, "write into forces"):
             sim.step()
 
+    def test_forces_that_are_kept_stay_what_they_were(self):
+        sim = apart(1e-2)
+        kept = []
+
+        def push(bodies, forces):
+            forces[:, 0] += bodies.mass
+            kept.append((forces, forces.copy()))
+
+        sim.add_force(push)
+        sim.add_force(push)  # adds to what the first has written
+        for _ in range(5):
+            sim.step()
+        self.assertEqual(len(kept), 10)
+        for forces, then in kept:
+            self.assertTrue(forces.flags.owndata)
+            np.testing.assert_array_equal(forces, then)
+        np.testing.assert_allclose(by_id(sim, "velocity")[:, 0], 2 * 0.05, rtol=1e-12)
+
     def test_arrays_are_views_that_only_change_bodies_may_write(self):
         sim = spall.Simulation(**ROCK, phases=one_phase(1e-2, 1))
         for k in range(8):

@@ -262,10 +262,12 @@ class Simulation:
     def add_force(self, force):
         """From now on `force(bodies, forces)` adds to the force (N) on each owned body, row by
         row. What it returns would not be used: anything but None is refused."""
-        def add(fields, forces):
+        def add(fields, of_step):
+            forces = of_step.copy()  # may be kept; those of the step are gone after it
             if force(Bodies(fields), forces) is not None:
                 raise TypeError("add_force: write into forces, as in forces[:] += ...; what the "
                                 "function returns is not used")
+            of_step[:] = forces
 
         self._simulation.add_force(add)
         return self
