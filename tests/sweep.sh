@@ -88,6 +88,9 @@ refused "larger than the last" fall.toml --set seed=5..1
 refused "no run has a result" fall.toml --set seed=1..2 --out shown --show pile.mas
 refused "there are combinations 1 to 2" fall.toml --set seed=1..2 --out other --only 3
 refused "another case" fall.toml --set contact.friction=0.3 --set seed=1..2 --out out/array --only 1
+refused "argument --jobs: 0 is less than 1" fall.toml --set seed=1..2 --out never --jobs 0
+refused "argument --ranks: -1 is less than 1" fall.toml --set seed=1..2 --out never --ranks -1
+refused "argument --jobs: invalid count value: 'two'" fall.toml --set seed=1..2 --out never --jobs two
 refused "no_such.toml" no_such.toml --set seed=1..2
 
 [ $failures = 0 ] && echo "all passed"

@@ -158,6 +158,13 @@ def draw(out, rows, swept, show):
     print(f"picture: {out / 'sweep.png'}")
 
 
+def count(text):
+    """Of what there is one at least."""
+    if int(text) < 1:
+        raise argparse.ArgumentTypeError(f"{text} is less than 1")
+    return int(text)
+
+
 def main():
     parser = argparse.ArgumentParser(prog="spall sweep", description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -165,8 +172,8 @@ def main():
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUES",
                         help="change a key; once for each")
     parser.add_argument("--out", type=Path, help="folder of all runs; default: out/<case>-sweep")
-    parser.add_argument("--jobs", type=int, default=1, help="runs at a time")
-    parser.add_argument("--ranks", type=int, default=1, help="of each run")
+    parser.add_argument("--jobs", type=count, default=1, help="runs at a time")
+    parser.add_argument("--ranks", type=count, default=1, help="of each run")
     parser.add_argument("--show", action="append", default=[], metavar="SECTION.KEY",
                         help="a result of results.toml to print, and a number to draw, as "
                              "deflection.beta; once for each")
@@ -228,11 +235,11 @@ def main():
             with open(out / f"{run.name}.log", "w") as log:
                 code = subprocess.run(command, stdout=log, stderr=subprocess.STDOUT).returncode
         states[run.name] = "done" if code == DONE else "stopped" if code == STOPPED else "failed"
-        count = sum(state != "waits" for state in states.values())
+        ended = sum(state != "waits" for state in states.values())
         found = run.results()
         shown = "".join(f"  {name} = {readable(found[name])}" for name in options.show
                         if name in found)
-        print(f"{count} of {len(runs)}  {run.name}: {states[run.name]}{shown}", flush=True)
+        print(f"{ended} of {len(runs)}  {run.name}: {states[run.name]}{shown}", flush=True)
 
     if not options.table:
         with ThreadPoolExecutor(options.jobs) as pool:
