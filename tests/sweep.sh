@@ -88,6 +88,9 @@ refused "larger than the last" fall.toml --set seed=5..1
 refused "no run has a result" fall.toml --set seed=1..2 --out shown --show pile.mas
 refused "there are combinations 1 to 2" fall.toml --set seed=1..2 --out other --only 3
 refused "another case" fall.toml --set contact.friction=0.3 --set seed=1..2 --out out/array --only 1
+for range in 0.1..0.3 1..3N "1 m/s .. 3 m/s" 1..2.5 1..3,7 1e0..3; do
+  refused "a range is of whole numbers" fall.toml --set "seed=$range" --out never
+done
 refused "argument --jobs: 0 is less than 1" fall.toml --set seed=1..2 --out never --jobs 0
 refused "argument --ranks: -1 is less than 1" fall.toml --set seed=1..2 --out never --ranks -1
 refused "argument --jobs: invalid count value: 'two'" fall.toml --set seed=1..2 --out never --jobs two

@@ -4,8 +4,8 @@
 
   spall sweep cases/hello/case.toml --set contact.cohesion=1,10,100N --set seed=1..5 --jobs 2
 
-Values stand one after another: 1,10,100N is 1 N, 10 N, 100 N; 1..5 is 1, 2, 3, 4, 5; a list in
-brackets is one value.
+Values stand one after another: 1,10,100N is 1 N, 10 N, 100 N; a list in brackets is one value.
+A range is of whole numbers without a unit: 1..5 is 1, 2, 3, 4, 5.
 Each run has a folder of its own below --out. What is done stays; what was stopped goes on: say the
 same again. table.csv and table.json hold what was changed and all numbers and verdicts of
 results.toml; sweep.png shows those of --show.
@@ -28,12 +28,14 @@ from system_python import need
 
 DONE, STOPPED = 0, 3  # exit codes of spall
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+UNIT = r"(?:\s*[A-Za-zµ°%][^.]*)?"
+RANGE = rf"{NUMBER}{UNIT}\s*\.\.\s*{NUMBER}{UNIT}"  # of numbers of any kind; paths are none
 
 
 def values_of(text):
     """'1,10,100N' -> ['1N', '10N', '100N']; a unit or name behind the last number is that of
     all."""
-    if found := re.fullmatch(r"(-?\d+)\.\.(-?\d+)", text):
+    if found := re.fullmatch(r"\s*([-+]?\d+)\s*\.\.\s*([-+]?\d+)\s*", text):
         first, last = int(found[1]), int(found[2])
         if first > last:
             sys.exit(f"spall sweep: {text}: the first number is larger than the last")
@@ -41,6 +43,9 @@ def values_of(text):
     parts = [part.strip() for part in re.split(r",(?![^\[]*\])", text)]
     if "" in parts:
         sys.exit(f"spall sweep: {text}: a value is missing")
+    if any(re.fullmatch(RANGE, part) for part in parts):
+        sys.exit(f"spall sweep: {text}: a range is of whole numbers without a unit, and alone: "
+                 "1..3; other values are told one by one: 0.1,0.2,0.3N")
     unit = re.fullmatch(rf"{NUMBER}\s*([^\d.\s].*)", parts[-1])
     if unit and not re.fullmatch(NUMBER, parts[-1]):
         parts = [part + unit[1] if re.fullmatch(NUMBER, part) else part for part in parts]
