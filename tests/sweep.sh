@@ -91,6 +91,9 @@ refused "another case" fall.toml --set contact.friction=0.3 --set seed=1..2 --ou
 for range in 0.1..0.3 1..3N "1 m/s .. 3 m/s" 1..2.5 1..3,7 1e0..3; do
   refused "a range is of whole numbers" fall.toml --set "seed=$range" --out never
 done
+refused "100,000,000,000 runs are more than 100,000" fall.toml --set seed=1..100000000000 --out never
+refused "100,001 runs are more than 100,000" fall.toml --set seed=0..100000 --out never
+refused "together: 120,000 runs" fall.toml --set seed=1..400 --set contact.friction=1..300 --out never
 refused "argument --jobs: 0 is less than 1" fall.toml --set seed=1..2 --out never --jobs 0
 refused "argument --ranks: -1 is less than 1" fall.toml --set seed=1..2 --out never --ranks -1
 refused "argument --jobs: invalid count value: 'two'" fall.toml --set seed=1..2 --out never --jobs two

@@ -5,7 +5,7 @@
   spall sweep cases/hello/case.toml --set contact.cohesion=1,10,100N --set seed=1..5 --jobs 2
 
 Values stand one after another: 1,10,100N is 1 N, 10 N, 100 N; a list in brackets is one value.
-A range is of whole numbers without a unit: 1..5 is 1, 2, 3, 4, 5.
+A range is of whole numbers without a unit: 1..5 is 1, 2, 3, 4, 5. A sweep has up to 100,000 runs.
 Each run has a folder of its own below --out. What is done stays; what was stopped goes on: say the
 same again. table.csv and table.json hold what was changed and all numbers and verdicts of
 results.toml; sweep.png shows those of --show.
@@ -15,6 +15,7 @@ import csv
 import hashlib
 import itertools
 import json
+import math
 import os
 import re
 import shlex
@@ -27,9 +28,15 @@ from pathlib import Path
 from system_python import need
 
 DONE, STOPPED = 0, 3  # exit codes of spall
+MOST_RUNS = 100_000  # each has a folder and a row; more are a slip, and would fill the memory
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 UNIT = r"(?:\s*[A-Za-zµ°%][^.]*)?"
 RANGE = rf"{NUMBER}{UNIT}\s*\.\.\s*{NUMBER}{UNIT}"  # of numbers of any kind; paths are none
+
+
+def refuse_too_many(runs, told):
+    if runs > MOST_RUNS:
+        sys.exit(f"spall sweep: {told}: {runs:,} runs are more than {MOST_RUNS:,}")
 
 
 def values_of(text):
@@ -39,6 +46,7 @@ def values_of(text):
         first, last = int(found[1]), int(found[2])
         if first > last:
             sys.exit(f"spall sweep: {text}: the first number is larger than the last")
+        refuse_too_many(last - first + 1, text)
         return [str(k) for k in range(first, last + 1)]
     parts = [part.strip() for part in re.split(r",(?![^\[]*\])", text)]
     if "" in parts:
@@ -208,6 +216,7 @@ def main():
                 f"spall sweep: --set {text}: {'told twice' if equals else 'KEY=VALUES is wanted'}")
         keys[key] = values_of(value)
     swept = [key for key, values in keys.items() if len(values) > 1]
+    refuse_too_many(math.prod(map(len, keys.values())), "all --set together")
     runs = [Run(out, dict(zip(keys, values)), swept)
             for values in itertools.product(*keys.values())]
     if len({run.name for run in runs}) < len(runs):
