@@ -50,6 +50,10 @@ before=$(stat -c %y out/fall-sweep/radius=1m_seed=1/results.toml)
   fail "commands of runs that are done"
 [ "$("$spall" sweep fall.toml --set groups.ball.volume.radius=1,2,3,4m --commands --ranks 2 | grep -c 'mpirun -n 2')" = 4 ] ||
   fail "commands of what is not done"
+"$spall" sweep fall.toml --set groups.ball.volume.radius=1,2,4m --set seed=1..2 --commands 2>&1 >out.txt |
+  grep -q "^4 of 6 are done$" || fail "how many are done"
+"$spall" sweep fall.toml --set seed=1..2 --commands --out not_yet >out.txt 2>&1 || fail "commands of a new sweep"
+[ ! -e not_yet ] && [ "$(grep -c -- "--out not_yet" out.txt)" = 2 ] || fail "commands write nothing: $(cat out.txt)"
 
 # A job array, as Slurm would start it: a job a combination, side by side, then one table of the same numbers.
 mkdir -p slurm
@@ -82,6 +86,12 @@ refused() { # text that must be said, arguments
 refused "friktion" fall.toml --set contact.friktion=0.1,0.2 --out never
 [ ! -e never ] || fail "a refused sweep left a folder"
 refused "another case" fall.toml --set seed=1..2 --set contact.friction=0.3 --out out/fall-sweep
+for forget in "" --overwrite; do
+  # shellcheck disable=SC2086
+  refused "another case" fall.toml --set seed=1..2 --set contact.friction=0.3 --out out/fall-sweep --commands $forget
+done
+[ "$before" = "$(stat -c %y out/fall-sweep/radius=1m_seed=1/results.toml)" ] || fail "commands have forgotten a run"
+refused "friktion" fall.toml --set contact.friktion=0.1,0.2 --out never --commands
 refused "a value is missing" fall.toml --set seed=1,,2
 refused "told twice" fall.toml --set seed=1 --set seed=2
 refused "larger than the last" fall.toml --set seed=5..1

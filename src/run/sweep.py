@@ -101,18 +101,21 @@ class Run:
         return flat
 
 
-def claim(out, case, fixed, overwrite, program="spall sweep"):
-    """Runs of another case, or with other fixed keys, must not stand in the same table."""
+def claim(out, case, fixed, overwrite, program="spall sweep", write=True):
+    """Runs of another case, or with other fixed keys, must not stand in the same table. Without
+    `write` it is only compared."""
     own = {"case": str(case), "sha256": hashlib.sha256(case.read_bytes()).hexdigest(),
            "fixed": fixed}
     path = out / "sweep.json"
     if path.is_file() and json.loads(path.read_text()) != own:
-        if not overwrite:
+        if not (overwrite and write):
+            forget = "--overwrite" if write else "--overwrite, without --commands,"
             sys.exit(f"{program}: {out} holds runs of another case or with other fixed keys "
-                     f"({path}); "
-                     "--overwrite forgets them, --out names another folder")
+                     f"({path}); {forget} forgets them, --out names another folder")
         for old in [*out.glob("*/results.toml"), *out.glob("*/restart*.h5"), *out.glob("table.*")]:
             old.unlink()
+    if not write:
+        return
     out.mkdir(parents=True, exist_ok=True)
     whole = path.with_suffix(f".{os.getpid()}")  # jobs of an array write it side by side
     whole.write_text(json.dumps(own, indent=1) + "\n")
@@ -193,7 +196,8 @@ def main():
     parser.add_argument("--overwrite", action="store_true",
                         help="forget what --out holds of another sweep")
     parser.add_argument("--commands", action="store_true",
-                        help="run nothing: print a line for each run that is not done")
+                        help="run nothing, forget nothing: print a line for each run that is not "
+                             "done")
     parser.add_argument("--only", type=int, metavar="K",
                         help="run nothing: print case, folder and --set of combination K, counted "
                              "from 1, a word a line; "
@@ -221,11 +225,6 @@ def main():
             for values in itertools.product(*keys.values())]
     if len({run.name for run in runs}) < len(runs):
         sys.exit("spall sweep: two combinations are the same")
-    if options.commands:
-        for run in runs:
-            if command := run.command(spall, options.case, options.ranks):
-                print(shlex.join(command))
-        return
     if options.only is not None and not 1 <= options.only <= len(runs):
         sys.exit(f"spall sweep: --only {options.only}: there are combinations 1 to {len(runs)}")
 
@@ -235,7 +234,13 @@ def main():
     if checked.returncode != 0:
         sys.exit(checked.returncode)
     claim(out, case, {key: values[0] for key, values in keys.items() if len(values) == 1},
-          options.overwrite)
+          options.overwrite, write=not options.commands)
+    if options.commands:
+        commands = [run.command(spall, options.case, options.ranks) for run in runs]
+        for command in filter(None, commands):
+            print(shlex.join(command))
+        print(f"{commands.count(None)} of {len(runs)} are done", file=sys.stderr)
+        return
     if options.only is not None:
         run = runs[options.only - 1]
         print(options.case, run.folder, *run.options(), sep="\n")
