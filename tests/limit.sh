@@ -113,6 +113,8 @@ refused "both ends are the same" shield.toml --vary ball.diameter=2mm..2mm
 refused "told twice" shield.toml --vary ball.diameter=2..8mm --set ball.diameter=3mm
 refused "never.key=1 is refused" shield.toml --vary never.key=1..2 --out never
 [ ! -e never ] || fail "a refused search left a folder"
+refused "jobs and --ranks are 1 at least" shield.toml --vary ball.diameter=2..8mm --jobs 0 --out never
+refused "jobs and --ranks are 1 at least" shield.toml --vary ball.diameter=2..8mm --ranks -1 --out never
 refused "judges \"rear\"" shield.toml --vary ball.diameter=2..8mm --wall front
 refused "another case" shield.toml --vary ball.diameter=2..8mm --set seed=2
 echo 'title = "none"' >none.toml
