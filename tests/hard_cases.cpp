@@ -6,6 +6,7 @@
 
 #include "contact_problems.hpp"
 #include "output/diagnostics.hpp"
+#include "run/simulation.hpp"
 #include "spall/error.hpp"
 #include "testing.hpp"
 #include "worlds.hpp"
@@ -137,6 +138,43 @@ double radius_of_gyration(const Lab& world) {
   for (Index b = 0; b < world.bodies.owned; ++b)
     square += world.bodies.mass[b] * (world.bodies.position[b] - sums.centre).squaredNorm();
   return std::sqrt(world.comm.sum(square) / sums.mass);
+}
+
+TEST(HardCase, a_ball_in_an_edge_without_a_solution_takes_no_contact_from_others) {
+  Simulation simulation(alone(), Scene::from_text(R"(
+[materials.rock]
+density = 2500
+[contact]
+restitution = 0.5
+friction = 10
+[[boxes]]
+center = [-50, -50, -50]
+size = [101, 101, 100]
+[[groups]]
+name = "ball"
+material = "rock"
+volume = {radius = 0.06, center = [0.439, 0.439, -49]}
+velocity = [0.257, 1.004, -2.166]
+[[groups]]
+name = "bystander"
+material = "rock"
+volume = {radius = 0.06, center = [0, -20, -99.93]}
+velocity = [0, 0, -2.1]
+[[phases]]
+name = "only"
+step = 0.005
+duration = 0.05
+)"));
+  while (!simulation.over()) simulation.step();
+  const Bodies& bodies = simulation.bodies();
+  for (Index b = 0; b < bodies.owned; ++b) {
+    if (bodies.id[b] == 1) {
+      EXPECT_NEAR(bodies.velocity[b].z(), 1.05, 1e-6);
+      continue;
+    }
+    EXPECT_LE(bodies.position[b].head<2>().maxCoeff(), 0.44 * (1 + 1e-4));
+    EXPECT_LE(bodies.velocity[b].head<2>().maxCoeff(), 1e-6);
+  }
 }
 
 TEST(HardCase, a_pile_at_rest_stays_at_rest_and_does_not_creep) {

@@ -367,6 +367,22 @@ TEST(Prescribed, a_lift_that_accelerates_does_not_throw_what_rests_on_it) {
   }
 }
 
+TEST(Prescribed, a_ramp_takes_no_restitution_from_those_that_it_does_not_drive) {
+  // Others, and its own bodies once it is over: 2 m/s in a millisecond would drive ten times as
+  // fast.
+  const std::string ramp =
+      "motion.table = {times = [0, 1e-3, 2e-3], velocities = [[0, 0, 0], [0, 0, 2], [0, 0, 0]]}";
+  for (const std::string& own : {std::string("fixed = true"), ramp}) {
+    const std::string text = rock + ball("target", "[0, 0, -0.5]", own) +
+                             ball("mover", "[0, 30, 0]", ramp) +
+                             ball("ball", "[0, 0, 0]", "velocity = [0, 0, -0.4]") + far_away +
+                             phase("only", "nonsmooth", 5e-3, 1.5);
+    Simulation simulation(testing_world(), Scene::from_text(text));
+    while (!simulation.over()) simulation.step();
+    EXPECT_NEAR(rows_of(simulation)[2].velocity.z(), 0.2, 1e-9) << own;
+  }
+}
+
 TEST(Prescribed, a_belt_goes_round_a_periodic_box) {
   const std::string text = rock + "[periodic]\nsize = [2, 0, 0]\n" +
                            ball("belt", "[0.1, 0, 0]", "motion = {velocity = [3, 0, 0]}") +

@@ -43,13 +43,14 @@ std::vector<Index> set_prescribed_velocities(World& world, double from, double h
   return rows;
 }
 
-double largest_prescribed_acceleration(const World& world) {
-  if (world.motions.empty()) return 0;
-  double largest = 0;
-  for_each_moving(world, [&](Index b, std::int32_t, const PrescribedMotion& motion) {
-    largest = std::max(largest, motion.largest_acceleration(world.bodies.anchor[b]));
+std::vector<double> prescribed_accelerations(const World& world, double from, double to) {
+  std::vector<double> largest(world.motions.size(), 0.0);
+  for_each_moving(world, [&](Index b, std::int32_t group, const PrescribedMotion& motion) {
+    largest[group] =
+        std::max(largest[group], motion.largest_acceleration(world.bodies.anchor[b], from, to));
   });
-  return world.comm.max(largest);
+  if (!largest.empty()) world.comm.max(largest);
+  return largest;
 }
 
 double largest_meeting_speed(const World& world, double lasts) {

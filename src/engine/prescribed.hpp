@@ -17,8 +17,9 @@ inline bool is_held(const Bodies& bodies, Index b) {
 /// the rows.
 std::vector<Index> set_prescribed_velocities(World& world, double from, double h);
 
-/// m/s^2 over all ranks: what drives bodies of moving groups at most. Collective where any moves.
-double largest_prescribed_acceleration(const World& world);
+/// m/s^2 over all ranks: what drives bodies of each group at most, from time `from` to time `to`.
+/// Empty where nothing is prescribed. Collective.
+std::vector<double> prescribed_accelerations(const World& world, double from, double to);
 
 /// m/s over all ranks, at most: the speed at which two bodies, or a body and a wall, may meet
 /// within `lasts` (s) from `world.time` on, wherever they are now. Those of moving groups go their

@@ -83,6 +83,9 @@ def converged(results):
         return GOOD, ("Forces were smooth in all steps: no contact problem was solved, so there is "
                       "nothing to converge.")
     over, largest = solver.get("steps_over_tolerance", 0), solver.get("residual_max", 0)
+    if relaxed := solver.get("steps_relaxed"):
+        return BAD, (f"In {relaxed} of {steps} steps Coulomb's law and restitution gave contacts "
+                     "no impulses that were found; the convex law of friction gave them some.")
     if failed:
         return BAD, (f"{failed} of {steps} steps did not converge: the solver ran out of "
                      f"iterations. "

@@ -55,6 +55,7 @@ void Record::book(const StepReport& report) {
   worst_relative_ = std::max(worst_relative_, report.solver.residual);
   unconverged_ += report.solver.converged ? 0 : 1;
   over_tolerance_ += report.solver.over_tolerance ? 1 : 0;
+  relaxed_ += report.solver.relaxed ? 1 : 0;
 }
 
 std::vector<Column> Record::columns() {
@@ -89,6 +90,8 @@ void Record::add_to(ResultTable& table, std::int64_t steps, bool solves) const {
   table.add("solver", "steps_not_converged", static_cast<std::int64_t>(unconverged_));
   table.add("solver", "steps_over_tolerance", static_cast<std::int64_t>(over_tolerance_), "",
             "whose residual, without the proximal term, missed the tolerance");
+  table.add("solver", "steps_relaxed", static_cast<std::int64_t>(relaxed_), "",
+            "that found impulses by convex friction alone");
   table.add("solver", "correction_products", static_cast<std::int64_t>(correction_products_));
 }
 

@@ -19,6 +19,7 @@ class Record {
  public:
   /// Called after every step.
   void book(const StepReport& report);
+  double relaxed() const { return relaxed_; }  ///< steps
 
   static std::vector<Column> columns();  ///< beside step and time
   /// The row of the instant at which the step began; `contacts` are those of all ranks.
@@ -38,11 +39,12 @@ class Record {
     f("record.residual_relative", self.worst_relative_);
     f("record.unconverged", self.unconverged_);
     f("record.over_tolerance", self.over_tolerance_);
+    f("record.relaxed", self.relaxed_);
   }
 
  private:
   double products_ = 0, correction_products_ = 0, residual_max_ = 0, squares_ = 0;
-  double worst_relative_ = 0, unconverged_ = 0, over_tolerance_ = 0;
+  double worst_relative_ = 0, unconverged_ = 0, over_tolerance_ = 0, relaxed_ = 0;
 };
 
 }  // namespace spall

@@ -380,6 +380,11 @@ class Run {
     add_communication(world(), clock().step - std::max<std::int64_t>(resumes_at_, 0), table);
     progress_.say("\n" + table.text());
     if (const std::string warning = verdict_.warning(); !warning.empty()) progress_.say(warning);
+    if (record_.relaxed() > 0)
+      progress_.say(fmt::format(
+          "WARNING: in {} of {} steps Coulomb's law and restitution gave contacts no impulses that "
+          "were found; the convex law of friction gave them some",
+          record_.relaxed(), clock().step));
     if (sums.gained > 0)
       progress_.say(fmt::format(
           "WARNING: hits of clumps gave {:.3g} J, beside {:.3g} J that bodies move with: "

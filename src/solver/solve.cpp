@@ -167,6 +167,7 @@ SolverResult solve_packed(const ContactProblem& problem, const Ghosts& ghosts,
   const MethodSettings of_method{settings.tolerance, settings.max_iterations, settings.max_products,
                                  settings.relaxation};
   const PackedUnits& units = system.units;
+  double start = 0;
   if (best.residual.relative > 0) {
     const double fastest = best.residual.max;
     const double unit = std::sqrt(units.impulse * units.velocity);  // sqrt(J)
@@ -181,11 +182,13 @@ SolverResult solve_packed(const ContactProblem& problem, const Ghosts& ghosts,
                                                           : infinity;
     if (settings.method == SolverMethod::accelerated && settings.prox > 0)
       system.stay_near(best.impulse, settings.prox);
+    start = best.residual.relative_prox;
     best = run_method(system, settings.method, of_method, std::move(best), report);
   }
 
   report_residual(best.residual, report);
   report.converged = best.residual.relative == 0 || met(best.residual, system, of_method);
+  report.unsolved = !report.converged && best.residual.relative_prox > start / 2;
 
   report.over_tolerance = best.residual.relative > settings.tolerance;
   unpack_impulses(problem, units, best.impulse, impulse);

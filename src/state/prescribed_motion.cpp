@@ -74,13 +74,14 @@ RigidDisplacement PrescribedMotion::displacement(double from, double to) const {
   return moved;
 }
 
-double PrescribedMotion::largest_acceleration(const Vec3& anchor) const {
+double PrescribedMotion::largest_acceleration(const Vec3& anchor, double from, double to) const {
   const double w = 2 * pi / period;
   double largest = w * w * amplitude.norm() + rate * rate * axis.cross(anchor - point).norm();
   double in_table = 0;
   for (std::size_t k = 1; k < velocities_.size(); ++k)
-    in_table = std::max(in_table,
-                        (velocities_[k] - velocities_[k - 1]).norm() / (times_[k] - times_[k - 1]));
+    if (from < times_[k] && to > times_[k - 1])
+      in_table = std::max(
+          in_table, (velocities_[k] - velocities_[k - 1]).norm() / (times_[k] - times_[k - 1]));
   return largest + in_table;
 }
 

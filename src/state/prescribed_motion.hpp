@@ -54,9 +54,10 @@ struct PrescribedMotion {
   /// From time `from` to time `to`, s; differences do not cancel for short intervals.
   RigidDisplacement displacement(double from, double to) const;
   Vec3 spin() const { return rate * axis; }  ///< rad/s
-  /// m/s^2: no larger one drives the body that was at `anchor`. Jumps of velocity are no
-  /// accelerations: they are impacts.
-  double largest_acceleration(const Vec3& anchor) const;
+  /// m/s^2: no larger one drives the body that was at `anchor`, from time `from` to time `to`.
+  /// Jumps of velocity are no accelerations: they are impacts.
+  double largest_acceleration(const Vec3& anchor, double from = -infinity,
+                              double to = infinity) const;
   /// Holds all velocities of the body that was at `anchor`, from time `from` to a later time `to`.
   VelocityRange velocities(const Vec3& anchor, double from, double to) const;
 
