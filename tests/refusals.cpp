@@ -145,6 +145,15 @@ const std::vector<Refused> table = {
      "x.toml:11:1: groups.c: body 3 at (9, 0, 1) m overlaps an image of body 2 of groups.c at (9, "
      "0, -1) m by 0.5 m"},
     // Walls.
+    {bodies + springs +
+         "stiffness = 1e6\n[periodic]\nsize = [9, 0, 0]\n[[planes]]\npoint = [0, 0, "
+         "-9]\nnormal = [0.1, 0, 1]\n" +
+         phase + by_springs,
+     "x.toml: the wall \"plane_0\" does not run along x, which [periodic] repeats"},
+    {bodies + springs +
+         "stiffness = 1e6\n[periodic]\nsize = [9, 0, 0]\n[[cylinders]]\nradius = 30\n" + phase +
+         by_springs,
+     "x.toml: the wall \"cylinder_0\" does not run along x, which [periodic] repeats"},
     {bodies + phase + "[[planes]]\npoint = [0, 0, -0.5]\n",
      "x.toml:3:1: groups.a: body 0 at (0, 0, 0) m lies 0.5 m deep in the wall plane_0"},
     {bodies + springs + "stiffness = 1e6\n[[cylinders]]\nradius = 3\n" + phase + by_springs,

@@ -51,16 +51,17 @@ double largest_stiffness(const PenaltyLaw& law, const Reduced& p, double speed) 
 
 constexpr double any_material = -1;
 
-/// The owned body of all ranks of that material, `without` that id, for which `value` is least.
-/// Collective.
+/// The owned body of all ranks of that material, `without` that id, for which `value` is least;
+/// `held`: those that never move, too. Collective.
 template <class Value>
-std::optional<Member> least(const World& world, double material, double without, Value&& value) {
+std::optional<Member> least(const World& world, double material, double without, bool held,
+                            Value&& value) {
   const Bodies& bodies = world.bodies;
   std::array<double, 5> best{infinity, 0, 0, 0, 0};
   for (Index b = 0; b < bodies.owned; ++b) {
     const Member member{static_cast<double>(bodies.id[b]), bodies.radius[b], bodies.mass[b],
                         static_cast<double>(bodies.material[b])};
-    if (member.id == without || !std::isfinite(member.mass)) continue;
+    if (member.id == without || (!held && !std::isfinite(member.mass))) continue;
     if (material != any_material && material != member.material) continue;
     const double v = value(member);
     if (v < best[0]) best = {v, member.id, member.radius, member.mass, member.material};
@@ -90,12 +91,13 @@ std::optional<Meeting> least_meeting(const World& world, std::vector<double> the
         return m;
       };
       const auto first =
-          least(world, a, -1, [&](const Member& m) { return value(m, as_partner(m)); });
+          least(world, a, -1, false, [&](const Member& m) { return value(m, as_partner(m)); });
       if (!first) continue;
       const Member wall = as_partner({-1, infinity, infinity, first->material});
-      const Meeting met{*first, least(world, b, first->id, [&](const Member& m) {
-                                  return value(*first, m);
-                                }).value_or(wall)};
+      const auto beside = [&](const Member& m) { return value(*first, m); };
+      Meeting met{*first, least(world, b, first->id, true, beside).value_or(wall)};
+      // The wall may be worse than a body that never moves either.
+      if (!std::isfinite(met.b.mass) && beside(wall) < beside(met.b)) met.b = wall;
       if (!best || value(met.a, met.b) < value(best->a, best->b)) best = met;
     }
   return best;
@@ -158,7 +160,7 @@ void check_waves(const World& world, PenaltyModel model, double h, const std::st
     const double nu = of.poisson_ratio, shear = of.youngs_modulus / (2 * (1 + nu));
     return pi * std::sqrt(m.mass / (4 / 3.0 * pi * m.radius * shear)) / (0.1631 * nu + 0.8766);
   };
-  const std::optional<Member> slow = least(world, any_material, -1, crossing);
+  const std::optional<Member> slow = least(world, any_material, -1, false, crossing);
   if (!slow) return;  // nothing moves
   const double time = crossing(*slow), longest = rayleigh_part * time;
   require(h <= longest,

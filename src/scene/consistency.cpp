@@ -106,6 +106,23 @@ void check_gravity(const Case& scene) {
           scene.file);
 }
 
+/// A wall that does not run along a direction in which space repeats itself would end at the
+/// border.
+void check_repeated_walls(const Case& scene) {
+  constexpr double round_off = 1e-12;
+  for (int k = 0; k < 3; ++k) {
+    if (scene.period.size[k] == 0) continue;
+    const auto runs_along = [&](const std::string& wall, double off) {
+      require(off <= round_off,
+              "{}: the wall \"{}\" does not run along {}, which [periodic] repeats", scene.file,
+              wall, "xyz"[k]);
+    };
+    for (const Plane& plane : scene.planes) runs_along(plane.name, std::abs(plane.normal[k]));
+    for (const Cylinder& cylinder : scene.cylinders)
+      runs_along(cylinder.name, 1 - std::abs(cylinder.axis[k]));
+  }
+}
+
 /// Bonds and stresses are what bodies have gone through by one method; another moves them without.
 bool keeps_damage(const Case& scene, const Phase& phase) {
   return phase.engine->fields(scene, phase.settings).has(Field::damage);
@@ -142,6 +159,7 @@ std::vector<std::string> lost_bonds(const Case& scene) {
 void check_consistency(const Case& scene) {
   check_read_outs(scene);
   check_gravity(scene);
+  check_repeated_walls(scene);
   check_methods(scene);
   for (const Phase& phase : scene.phases)
     if (phase.remove_drift) check_removal_of_drift(scene, phase);
