@@ -137,6 +137,8 @@ def draw(some, path):
                                f"Spall {'right' if right else 'wrong'}")
     axes.axhline(1, color="0.6", linewidth=0.8)
     axes.set(xlabel="speed (km/s)", ylabel=f"ball over critical ball of {BEST}", yscale="log")
+    for formatter in (axes.yaxis.set_major_formatter, axes.yaxis.set_minor_formatter):
+        formatter("{x:g}")
     axes.legend(fontsize=8)
     figure.savefig(path, dpi=110, bbox_inches="tight")
 
