@@ -6,4 +6,4 @@ source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
 jobs/packages.sh
 cmake --preset release -DSPALL_TESTS=ON -DSPALL_BENCH=ON
 cmake --build --preset release
-ctest --test-dir build/release --output-on-failure --parallel $(($(nproc) + 1)) "$@"
+ctest --test-dir build/release --output-on-failure --parallel "$(nproc)" "$@"
