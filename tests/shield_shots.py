@@ -90,10 +90,8 @@ def plates_are_as_far_apart_as_the_table_says():
 
 
 STUB = """#!/bin/sh
-if [ "$1" = check ]; then
-  echo "  ball  152  0.000265  2.93182e-07  4.45637e-05  0.7037"
-  exit
-fi
+echo "  ball  152  0.000265  2.93182e-07  4.45637e-05  0.7037"
+[ "$1" = check ] && exit
 [ "$1" = run ] || exit 2
 mkdir -p "$4"
 echo "  1234 bodies, at most about 5 MB a rank on 1 rank"

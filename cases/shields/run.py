@@ -166,12 +166,9 @@ def ball_of(shot):
     return 1000 * shot.density[0] * math.pi / 6 * (shot.diameter / 100)**3
 
 
-def mass_of_group(program, case, group):
-    """kg, as `spall check` tells it: a lattice has its own number of sites in a sphere. Nothing
-    where it refuses."""
-    told = subprocess.run([program, "check", case], capture_output=True, text=True)
-    row = re.search(rf"^  {group} +\d+ +\S+ +\S+ +(\S+)", told.stdout, re.M)
-    return float(row[1]) if told.returncode == 0 else None
+def mass_of_ball(told):
+    """kg, as `spall check` and `run` tell it: a lattice has its own number of sites in a sphere."""
+    return float(re.search(r"^  ball +\d+ +\S+ +\S+ +(\S+)", told, re.M)[1])
 
 
 def run(options, shot, seed):
@@ -183,10 +180,11 @@ def run(options, shot, seed):
     case = folder / "shot.toml"
     case.write_text(case_of(shot, setting, seed))
     line = {"row": shot.row, "shot": shot.name, "across": f"{options.across:g}", "seed": seed}
-    mass = mass_of_group(options.program, case, "ball")
-    if mass is None:
+    checked = subprocess.run([options.program, "check", case], capture_output=True, text=True)
+    if checked.returncode != 0:
         return line | {"verdict": "failed", "seconds": "0"}
-    case.write_text(case_of(shot, setting, seed, (ball_of(shot) / mass)**(1 / 3)))
+    grown = (ball_of(shot) / mass_of_ball(checked.stdout))**(1 / 3)
+    case.write_text(case_of(shot, setting, seed, grown))
     begin = time.monotonic()
     with open(folder / "log.txt", "w") as log:
         command = [*options.before, options.program, "run", case, "--out", folder / "run",
@@ -200,7 +198,7 @@ def run(options, shot, seed):
     if code != 0:
         return line | {"verdict": "too long" if code is None else "failed"}
     results = tomllib.loads((folder / "run/results.toml").read_text())
-    wall = results["shield_wall"]
+    wall, told = results["shield_wall"], (folder / "log.txt").read_text()
     with open(folder / "run/series.csv") as file:
         unexplained = max(abs(float(row["unexplained"])) for row in csv.DictReader(file))
     struck = 0.5 * ball_of(shot) * (1000 * shot.speed)**2
@@ -209,9 +207,9 @@ def run(options, shot, seed):
         "margin_before": f"{wall['margins'][-1]:.4g}" if wall["margins"] else "",
         "still_coming": f"{wall['still_coming']:.3g}", "opening_at_edge": wall["opening_at_edge"],
         "hole_mm": f"{1e3 * wall['hole']:.4g}", "spall_mg": f"{1e6 * wall['spall_mass']:.4g}",
-        "ball_mg": f"{1e6 * mass_of_group(options.program, case, 'ball'):.4g}",
+        "ball_mg": f"{1e6 * mass_of_ball(told):.4g}",
         "energy_unexplained": f"{unexplained / struck:.2e}",
-        "bodies": re.search(r"(\d+) bodies, ", (folder / "log.txt").read_text())[1],
+        "bodies": re.search(r"(\d+) bodies, ", told)[1],
         "commit": results["provenance"]["commit"]}
 
 
