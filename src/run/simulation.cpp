@@ -170,9 +170,6 @@ Simulation::Simulation(const Comm& comm, const Scene& scene, const RestartState&
   world.time = clock.time;
   check_held(world, this->scene().file);
   load_scalars(world, from.scalars);
-  // Files of before this was counted have none.
-  if (const auto gained = from.scalars.find("ledger.gained"); gained != from.scalars.end())
-    world.ledger.gained = gained->second;
   if (comm.rank > 0) {
     world.ledger = {};
     for (auto* all : {&world.reactions.of_walls, &world.reactions.of_groups})
@@ -442,7 +439,6 @@ RestartState Simulation::save() {
   for (auto& [stage, use] : world.stages) use = own.at(stage);  // timers under way point to them
   save_scalars(state_->account, state.scalars);
   save_scalars(*state_, state.scalars);
-  state.scalars["ledger.gained"] = ledger.gained;
   state.scalars["law.cohesion"] = world.contact.common().cohesion;
   return state;
 }

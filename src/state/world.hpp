@@ -98,6 +98,7 @@ struct World : Surroundings {
     f("ledger.own_work", ledger.own_work);
     f("ledger.fallen", ledger.fallen);
     f("ledger.prescribed_work", ledger.prescribed_work);
+    f("ledger.gained", ledger.gained);
     for_each_reaction(self.reactions.of_walls, "reaction.wall.", f);
     for_each_reaction(self.reactions.of_groups, "reaction.group.", f);
     for (auto& [stage, use] : self.stages) f("seconds." + stage, use.seconds);
