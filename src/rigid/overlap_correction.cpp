@@ -46,13 +46,11 @@ std::vector<Turn> turns_at_end(const World& world, double h) {
 std::vector<double> slack_at_end(const World& world, const Contacts& contacts,
                                  std::span<const Turn> turns, double h, DriftReport& report) {
   const Bodies& bodies = world.bodies;
-  // m: where a body's sphere is at the end, and its radius.
-  const auto sphere_at_end = [&](Index b, std::int32_t of) -> std::pair<Vec3, double> {
+  const auto sphere_at_end = [&](Index b, std::int32_t of) -> ShapeSphere {
     const Vec3 end = bodies.position[b] + h * bodies.velocity[b];
     if (turns.empty()) return {end, bodies.radius[b]};
-    const ShapeSphere& sphere = shape_of(world.shapes, bodies, b).spheres[of];
-    return {end + bodies.radius[b] * (turns[b].orientation * sphere.at),
-            bodies.radius[b] * sphere.radius};
+    return placed_sphere(shape_of(world.shapes, bodies, b).spheres[of], end, bodies.radius[b],
+                         turns[b].orientation);
   };
   std::vector<double> slack(contacts.size());
   for (Index c = 0; c < contacts.size(); ++c) {

@@ -41,9 +41,11 @@ Meeting first_meeting(const Comm& comm, const Bodies& bodies, const BodyShapes& 
       continue;
     }
     const auto& spheres = shape_of(shapes, bodies, b).spheres;
-    for (int k = 0; k < std::ssize(spheres); ++k)
-      meet(b, k, bodies.position[b] + bodies.radius[b] * (bodies.orientation[b] * spheres[k].at),
-           bodies.radius[b] * spheres[k].radius);
+    for (int k = 0; k < std::ssize(spheres); ++k) {
+      const auto [center, radius_of_it] =
+          placed_sphere(spheres[k], bodies.position[b], bodies.radius[b], bodies.orientation[b]);
+      meet(b, k, center, radius_of_it);
+    }
   }
   Meeting first;
   first.along = comm.min(own.along);

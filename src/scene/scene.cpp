@@ -166,7 +166,7 @@ std::vector<ShapeSphere> parts_of(const Case& scene, std::size_t g, BodyId k, co
   if (g >= scene.groups.size() || scene.groups[g].packing.shape == 0) return {{center, radius}};
   const Quaternion turn = orientation_of(scene, g, k);
   std::vector<ShapeSphere> parts = scene.shapes[scene.groups[g].packing.shape].spheres;
-  for (ShapeSphere& part : parts) part = {center + radius * (turn * part.at), radius * part.radius};
+  for (ShapeSphere& part : parts) part = placed_sphere(part, center, radius, turn);
   return parts;
 }
 

@@ -49,6 +49,12 @@ inline const BodyShape& shape_of(const BodyShapes& shapes, const Bodies& bodies,
   return shapes[bodies.shape[b]];
 }
 
+/// One of a shape's spheres (m), of a body of this radius (m) about `center`, turned so.
+inline ShapeSphere placed_sphere(const ShapeSphere& sphere, const Vec3& center, double radius,
+                                 const Quaternion& turn) {
+  return {center + radius * (turn * sphere.at), radius * sphere.radius};
+}
+
 /// The tensor that has these principal values in the axes that `turn` turns into the world's.
 inline Mat3 turned_tensor(const Quaternion& turn, const Vec3& principal) {
   const Mat3 axes = turn.toRotationMatrix();
