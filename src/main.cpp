@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string_view>
@@ -174,7 +175,7 @@ int dispatch(const Comm& comm, int argc, char** argv) {
       ->required()
       ->delimiter(',')
       ->allow_extra_args(false)
-      ->check(CLI::PositiveNumber);
+      ->check(CLI::Range(1, std::numeric_limits<int>::max()));
   planning->add_option("--set", options.overrides, "change keys")->take_all();
   planning->add_option("--latency", options.latency, "of a message; default: \"2 us\"");
   planning->add_option("--bandwidth", options.bandwidth, "of a rank; default: \"1 GB/s\"");
@@ -215,6 +216,9 @@ int dispatch(const Comm& comm, int argc, char** argv) {
   auto* keys = app.add_subcommand(
       "keys", "print every key of a case file, every field of snapshots, and all units");
 
+  const auto is_called = [&](const CLI::App* command) { return command->check_name(argv[1]); };
+  require(argc < 2 || argv[1][0] == '-' || !app.get_subcommands(is_called).empty(),
+          "there is no subcommand '{}'; `spall --help` lists them", argv[1]);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -41,7 +41,9 @@ while IFS='|' read -r arguments message; do
   refuses "$message" $arguments
 done <<'END'
 |A subcommand is required
-fly|A subcommand is required
+fly|spall: there is no subcommand 'fly'; `spall --help` lists them
+plan x.toml --ranks 0|--ranks: Value 0 not in range 1 to 2147483647
+check /dev/null|spall: '/dev/null' is a device or a pipe, not a file
 run|case is required
 run a b|The following argument was not expected: b
 check gone.toml|spall: there is no file 'gone.toml'
@@ -54,7 +56,7 @@ resume gone.h5|spall: no restart file 'gone.h5'
 resume x.toml|spall: 'x.toml' is not a whole restart file: it has no seal
 resume .|spall: '.' is not a whole restart file
 solve|problem is required
-solve gone.h5|spall: H5Fopen of 'gone.h5' failed
+solve gone.h5|spall: there is no file 'gone.h5'
 solve x.toml|spall: H5Fopen of 'x.toml' failed: file signature not found
 solve x.toml --tol little|Could not convert: --tol = little
 solve x.toml --tol -1|spall: --tol = -1: more than 0 is wanted

@@ -2,7 +2,7 @@
 # Changes the code at random, one place at a time, and says which tests notice.
 # SPDX-License-Identifier: BSD-3-Clause
 """usage: mutate.py [--count 100] [--seed 1] [--only REGEX] [--record FILE] [--again] [--statements]
-                 [--tests REGEX] [--longest SECONDS]
+                 [--tests REGEX] [--longest SECONDS] [--share K/N]
 
 Each change is one of four kinds: an operator (+ -, * /, += -=), a sign, a numeric constant (0 -> 1,
 n -> n + 1, x -> 1.3 x) or a comparison (< <=, > >=, == !=, && ||). The kind is drawn first, then
@@ -24,6 +24,7 @@ instead, as tests/planted.jsonl. --report prints the table and runs nothing.
 """
 import argparse
 import hashlib
+import itertools
 import json
 import os
 import random
@@ -330,6 +331,7 @@ def main():
     parser.add_argument("--tests", default="", help="regular expression of the tests to run")
     parser.add_argument("--longest", type=float, default=60,
                         help="leave out tests that take more seconds on the unchanged code")
+    parser.add_argument("--share", default="1/1", help="which of the draws, as 1/2")
     parser.add_argument("--report", action="store_true", help="print the table of the record")
     parser.add_argument("--minutes", type=float, default=1e9, help="begin no change after so many")
     parser.add_argument("--jobs", type=int, default=2, help="of ninja")
@@ -355,7 +357,9 @@ def main():
         todo = [(r["kind"], *key) for key, r in rows.items() if r["outcome"] == "survived"]
         args.count = len(todo)
     else:
-        todo = draw(find_places(workshop.tree, args.only, kinds), args.seed)
+        first, shops = map(int, args.share.split("/"))
+        todo = itertools.islice(draw(find_places(workshop.tree, args.only, kinds), args.seed),
+                                first - 1, None, shops)
     judged, mine, started = 0, [], time.monotonic()
     for kind, *place in todo:
         if judged >= args.count or time.monotonic() - started > 60 * args.minutes:

@@ -209,6 +209,8 @@ class Module(unittest.TestCase):
         self.assertEqual(seen, [10, 20])
         with self.assertRaisesRegex(ValueError, "each after 0 steps"):
             sim.run_until(0.5, each=seen.append, steps=0)
+        with self.assertRaisesRegex(ValueError, "each, which is not given"):
+            sim.run_until(0.5, steps=10)
 
     def test_errors_say_what_is_wrong_where(self):
         with self.assertRaisesRegex(spall.Error, "did you mean contact.friction"):

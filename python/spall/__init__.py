@@ -219,7 +219,9 @@ class Simulation:
 
     def run_until(self, time, each=None, steps=1):
         """Steps until `time` (s) is reached or all phases are over; `each(simulation)` is called
-        after each `steps` steps."""
+        after each `steps` steps. `over` tells whether the phases ended first."""
+        if each is None and steps != 1:
+            raise ValueError("run_until: steps tells how often to call each, which is not given")
         if steps < 1:
             raise ValueError(
                 f"run_until: each after {steps} steps is asked for; 1 or more are wanted")

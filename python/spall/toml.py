@@ -64,6 +64,9 @@ def overrides_of(changes):
     if changes is None:
         return []
     if isinstance(changes, dict):
+        for key, value in changes.items():
+            if value is None:
+                raise TypeError(f"{key} is None: a key is left out where it is not named")
         return [f"{key}={value if isinstance(value, str) else inline(value)}"
                 for key, value in changes.items()]
     return list(changes)

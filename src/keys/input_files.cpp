@@ -18,7 +18,8 @@ namespace {
 
 std::string read_text(const std::string& path) {
   require(!std::filesystem::is_directory(path), "'{}' is a folder, not a file", path);
-  require(std::filesystem::is_regular_file(path), "there is no file '{}'", path);
+  require(std::filesystem::exists(path), "there is no file '{}'", path);
+  require(std::filesystem::is_regular_file(path), "'{}' is a device or a pipe, not a file", path);
   errno = 0;
   std::ifstream file(path, std::ios::binary);
   require(file.good(), "{}: cannot be opened: {}", path, std::strerror(errno));

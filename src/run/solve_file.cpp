@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "run/solve_file.hpp"
 
+#include "keys/input_files.hpp"
 #include "output/fclib.hpp"
 #include "solver/settings.hpp"
 #include "spall/error.hpp"
@@ -10,6 +11,7 @@ namespace spall {
 
 void solve_file(const Comm& comm, const std::string& file, const SolverSettings& settings,
                 bool only_evaluate) {
+  require(InputFiles(comm).exists(file), "there is no file '{}'", file);
   const LocalProblem problem = read_fclib(file, comm);
   const auto blocks = comm.sum(static_cast<std::int64_t>(problem.matrix.block.size()));
   require(!only_evaluate || !problem.solution.empty(), "{} has no /solution/r to evaluate", file);
