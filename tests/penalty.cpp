@@ -142,6 +142,18 @@ Textbook textbook(const PenaltySettings& s, double overlap, double r) {
   return {force, 2 * modulus * a, 8 * shear * a, attraction};
 }
 
+TEST(Penalty, pairs_are_looked_for_as_far_as_necks_reach) {
+  // A neck of two spheres of 1 m ends where the overlap, a^2/R - sqrt(2 pi w a/E*), has its least.
+  const PenaltySettings s = sticky(Adhesion::jkr);
+  const double nu = soft_rock.poisson_ratio, w = s.adhesion_strength, r = 0.5;
+  const double modulus = soft_rock.youngs_modulus / (2 * (1 - nu * nu));
+  const double a = std::cbrt(pi * w * r * r / (8 * modulus));
+  const double least = a * a / r - std::sqrt(2 * pi * w * a / modulus);
+  const PenaltyLaw law = penalty_law(s, contact_law(0.5, 0.5), soft_rock, soft_rock);
+  EXPECT_NEAR(widest_gap(law, 1), -least, 1e-12 * -least);
+  EXPECT_EQ(widest_gap(penalty_law(hertz, contact_law(0.5, 0.5), soft_rock, soft_rock), 1), 0);
+}
+
 /// Velocities and spins after a step with fresh springs, by a sum over all pairs.
 std::vector<Sphere> kicked(std::vector<Sphere> spheres, const PenaltySettings& s,
                            const ContactLaw& contact, double h) {
