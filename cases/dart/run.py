@@ -21,7 +21,7 @@ from table import look_up  # noqa: E402
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 
-RESOLUTIONS = (1.0, 0.5)  # m: the largest radius at the site
+RESOLUTIONS = (1.0, 0.5, 0.25)  # m: the largest radius at the site
 HAND_OVERS = (2.0, 3.0, 5.0)  # m, on the piles of 1 m; the case's is 3 m
 SEEDS = (1, 2, 3)
 DENSITY, ERROR, VOLUME = 1540, 220, 2.78e9 / 1540  # kg/m^3 (Makadia et al. 2026), m^3
@@ -247,7 +247,7 @@ def main():
         + " |\n|---|--:|--:|--:|" + "--:|" * (2 * len(at_times)) + "\n" + "\n".join(reads) + "\n")
 
     figure, panel = plt.subplots(figsize=(8, 4.4), layout="constrained")
-    colors = dict(zip(RESOLUTIONS, ("#3f8f5b", "#2f6db3")))
+    colors = dict(zip(RESOLUTIONS, ("#3f8f5b", "#2f6db3", "#8a4fb0")))
     for key in there:
         if key[:3] in main_columns:
             panel.plot(*bodies[key].plume(), drawstyle="steps-post", color=colors[key[0]],
