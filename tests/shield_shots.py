@@ -59,6 +59,10 @@ def an_uneven_split_is_as_unlikely_as_coins_say():
     assert score.mcnemar(five, none) == (5, 0, 2 / 2**5)
     assert score.mcnemar([True, False], [False, True])[2] == 1.0
     assert score.mcnemar([True], [True]) == (0, 0, 1.0)
+    four, no = [True] * 4, [False] * 4
+    assert score.by_shields("abcd", four, no) == score.mcnemar(four, no)[2] == 2 / 2**4
+    assert score.by_shields("aabb", four, no) == 2 / 2**2  # two shields, two signs
+    assert score.by_shields("aabb", [True, False] * 2, [False, True] * 2) == 1.0
     for found, expected in zip(score.holm([0.01, 0.04, 0.03]), (0.03, 0.06, 0.06)):
         assert isclose(found, expected)
 

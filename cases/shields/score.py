@@ -34,6 +34,24 @@ def mcnemar(first, second):
     return only_first, only_second, min(1.0, 2 * sum(comb(n, k) for k in range(least + 1)) / 2**n)
 
 
+def by_shields(shields, first, second):
+    """McNemar's test where shots at one shield may be right or wrong together: the odds of so
+    large a difference if each shield's were as likely to have the other sign, exactly. Where no
+    shield is shot at twice it is McNemar's own."""
+    differences = {}
+    for shield, a, b in zip(shields, first, second):
+        differences[shield] = differences.get(shield, 0) + int(a) - int(b)
+    ways = {0: 1}  # sum -> in how many choices of signs
+    for d in filter(None, differences.values()):
+        turned = {}
+        for total, count in ways.items():
+            for sign in (d, -d):
+                turned[total + sign] = turned.get(total + sign, 0) + count
+        ways = turned
+    found = abs(sum(differences.values()))
+    return sum(n for total, n in ways.items() if abs(total) >= found) / sum(ways.values())
+
+
 def holm(odds):
     """Of some tests at once: each p-value as if the others had not been made (Holm 1979)."""
     adjusted, largest = [0.0] * len(odds), 0.0
@@ -88,14 +106,17 @@ def table(some, without, planned, options):
             f"| called right | {' | '.join(parts)} | McNemar beside Spall |",
             f"|---|{'--:|' * len(parts)}---|",
             f"| shots | {' | '.join(str(sum(inside)) for inside in parts.values())} | |"]
-    tests = {name: mcnemar(called["Spall"], called[name]) for name in EQUATIONS}
-    adjusted = dict(zip(tests, holm([odds for _, _, odds in tests.values()])))
+    shields = [(shot.metals[1:], shot.bumper, shot.standoff, shot.wall) for shot, _ in some]
+    tests = {name: (*mcnemar(called["Spall"], called[name]),
+                    by_shields(shields, called["Spall"], called[name])) for name in EQUATIONS}
+    adjusted = dict(zip(tests, holm([max(test[2:]) for test in tests.values()])))
     for name, calls in called.items():
         beside = ""
         if name != "Spall":
-            ours, theirs, odds = tests[name]
+            ours, theirs, odds, by_shield = tests[name]
             beside = (f"{ours} that Spall alone calls right, {theirs} that it alone calls wrong, "
-                      f"p = {odds:.2g}, of five tests {adjusted[name]:.2g}")
+                      f"p = {odds:.2g}, by shields {by_shield:.2g}, of five tests "
+                      f"{adjusted[name]:.2g}")
         text.append(f"| {name} | {' | '.join(share(of(calls, part)) for part in parts)} "
                     f"| {beside} |")
 
