@@ -21,6 +21,8 @@ same code draws the same changes. --again runs the survivors of the record once 
 as they are now. A survivor costs all tests: with --tests '_1$' --longest 15 a first turn is short,
 and --again without them judges its survivors by all. --planted takes the changes from a file
 instead, as tests/planted.jsonl. --report prints the table and runs nothing.
+Several shops draw together by --share, each with a --work and a --record of its own: 1/2 and 2/2
+take turns.
 """
 import argparse
 import hashlib

@@ -213,6 +213,8 @@ class Module(unittest.TestCase):
             sim.run_until(0.5, steps=10)
 
     def test_errors_say_what_is_wrong_where(self):
+        with self.assertRaisesRegex(TypeError, "contact.friction is None"):
+            spall.Simulation(f"{cases}/hello/case.toml", set={"contact.friction": None})
         with self.assertRaisesRegex(spall.Error, "did you mean contact.friction"):
             spall.Scene(**{**ROCK, "contact": {"friktion": 0.5}}, phases=one_phase(1, 1))
         with self.assertRaisesRegex(spall.Error, "before a simulation begins"):
