@@ -57,6 +57,7 @@ resume x.toml|spall: 'x.toml' is not a whole restart file: it has no seal
 resume .|spall: '.' is not a whole restart file
 solve|problem is required
 solve gone.h5|spall: there is no file 'gone.h5'
+solve .|spall: '.' is a folder, not a file
 solve x.toml|spall: H5Fopen of 'x.toml' failed: file signature not found
 solve x.toml --tol little|Could not convert: --tol = little
 solve x.toml --tol -1|spall: --tol = -1: more than 0 is wanted

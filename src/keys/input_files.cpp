@@ -16,10 +16,14 @@
 namespace spall {
 namespace {
 
-std::string read_text(const std::string& path) {
+void check_is_file(const std::string& path) {
   require(!std::filesystem::is_directory(path), "'{}' is a folder, not a file", path);
   require(std::filesystem::exists(path), "there is no file '{}'", path);
   require(std::filesystem::is_regular_file(path), "'{}' is a device or a pipe, not a file", path);
+}
+
+std::string read_text(const std::string& path) {
+  check_is_file(path);
   errno = 0;
   std::ifstream file(path, std::ios::binary);
   require(file.good(), "{}: cannot be opened: {}", path, std::strerror(errno));
@@ -31,6 +35,11 @@ std::string read_text(const std::string& path) {
 bool InputFiles::exists(const std::string& path) const {
   const bool here = (!comm_ || comm_->rank == 0) && std::filesystem::is_regular_file(path);
   return comm_ ? comm_->any(here) : here;
+}
+
+void InputFiles::require_file(const std::string& path) const {
+  if (!comm_) return check_is_file(path);
+  on_first_rank(*comm_, [&] { check_is_file(path); });
 }
 
 std::string InputFiles::text(const std::string& path) const {

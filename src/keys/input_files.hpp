@@ -20,6 +20,8 @@ class InputFiles {
   explicit InputFiles(const Comm& comm) : comm_(comm) {}
 
   bool exists(const std::string& path) const;
+  /// Throws Error where it is a folder, a device, or nothing.
+  void require_file(const std::string& path) const;
   /// Throws Error where there is no such file or where it cannot be read.
   std::string text(const std::string& path) const;
   /// What `read` returns, which may throw.

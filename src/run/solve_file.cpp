@@ -11,7 +11,7 @@ namespace spall {
 
 void solve_file(const Comm& comm, const std::string& file, const SolverSettings& settings,
                 bool only_evaluate) {
-  require(InputFiles(comm).exists(file), "there is no file '{}'", file);
+  InputFiles(comm).require_file(file);
   const LocalProblem problem = read_fclib(file, comm);
   const auto blocks = comm.sum(static_cast<std::int64_t>(problem.matrix.block.size()));
   require(!only_evaluate || !problem.solution.empty(), "{} has no /solution/r to evaluate", file);
