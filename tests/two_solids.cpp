@@ -397,5 +397,14 @@ TEST(TwoSolids, too_long_a_step_names_the_pair) {
       << message;
 }
 
+TEST(TwoSolids, a_material_without_bodies_shortens_no_step_at_a_wall_either) {
+  auto bodies = two_balls(1.9, 0, 1.6, embedded, other);
+  std::erase_if(bodies, [](const Body& b) { return b.material == 1; });
+  Lab world = world_of(alone(), bodies, two_laws(embedded, other));
+  world.planes = {{.point = {-9, 0, 0}, .normal = Vec3::UnitX(), .material = 0}};
+  const PlannedSteps steps{.h = 1e-3, .lasts = 1, .place = "x.toml: phases.only"};
+  EXPECT_EQ(complaint_of([&] { world.potential.check_steps(world, steps); }), "");
+}
+
 }  // namespace
 }  // namespace spall
