@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Tests that take longer than those of jobs/test.sh: more faults, on more ranks, fuzzing, valgrind, the kernels without
-# vectors, the Debian packages, and pip. Hours on two cores.
+# vectors, all tests under sanitizers, the Debian packages, and pip. Hours on two cores.
 # As root also full disks: filling one takes a mount. What they say is kept in build/long_tests, one folder a run, by date and commit.
 # usage: long_tests.sh [COUNT [RANKS…]]    so many kills over three numbers of ranks, and writers killed, and ranks that end;
 #                                          seventeen times as many errors, half as many disks, ten times as many seconds a fuzzer; default: 60 on 1 2 4
@@ -33,6 +33,7 @@ tests/valgrind.sh "$build" || failures=$((failures + 1))
 cmake --preset scalar -DSPALL_BENCH=OFF
 cmake --build --preset scalar
 ctest --test-dir build/scalar --output-on-failure --parallel "$(nproc)" -R '_[12]$' || failures=$((failures + 1))
+jobs/sanitized.sh || failures=$((failures + 1))
 mkdir "$kept/packages"
 packaging/try_debian.sh "$kept/packages" || failures=$((failures + 1))
 jobs/try_pip.sh || failures=$((failures + 1))
