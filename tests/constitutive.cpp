@@ -228,6 +228,10 @@ TEST(Constitutive, rigid_spheres_hold_the_tensile_strength) {
               1e-12 * aluminium.tensile_strength);
   EXPECT_NEAR(c.range / 0.2e-3, 310e6 / 68.9e9, 1e-15);
   EXPECT_NEAR(c.friction, 276 / (std::sqrt(3.0) * 310), 1e-12);
+  Solid jelly = aluminium;
+  jelly.youngs_modulus = 0.5;
+  jelly.tensile_strength = 0.1;
+  EXPECT_NEAR(cohesion_of(jelly, cubic, "here").range / 0.2e-3, 0.2, 1e-15);
 }
 
 // How cases ask for it.

@@ -140,6 +140,34 @@ TEST(Debris, speeds_masses_and_extents_are_those_of_the_cloud) {
   EXPECT_NEAR(c.radial, 2970, 31);
 }
 
+TEST(Debris, of_a_cloud_without_bodies_are_zeros) {
+  const Target t = find_target(scene());
+  const Cloud cloud = measure_cloud(testing_world(), {}, t, 0);
+  for_each_column(cloud, [&](const std::string& name, double value, auto&&...) {
+    EXPECT_EQ(value, name == "hole" ? cloud.hole : 0) << name;
+  });
+}
+
+TEST(Debris, of_one_rank_alone_are_those_of_all) {
+  const Comm comm = testing_world();
+  const Target t = find_target(scene());
+  const std::vector<Body> one{{1, 2, {0, 0, -20}, {3, 4, -50}}};
+  const Cloud c = measure_cloud(comm, bodies_of(comm, one), t, 1);
+  EXPECT_NEAR(c.front, 50, 1e-9);
+  EXPECT_NEAR(c.rear, 50, 1e-9);
+  EXPECT_NEAR(c.radial, 5, 1e-9);
+}
+
+TEST(Debris, ejecta_are_farther_before_the_plate_than_a_quarter_of_the_projectile) {
+  const Comm comm = testing_world();
+  Target t = find_target(scene());
+  t.origin = Vec3::Zero();  // all that follows is exact
+  const double nearest = t.thickness + t.diameter / 4;
+  const std::vector<Body> all{{0, 3, {0, 0, nearest}, {0, 0, 100}},
+                              {0, 5, {0, 0, nearest + 0.125}, {0, 0, 100}}};
+  EXPECT_EQ(measure_cloud(comm, bodies_of(comm, all), t, 1).ejecta_mass, 5);
+}
+
 TEST(Debris, contour_holds_what_is_thick_enough) {
   const Comm comm = testing_world();
   const Target t = find_target(scene());
@@ -196,6 +224,14 @@ TEST(Debris, wall_receives_what_flies_there) {
   EXPECT_NEAR(load.half_radius, 5.9, 1e-9);
   EXPECT_NEAR(load.radius, 9.9, 1e-9);
   EXPECT_GT(load.peak, 0);
+}
+
+TEST(Debris, wall_receives_what_is_slow_and_nothing_of_what_stands_still) {
+  const Comm comm = testing_world();
+  const std::vector<Body> all{{1, 3, {0, 0, -24}, {0, 0, -0.5}}, {1, 7, {0, 0, -24}, {9, 0, 0}}};
+  const WallLoad load = load_wall(comm, bodies_of(comm, all), find_target(scene()), 100);
+  EXPECT_EQ(load.momentum, 1.5);
+  EXPECT_LT(load.radius, 1);
 }
 
 TEST(Debris, log_survives_a_restart_and_reports_all_read_outs) {

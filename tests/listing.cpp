@@ -48,6 +48,18 @@ Bed bed(int count) {
   return bed;
 }
 
+TEST(Listing, every_body_with_partners_is_more_work_than_one_without) {
+  const Bed start = bed(300);
+  Lab world = penalty_world(alone(), start.spheres, {}, {.restitution = 0.5});
+  world.period.size = Vec3::Constant(start.edge);
+  penalty_steps(world, 1e-4, 1);
+  const NearPairs& near = world.penalty.touch;
+  const std::vector<double> work = work_of(world.bodies, near);
+  const Links pairs = links_of(near.windows);
+  EXPECT_GT(pairs.i.size(), 100);
+  for (const Index b : pairs.i) EXPECT_GT(work[b], 1) << b;
+}
+
 TEST(Listing, of_a_moving_bed_of_ten_sizes_is_at_most_eight_pairs_a_grain) {
   const Bed start = bed(3000);
   Lab world =

@@ -551,6 +551,21 @@ TEST(StoredBodies, of_another_program_are_checked_field_by_field) {
          complaint_about<Vec3>("velocity", {Vec3::Zero(), Vec3::Constant(no_number)}));
 }
 
+TEST(File, a_handle_that_moves_is_closed_once) {
+  static int closed = 0;
+  const auto close = [](hid_t id) -> herr_t {
+    EXPECT_EQ(id, 7);
+    return ++closed, 0;
+  };
+  {
+    h5::Handle first(7, close), second = std::move(first), third;
+    third = std::move(second);
+    EXPECT_EQ(third, 7);
+    EXPECT_EQ(closed, 0);
+  }
+  EXPECT_EQ(closed, 1);
+}
+
 /// HDF5 keeps small values back until their data set is closed.
 TEST(File, a_data_set_that_cannot_be_closed_is_an_error) {
   if (testing_world().rank != 0) return;

@@ -96,6 +96,14 @@ TEST(Shape, depth_is_the_distance_to_the_surface) {
     }
 }
 
+TEST(Shape, does_not_contain_its_surface) {
+  for (const Volume& volume : all_shapes) {
+    const Vec3 top = volume.center + half_widths(volume).z() * Vec3::UnitZ();
+    EXPECT_FALSE(contains(volume, top)) << static_cast<int>(volume.shape);
+    EXPECT_TRUE(contains(volume, top - 0.5 * Vec3::UnitZ())) << static_cast<int>(volume.shape);
+  }
+}
+
 TEST(Lattice, inner_sites_have_the_neighbours_of_their_kind_and_no_nearer_ones) {
   for (const auto& [kind, expected] :
        {std::pair{LatticeKind::simple_cubic, 6}, {LatticeKind::fcc, 12}, {LatticeKind::hcp, 12}})

@@ -3,6 +3,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include "penalty/elastic.hpp"
+#include "penalty/jkr.hpp"
 #include "penalty_worlds.hpp"
 #include "spall/error.hpp"
 
@@ -152,6 +154,25 @@ TEST(Penalty, pairs_are_looked_for_as_far_as_necks_reach) {
   const PenaltyLaw law = penalty_law(s, contact_law(0.5, 0.5), soft_rock, soft_rock);
   EXPECT_NEAR(widest_gap(law, 1), -least, 1e-12 * -least);
   EXPECT_EQ(widest_gap(penalty_law(hertz, contact_law(0.5, 0.5), soft_rock, soft_rock), 1), 0);
+}
+
+TEST(Penalty, growth_of_the_tangential_stiffness_is_its_slope) {
+  const auto differs = [](const auto& law, double overlap) {
+    const double r = 0.5, h = 1e-5 * overlap;
+    const auto k = [&](double x) {
+      return std::log(law.force(spread(x), spread(r)).tangential[0]);
+    };
+    const double slope = (k(overlap + h) - k(overlap - h)) / (2 * h);
+    return law.force(spread(overlap), spread(r)).growth[0] / slope - 1;
+  };
+  for (Adhesion adhesion : {Adhesion::none, Adhesion::dmt, Adhesion::jkr}) {
+    const PenaltySettings s = adhesion == Adhesion::none ? hertz : sticky(adhesion);
+    const PenaltyLaw law = penalty_law(s, contact_law(0.5, 0.5), soft_rock, soft_rock);
+    for (double overlap : {1e-4, 1e-2})
+      EXPECT_NEAR(adhesion == Adhesion::jkr ? differs(JkrLanes<double>(law), overlap)
+                                            : differs(HertzLanes<false, double>(law), overlap),
+                  0, 1e-6);
+  }
 }
 
 /// Velocities and spins after a step with fresh springs, by a sum over all pairs.

@@ -439,6 +439,25 @@ TEST(Impactor, meets_first_and_head_on_the_body_that_it_is_aimed_at) {
   }
 }
 
+TEST(Impactor, is_aimed_head_on_whichever_body_it_meets) {
+  const Comm comm(MPI_COMM_SELF);
+  Bodies bodies;
+  for (int k = 0; k < 3; ++k) {
+    const Index row = append_row(bodies);
+    bodies.id[row] = k;
+    bodies.position[row] = {0, 10.0 * k, 0};
+    bodies.radius[row] = 2;
+  }
+  bodies.owned = bodies.size();
+  for (int k = 0; k < 3; ++k) {
+    const Impactor impactor{
+        .mass = 5, .radius = 1, .speed = 10, .distance = 4, .offset = Vec3(0, 10.0 * k + 1, 0)};
+    const Aim aim = aim_impactor(comm, impactor, bodies);
+    EXPECT_EQ(aim.struck, k);
+    EXPECT_TRUE(aim.position.isApprox(Vec3(-7, 10.0 * k, 0), 1e-15));
+  }
+}
+
 TEST(Impactor, on_a_line_keeps_to_it_and_a_miss_is_an_error) {
   const Comm comm(MPI_COMM_SELF);
   const Case scene = parse(R"(

@@ -117,7 +117,9 @@ const std::vector<Asked> turned = {
 
 TEST(Shields, a_whole_wall_has_held_with_nearly_all_of_its_thickness) {
   for (const Asked& asked : turned) {
-    const WallVerdict v = Scenery(testing_world(), asked).judge();
+    const Scenery shot(testing_world(), asked);
+    EXPECT_GT(shot.scene.shields[0].rear.dot(shot.scene.groups[1].velocity), 0);
+    const WallVerdict v = shot.judge();
     EXPECT_EQ(v.outcome, Outcome::held);
     EXPECT_GT(v.margin, 0.85);  // six layers, counted on circles of seven bodies
     EXPECT_LE(v.margin, 1);
@@ -219,6 +221,20 @@ TEST(Shields, what_comes_back_or_stays_or_is_a_grain_is_no_spall) {
     EXPECT_EQ(v.outcome, Outcome::held);
     EXPECT_EQ(v.spall_pieces > 0, flake.diameter < 2 * d);
   }
+}
+
+TEST(Shields, what_came_through_is_no_spall) {
+  Scenery shot(testing_world(), {});
+  Bodies& bodies = shot.world.bodies;
+  for (Index b = 0; b < bodies.owned; ++b)
+    if (bodies.group[b] != shot.wall.group) {
+      bodies.position[b] += 20e-3 * shot.wall.normal;
+      bodies.velocity[b] = 100 * shot.wall.normal;
+    }
+  const WallVerdict v = shot.judge();
+  EXPECT_EQ(v.outcome, Outcome::held);
+  EXPECT_EQ(v.spall_pieces, 0);
+  EXPECT_EQ(v.spall_mass, 0);
 }
 
 TEST(Shields, what_failed_on_the_rear_and_rides_on_it_is_no_spall) {

@@ -63,6 +63,13 @@ TEST(Simulation, a_material_that_the_scene_lacks_is_an_error_that_names_it) {
             "scene: sphere 0: material \"ice\" is not in [materials]");
 }
 
+TEST(Simulation, a_sphere_without_a_finite_size_is_an_error) {
+  Scene scene = Scene::from_text(rock + phase("step = 0.01\nduration = 1\n"));
+  for (const auto& [radius, told] : {std::pair(-1.0, "-1"), {0.0, "0"}, {infinity, "inf"}})
+    EXPECT_EQ(complaint_of([&] { scene.add({.material = "rock", .radius = radius}); }),
+              fmt::format("scene: sphere 0: radius = {} m", told));
+}
+
 TEST(Simulation, an_own_force_like_gravity_does_what_gravity_does_with_every_engine) {
   for (const std::string method : {"nonsmooth", "penalty", "potential"}) {
     const std::string text =

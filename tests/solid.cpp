@@ -3,6 +3,7 @@
 #include <cmath>
 #include <random>
 
+#include "output/diagnostics.hpp"
 #include "scene/scene.hpp"
 #include "solid/cold_curve.hpp"
 #include "solid/contacts.hpp"
@@ -52,6 +53,14 @@ TEST(ColdCurve, is_the_isentrope_that_touches_the_hugoniot_at_rest) {
     const double hugoniot = copper.bulk_modulus() * eta / (left * left);
     const double third = copper.bulk_modulus() * std::abs(eta * eta * eta) / (left * left * left);
     EXPECT_LE(std::abs(hugoniot - pressure), 4 * third) << eta;
+    // Sound is as fast as the Hugoniot's slope over density says.
+    const auto shock = [](double density) {
+      const double e = 1 - copper.density / density, rest = 1 - copper.hugoniot_slope * e;
+      return copper.bulk_modulus() * e / (rest * rest);
+    };
+    const double density = copper.density / (1 - eta), step = 1e-5 * density;
+    const double slope = (shock(density + step) - shock(density - step)) / (2 * step);
+    EXPECT_NEAR(curve.at(1 / (1 - eta)).slope2, slope, 1e-6 * slope) << eta;
   }
 }
 
@@ -293,6 +302,18 @@ TEST(SolidStep, pieces_push_each_other_and_never_pull) {
   solid_steps(world, 1e-8, 50);
   for (std::size_t k = 0; const Sphere& s : spheres_of(world))
     EXPECT_NEAR(s.velocity.x(), k++ < half ? 0 : 20, 1e-9);
+}
+
+TEST(SolidStep, walls_receive_the_momentum_that_a_piece_loses) {
+  auto spheres = ball(turned, 3.2 * d);
+  for (Sphere& s : spheres) s.velocity = {30, 0, -200};
+  Lab world = world_of(testing_world(), spheres, ductile);
+  world.planes = {{.point = {0, 0, -4 * d}}};
+  const Sums before = sums_of(world);
+  solid_steps(world, 0.3 * longest_step(ductile, d, 400), 1000);
+  const Vec3 gained = sums_of(world).momentum - before.momentum;
+  EXPECT_GT(gained.z(), -0.2 * before.momentum.z());
+  EXPECT_LE((gained - diagnose(world).given_momentum).norm(), 1e-12 * before.momentum.norm());
 }
 
 TEST(SolidStep, pieces_meet_alike_whatever_the_axes_are_called) {

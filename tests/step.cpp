@@ -290,5 +290,14 @@ TEST(Cohesion, as_an_impulse_takes_its_bound_in_every_step) {
   }
 }
 
+TEST(Cohesion, as_an_impulse_without_a_range_holds_what_touches) {
+  Lab world = make_world(alone(),
+                         {{.mass = 2, .velocity = {-1, 0, 0}},
+                          {.mass = 2, .position = {2, 0, 0}, .velocity = {1, 0, 0}}},
+                         {.cohesion = 3, .cohesion_law = CohesionLaw::impulse});
+  advance(world, 0.01, 1);
+  for (const Sphere& s : spheres_of(world)) EXPECT_NEAR(s.velocity.x(), 0, 1e-12);
+}
+
 }  // namespace
 }  // namespace spall
