@@ -45,7 +45,7 @@ inline void store_springs(const LaneVectors& v, unsigned touching, double* to) {
 template <bool has_friction, bool has_rolling, template <class> class NormalOf, class Number>
 struct ContactModel {
   using Normal = NormalOf<Number>;
-  static constexpr bool frictional = has_friction, rolling = has_rolling, uniform = true;
+  static constexpr bool frictional = has_friction, rolling = has_rolling;
   LawConstants<Number> law;
   Normal normal;
   bool cohesive;  ///< somebody is
@@ -59,6 +59,8 @@ struct ContactModel {
   const ContactModel& of(Pair&&) const {
     return *this;
   }
+  /// That of all pairs of bodies of a material.
+  const ContactModel& of_material(std::int32_t) const { return *this; }
 
   /// Bodies touch where they overlap; where the law sticks, once they have until the neck ends.
   LaneMask touches(const Lanes& overlap, const Lanes& radius, unsigned before) const {
@@ -125,7 +127,7 @@ template <bool has_rolling, template <class> class NormalOf>
 struct ContactModels {
   using Model = ContactModel<true, has_rolling, NormalOf, Lanes>;
   using Normal = typename Model::Normal;
-  static constexpr bool frictional = true, rolling = has_rolling, uniform = false;
+  static constexpr bool frictional = true, rolling = has_rolling;
   const ByPair<PenaltyLaw>& laws;
   bool cohesive;
   double h;  ///< s
@@ -150,6 +152,10 @@ struct ContactModels {
       for (std::size_t k = 0; k < count; ++k) lanes[k][l] = row[k];
     }
     return Model(std::bit_cast<LawConstants<Lanes>>(lanes), cohesive, h);
+  }
+  /// That of all pairs of bodies of a material, of one law then.
+  ContactModel<true, has_rolling, NormalOf, double> of_material(std::int32_t material) const {
+    return {laws(material, material), cohesive, h};
   }
 };
 
@@ -223,10 +229,13 @@ class BodiesAhead {
 
 /// Adds the forces of a window's pairs to the rows and steps their springs; `gap` (m) is the widest
 /// at which bodies act on each other. `equal`: its bodies and their partners have the size and mass
-/// of the first, which is then read once.
+/// of the first, which is then read once. A function of its own: laws of all pairs and those by
+/// pair of materials share it.
 template <bool equal, class Model>
-void sweep_window(const Bodies& bodies, const Model& model, double gap, const NearWindow& window,
-                  const NearWindow& next, WindowSprings& kept, ForceRow* rows) {
+[[gnu::noinline, gnu::flatten]] void sweep_window(const Bodies& bodies, const Model& model,
+                                                  double gap, const NearWindow& window,
+                                                  const NearWindow& next, WindowSprings& kept,
+                                                  ForceRow* rows) {
   double* const forces = reinterpret_cast<double*>(rows);
   BodiesAhead ahead(next, bodies, rows);
   const Index first = window.rows[0] / doubles_a_row;
@@ -310,18 +319,18 @@ void sweep_window(const Bodies& bodies, const Model& model, double gap, const Ne
 
 /// The same for all windows; calls `finish(body)` for each body of a window once nothing will be
 /// added to its row and none of its fields will be asked for again. The forces of ghosts mean
-/// nothing. `equal`: of each window, whether its bodies and their partners have one size and mass.
+/// nothing. `equal`: of each window, whether its bodies and their partners have one size, mass and
+/// material.
 template <class Model, class Finish>
-[[gnu::flatten]] void sweep_contacts(const Bodies& bodies, const Model& model, double gap,
-                                     const std::vector<NearWindow>& windows,
-                                     const std::vector<std::uint8_t>& equal,
-                                     std::vector<WindowSprings>& springs, ForceRow* rows,
-                                     Finish&& finish) {
+void sweep_contacts(const Bodies& bodies, const Model& model, double gap,
+                    const std::vector<NearWindow>& windows, const std::vector<std::uint8_t>& equal,
+                    std::vector<WindowSprings>& springs, ForceRow* rows, Finish&& finish) {
   for (std::size_t w = 0; w < windows.size(); ++w) {
     const NearWindow& window = windows[w];
     const NearWindow& next = windows[std::min(w + 1, windows.size() - 1)];
-    if (Model::uniform && equal[w])
-      sweep_window<Model::uniform>(bodies, model, gap, window, next, springs[w], rows);
+    if (equal[w])
+      sweep_window<true>(bodies, model.of_material(bodies.material[window.rows[0] / doubles_a_row]),
+                         gap, window, next, springs[w], rows);
     else
       sweep_window<false>(bodies, model, gap, window, next, springs[w], rows);
     for (Index r = 0; r < window.count; ++r) finish(window.rows[r] / doubles_a_row);

@@ -101,8 +101,8 @@ void recall_springs(const Kept& kept, bool rolling, TouchPairs& touch) {
   }
 }
 
-/// Of each window, whether all its bodies and partners are of one size and mass: a few that never
-/// move, or are larger, cost no more than their own windows.
+/// Of each window, whether all its bodies and partners are of one size, mass and material: a few
+/// that never move, are larger or of another law cost no more than their own windows.
 std::vector<std::uint8_t> equal_windows(const Bodies& bodies,
                                         const std::vector<NearWindow>& windows) {
   std::vector<std::uint8_t> equal;
@@ -111,7 +111,8 @@ std::vector<std::uint8_t> equal_windows(const Bodies& bodies,
     const Index first = row_of(window.rows[0]);
     const auto alike = [&](Index place) {
       const Index b = row_of(place);
-      return bodies.radius[b] == bodies.radius[first] && bodies.mass[b] == bodies.mass[first];
+      return bodies.radius[b] == bodies.radius[first] && bodies.mass[b] == bodies.mass[first] &&
+             bodies.material[b] == bodies.material[first];
     };
     equal.push_back(std::ranges::all_of(window.rows, alike) &&
                     std::ranges::all_of(window.partners, alike));

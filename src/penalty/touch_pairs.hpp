@@ -46,8 +46,8 @@ struct TouchPairs : NearPairs {
   std::vector<WallTouch> walls;
   ContactMemory carried;  ///< springs to start from, of a restart; taken by the next search
   double gap = 0;         ///< m, at which bodies may act on each other
-  std::vector<std::uint8_t> equal;  ///< of each window: its bodies, partners too, are of one size
-                                    ///< and mass
+  std::vector<std::uint8_t> equal;  ///< of each window: its bodies, partners too, are of one size,
+                                    ///< mass and material
 };
 
 /// How near bodies must come to be listed.
