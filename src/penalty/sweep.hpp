@@ -27,18 +27,15 @@ struct BodyLanes {
   Lanes radius, inverse_mass;
 };
 
-/// Springs of some lanes, which stand at `from` one after another: all x, then y, then z. Zero in
-/// the other lanes.
-inline LaneVectors load_springs(const double* from, unsigned touching) {
-  const int count = std::popcount(touching);
-  return {load_packed(from, touching), load_packed(from + count, touching),
-          load_packed(from + 2 * count, touching)};
+/// Springs of some lanes, the next ones of `springs`; zero in the other lanes.
+inline LaneVectors load_springs(const SpringList& springs, std::size_t at, unsigned lanes) {
+  return {load_packed(springs.x() + at, lanes), load_packed(springs.y() + at, lanes),
+          load_packed(springs.z() + at, lanes)};
 }
-inline void store_springs(const LaneVectors& v, unsigned touching, double* to) {
-  const int count = std::popcount(touching);
-  store_packed(v.x, touching, to);
-  store_packed(v.y, touching, to + count);
-  store_packed(v.z, touching, to + 2 * count);
+inline void store_springs(const LaneVectors& v, unsigned lanes, std::size_t at, SpringList& to) {
+  store_packed(v.x, lanes, to.x() + at);
+  store_packed(v.y, lanes, to.y() + at);
+  store_packed(v.z, lanes, to.z() + at);
 }
 
 /// A law with all that a sweep asks of it at once; one for all lanes, or one for each.
@@ -227,6 +224,36 @@ class BodiesAhead {
   const ForceRow* rows_;
 };
 
+/// Pairs of a window that are as near as to act on each other, or touched a step ago, one after
+/// another: most of those that are listed are not, and contacts so fill their lanes.
+struct ActingPairs {
+  std::vector<Index> own, partners;  ///< where their rows begin
+  std::vector<Index> place;          ///< 8 slot + lane
+  std::size_t count = 0;
+  SpringList sliding, rolling;  ///< of those that touch now
+
+  void begin(std::size_t most, bool rolls) {
+    count = 0;
+    for (std::vector<Index>* of : {&own, &partners, &place})
+      if (of->size() < most + lane_count) of->resize(most + lane_count);
+    sliding.make_room(most);
+    if (rolls) rolling.make_room(most);
+  }
+  void add(const Index* own_rows, const Index* partner_rows, std::size_t slot, unsigned lanes) {
+    constexpr IndexLanes numbers = {0, 1, 2, 3, 4, 5, 6, 7};
+    store_packed(load(own_rows), lanes, &own[count]);
+    store_packed(load(partner_rows), lanes, &partners[count]);
+    count += store_packed(numbers + static_cast<Index>(slot * lane_count), lanes, &place[count]);
+  }
+  /// The lanes that are left over are pairs of a body with itself.
+  void close() {
+    for (std::size_t k = count; k % lane_count != 0; ++k) {
+      own[k] = partners[k] = own[0];
+      place[k] = place[0];
+    }
+  }
+};
+
 /// Adds the forces of a window's pairs to the rows and steps their springs; `gap` (m) is the widest
 /// at which bodies act on each other. `equal`: its bodies and their partners have the size and mass
 /// of the first, which is then read once. A function of its own: laws of all pairs and those by
@@ -234,10 +261,9 @@ class BodiesAhead {
 template <bool equal, class Model>
 [[gnu::noinline, gnu::flatten]] void sweep_window(const Bodies& bodies, const Model& model,
                                                   double gap, const NearWindow& window,
-                                                  const NearWindow& next, WindowSprings& kept,
-                                                  ForceRow* rows) {
+                                                  const NearWindow& next, ActingPairs& acting,
+                                                  WindowSprings& kept, ForceRow* rows) {
   double* const forces = reinterpret_cast<double*>(rows);
-  BodiesAhead ahead(next, bodies, rows);
   const Index first = window.rows[0] / doubles_a_row;
   const Lanes equal_radius = spread(bodies.radius[first]);
   const Lanes equal_inverse_mass = spread(1 / bodies.mass[first]);
@@ -247,74 +273,88 @@ template <bool equal, class Model>
   const auto inverse_mass = [&](const Index* at) -> Lanes {
     return equal ? equal_inverse_mass : 1.0 / gather_body_numbers(bodies.mass, at);
   };
+  // A row that is its own partner, in a slot that it does not need, is at distance 0.
+  const auto is_near = [&](const Lanes& r2, const Lanes& radii) -> LaneMask {
+    const Lanes reach = radii + gap;
+    return (r2 < reach * reach) & (r2 > 0.0);
+  };
+
+  acting.begin(window.partners.size(), Model::rolling);
+  BodiesAhead ahead(next, bodies, rows);
   const Index* partners = window.partners.data();
-  std::size_t slot = 0, at = 0;  // of the springs
+  std::size_t slot = 0;
   for (std::size_t g = 0; g < window.slots.size(); ++g) {
+    if (window.slots[g] == 0) continue;
     const Index* own = window.rows.data() + g * lane_count;
     const LaneVectors xi = gather_body_vectors(bodies.position, own);
-    const LaneVectors vi = gather_body_vectors(bodies.velocity, own);
-    const Lanes ri = radius(own), wi = inverse_mass(own);
-    LaneVectors spin_i{}, surface_i{};
-    if constexpr (Model::frictional) {
-      spin_i = gather_body_vectors(bodies.angular_velocity, own);
-      surface_i = ri * spin_i;
-    }
-    LaneVectors force{}, lever{}, roll{};
-    Lanes power{};
+    const Lanes ri = radius(own);
     for (Index s = 0; s < window.slots[g]; ++s, ++slot, partners += lane_count) {
       ahead.ask_for_slot();
       const LaneVectors apart = gather_body_vectors(bodies.position, partners) - xi;
-      const Lanes rj = radius(partners);
-      const Lanes r2 = dot(apart, apart), radii = ri + rj, reach = radii + gap;
-      const unsigned before = kept.touching[slot];
-      // A row that is its own partner, in a slot that it does not need, is at distance 0.
-      const LaneMask near = (r2 < reach * reach) & (r2 > 0.0);
-      if (!any_lane(near) && before == 0) continue;
-      ContactLanes c;
-      const Lanes inverse = inverse_sqrt(r2), distance = r2 * inverse;
-      const Lanes inverse_radii = 1.0 / radii;
-      c.normal = inverse * apart;
-      c.overlap = select(near, radii - distance, spread(-infinity));
-      c.radius = ri * rj * inverse_radii;
-      c.inverse_mass = wi + inverse_mass(partners);
-      c.kappa = distance * inverse_radii;
-      c.velocity = gather_body_vectors(bodies.velocity, partners) - vi;
-      SpringLanes spring;
-      if constexpr (Model::frictional) {
-        const LaneVectors spin_j = gather_body_vectors(bodies.angular_velocity, partners);
-        c.surface = surface_i + rj * spin_j;
-        c.twist = 0.5 * dot(spin_i + spin_j, c.normal);
-        spring.sliding = load_springs(kept.sliding.data() + at, before);
-        if constexpr (Model::rolling) {
-          c.rolling = spin_j - spin_i;
-          spring.rolling = load_springs(kept.rolling.data() + at, before);
-        }
-      }
-      // Two bodies that never move do nothing to each other.
-      const auto& law = model.of(materials_of(bodies, own, partners));
-      const LaneMask touching = law.touches(c.overlap, c.radius, before) & (c.inverse_mass > 0.0);
-      const ContactForce f = law(c, touching, before, spring);
-      const unsigned now = bits_of_mask(touching);
-      if (now != before) set_touching(kept, slot, at, now, Model::rolling);
-      force = force + f.force;
-      power += f.power;
-      add_lanes(f.force, 0.5 * f.power, partners, forces);
-      if constexpr (Model::frictional) {
-        store_springs(spring.sliding, now, kept.sliding.data() + at);
-        LaneVectors torque = rj * f.lever;
-        lever = lever + f.lever;
-        if constexpr (Model::rolling) {
-          store_springs(spring.rolling, now, kept.rolling.data() + at);
-          torque = torque + f.rolling;
-          roll = roll + f.rolling;
-        }
-        add_lanes(torque, Lanes{}, partners, forces + 4);
-      }
-      at += 3 * std::popcount(now);
+      const unsigned lanes = bits_of_mask(is_near(dot(apart, apart), ri + radius(partners))) |
+                             unsigned{kept.touching[slot]};
+      if (lanes != 0) acting.add(own, partners, slot, lanes);
     }
-    add_lanes(spread(-1) * force, 0.5 * power, own, forces);
-    if constexpr (Model::frictional) add_lanes(ri * lever - roll, Lanes{}, own, forces + 4);
   }
+  acting.close();
+
+  std::size_t springs = 0, touch = 0;  // before and now
+  for (std::size_t k = 0; k < acting.count; k += lane_count) {
+    const Index *own = &acting.own[k], *other = &acting.partners[k];
+    const LaneVectors apart =
+        gather_body_vectors(bodies.position, other) - gather_body_vectors(bodies.position, own);
+    const Lanes ri = radius(own), rj = radius(other);
+    const Lanes r2 = dot(apart, apart), radii = ri + rj;
+    const unsigned before = touched(kept, &acting.place[k], acting.count - k);
+    ContactLanes c;
+    const Lanes inverse = inverse_sqrt(r2), distance = r2 * inverse;
+    const Lanes inverse_radii = 1.0 / radii;
+    c.normal = inverse * apart;
+    c.overlap = select(is_near(r2, radii), radii - distance, spread(-infinity));
+    c.radius = ri * rj * inverse_radii;
+    c.inverse_mass = inverse_mass(own) + inverse_mass(other);
+    c.kappa = distance * inverse_radii;
+    c.velocity =
+        gather_body_vectors(bodies.velocity, other) - gather_body_vectors(bodies.velocity, own);
+    SpringLanes spring;
+    if constexpr (Model::frictional) {
+      const LaneVectors spin_i = gather_body_vectors(bodies.angular_velocity, own);
+      const LaneVectors spin_j = gather_body_vectors(bodies.angular_velocity, other);
+      c.surface = ri * spin_i + rj * spin_j;
+      c.twist = 0.5 * dot(spin_i + spin_j, c.normal);
+      spring.sliding = load_springs(kept.sliding, springs, before);
+      if constexpr (Model::rolling) {
+        c.rolling = spin_j - spin_i;
+        spring.rolling = load_springs(kept.rolling, springs, before);
+      }
+    }
+    // Two bodies that never move do nothing to each other.
+    const auto& law = model.of(materials_of(bodies, own, other));
+    const LaneMask touching = law.touches(c.overlap, c.radius, before) & (c.inverse_mass > 0.0);
+    const ContactForce f = law(c, touching, before, spring);
+    const unsigned now = bits_of_mask(touching);
+    if (now != before) toggle_touched(now ^ before, &acting.place[k], kept);
+    add_lanes(f.force, 0.5 * f.power, other, forces);
+    add_lanes(spread(-1) * f.force, 0.5 * f.power, own, forces);
+    if constexpr (Model::frictional) {
+      store_springs(spring.sliding, now, touch, acting.sliding);
+      LaneVectors on_j = rj * f.lever, on_i = ri * f.lever;
+      if constexpr (Model::rolling) {
+        store_springs(spring.rolling, now, touch, acting.rolling);
+        on_j = on_j + f.rolling;
+        on_i = on_i - f.rolling;
+      }
+      add_lanes(on_j, Lanes{}, other, forces + 4);
+      add_lanes(on_i, Lanes{}, own, forces + 4);
+    }
+    springs += std::popcount(before);
+    touch += std::popcount(now);
+  }
+  if constexpr (Model::frictional)
+    kept.sliding.take(acting.sliding, touch);
+  else
+    kept.sliding.fill(touch, [](std::size_t) -> Vec3 { return Vec3::Zero(); });
+  if constexpr (Model::rolling) kept.rolling.take(acting.rolling, touch);
 }
 
 /// The same for all windows; calls `finish(body)` for each body of a window once nothing will be
@@ -325,15 +365,23 @@ template <class Model, class Finish>
 void sweep_contacts(const Bodies& bodies, const Model& model, double gap,
                     const std::vector<NearWindow>& windows, const std::vector<std::uint8_t>& equal,
                     std::vector<WindowSprings>& springs, ForceRow* rows, Finish&& finish) {
+  ActingPairs acting;
   for (std::size_t w = 0; w < windows.size(); ++w) {
     const NearWindow& window = windows[w];
     const NearWindow& next = windows[std::min(w + 1, windows.size() - 1)];
     if (equal[w])
       sweep_window<true>(bodies, model.of_material(bodies.material[window.rows[0] / doubles_a_row]),
-                         gap, window, next, springs[w], rows);
+                         gap, window, next, acting, springs[w], rows);
     else
-      sweep_window<false>(bodies, model, gap, window, next, springs[w], rows);
-    for (Index r = 0; r < window.count; ++r) finish(window.rows[r] / doubles_a_row);
+      sweep_window<false>(bodies, model, gap, window, next, acting, springs[w], rows);
+    for (Index r = 0; r < window.count; ++r) {
+      const Index row = next.rows[r % next.count] / doubles_a_row;
+      __builtin_prefetch(bodies.position.data() + row);
+      __builtin_prefetch(bodies.velocity.data() + row);
+      __builtin_prefetch(bodies.angular_velocity.data() + row);
+      __builtin_prefetch(rows + row, 1);
+      finish(window.rows[r] / doubles_a_row);
+    }
   }
 }
 

@@ -13,6 +13,7 @@
 namespace spall {
 namespace {
 
+constexpr Index lane_rows = lane_count;
 constexpr double slot_work = 0.3;  // of a pair, beside that of a body
 
 Index row_of(Index place) {
@@ -24,17 +25,10 @@ template <class F>
 void for_each_touching(const NearWindow& window, const WindowSprings& springs, F&& f) {
   std::size_t at = 0;
   for_each_slot(window, [&](std::size_t slot, const Index* own, const Index* partners) {
-    const unsigned lanes = springs.touching[slot];
-    const int count = std::popcount(lanes);
-    for (unsigned left = lanes; left != 0; left &= left - 1, ++at) {
+    for (unsigned left = springs.touching[slot]; left != 0; left &= left - 1, ++at) {
       const int l = std::countr_zero(left);
-      const auto spring = [&](const std::vector<double>& of) -> Vec3 {
-        if (of.empty()) return Vec3::Zero();
-        return {of[at], of[at + count], of[at + 2 * count]};
-      };
-      f(row_of(own[l]), row_of(partners[l]), spring(springs.sliding), spring(springs.rolling));
+      f(row_of(own[l]), row_of(partners[l]), springs.sliding[at], springs.rolling[at]);
     }
-    at += 2 * count;
   });
 }
 template <class F>
@@ -74,30 +68,25 @@ class Kept {
 
 void recall_springs(const Kept& kept, bool rolling, TouchPairs& touch) {
   touch.springs.resize(touch.windows.size());
-  std::vector<double> slides, rolls;
+  std::vector<Found> found;
   for (std::size_t w = 0; w < touch.windows.size(); ++w) {
     WindowSprings& springs = touch.springs[w];
     springs.touching.reserve(touch.windows[w].partners.size() / lane_count);
-    slides.clear();
-    rolls.clear();
+    found.clear();
     for_each_slot(touch.windows[w], [&](std::size_t, const Index* own, const Index* partners) {
-      std::array<Found, lane_count> found;
       unsigned lanes = 0;
       for (std::size_t l = 0; l < lane_count; ++l) {
         if (partners[l] == own[l]) continue;
-        found[l] = kept.of_pair(row_of(own[l]), row_of(partners[l]));
-        if (found[l].touching) lanes |= 1u << l;
+        const Found one = kept.of_pair(row_of(own[l]), row_of(partners[l]));
+        if (!one.touching) continue;
+        lanes |= 1u << l;
+        found.push_back(one);
       }
       springs.touching.push_back(static_cast<std::uint8_t>(lanes));
-      for (int k = 0; k < 3; ++k)
-        for (const Found& one : found) {
-          if (!one.touching) continue;
-          slides.push_back(one.sliding[k]);
-          if (rolling) rolls.push_back(one.rolling[k]);
-        }
     });
-    springs.sliding = slides;
-    springs.rolling = rolls;
+    springs.sliding.fill(found.size(), [&](std::size_t k) { return found[k].sliding; });
+    if (rolling)
+      springs.rolling.fill(found.size(), [&](std::size_t k) { return found[k].rolling; });
   }
 }
 
@@ -134,24 +123,34 @@ void find_walls(const Bodies& bodies, const Walls& walls, double reach, const Ke
 
 }  // namespace
 
-void set_touching(WindowSprings& springs, std::size_t slot, std::size_t at, unsigned touching,
-                  bool rolling) {
-  const int before = 3 * std::popcount(unsigned{springs.touching[slot]});
-  const int now = 3 * std::popcount(touching);
-  const auto make_room = [&](std::vector<double>& of) {
-    const auto place = of.begin() + static_cast<std::ptrdiff_t>(at);
-    if (now <= before) {
-      of.erase(place, place + (before - now));
-      return;
-    }
-    const std::size_t size = of.size() + (now - before);
-    // A vector's own growth would take twice the memory.
-    if (size > of.capacity()) of.reserve(size + size / 16);
-    of.insert(of.begin() + static_cast<std::ptrdiff_t>(at), now - before, 0.0);
-  };
-  make_room(springs.sliding);
-  if (rolling) make_room(springs.rolling);
-  springs.touching[slot] = static_cast<std::uint8_t>(touching);
+void SpringList::make_room(std::size_t count) {
+  if (count <= room_ && 3 * room_ == all_.size()) return;
+  room_ = count;
+  // A vector's own growth would take twice the memory.
+  if (3 * count > all_.capacity()) all_.reserve(3 * count + count / 5);
+  all_.resize(3 * count);
+}
+
+void SpringList::take(const SpringList& from, std::size_t count) {
+  room_ = 0;
+  make_room(count);
+  std::copy_n(from.x(), count, x());
+  std::copy_n(from.y(), count, y());
+  std::copy_n(from.z(), count, z());
+}
+
+unsigned touched(const WindowSprings& springs, const Index* places, std::size_t left) {
+  unsigned pairs = 0;
+  for (std::size_t l = 0; l < std::min(left, lane_count); ++l)
+    pairs |= (springs.touching[places[l] / lane_rows] >> places[l] % lane_rows & 1u) << l;
+  return pairs;
+}
+
+void toggle_touched(unsigned pairs, const Index* places, WindowSprings& springs) {
+  for (; pairs != 0; pairs &= pairs - 1) {
+    const Index place = places[std::countr_zero(pairs)];
+    springs.touching[place / lane_rows] ^= static_cast<std::uint8_t>(1u << place % lane_rows);
+  }
 }
 
 ContactMemory remember(const Bodies& bodies, const TouchPairs& touch, bool once) {

@@ -13,18 +13,52 @@
 
 namespace spall {
 
-/// What the pairs of a window that touch keep from step to step: slot by slot x, then y, then z of
-/// the lanes that touch (m; sliding of the partner against the body, rolling the same from either
-/// side).
-struct WindowSprings {
-  std::vector<double> sliding, rolling;  ///< `rolling` is empty without rolling friction
-  std::vector<std::uint8_t> touching;    ///< of each slot, a bit a lane
+/// Springs of pairs, one after another (m): all x, then all y, then all z.
+class SpringList {
+ public:
+  double* x() { return all_.data(); }
+  double* y() { return all_.data() + room_; }
+  double* z() { return all_.data() + 2 * room_; }
+  const double* x() const { return all_.data(); }
+  const double* y() const { return all_.data() + room_; }
+  const double* z() const { return all_.data() + 2 * room_; }
+  /// Zero where there are none.
+  Vec3 operator[](std::size_t k) const {
+    return k < room_ ? Vec3(x()[k], y()[k], z()[k]) : Vec3(Vec3::Zero());
+  }
+  /// Room for so many, whose values mean nothing yet.
+  void make_room(std::size_t count);
+  /// So many, number k of which is `spring(k)`.
+  template <class Spring>
+  void fill(std::size_t count, Spring&& spring) {
+    make_room(count);
+    for (std::size_t k = 0; k < count; ++k) {
+      const Vec3 one = spring(k);
+      x()[k] = one.x();
+      y()[k] = one.y();
+      z()[k] = one.z();
+    }
+  }
+  /// The first `count` of `from`.
+  void take(const SpringList& from, std::size_t count);
+
+ private:
+  std::size_t room_ = 0;
+  std::vector<double> all_;
 };
 
-/// Other lanes of a slot, whose springs begin at `at`, are `touching` from now on: those behind it
-/// make room or close up. What its own springs are is left to the caller.
-void set_touching(WindowSprings& springs, std::size_t slot, std::size_t at, unsigned touching,
-                  bool rolling);
+/// What the pairs of a window that touch keep from step to step, in the order of slots and lanes:
+/// sliding of the partner against the body, rolling the same from either side.
+struct WindowSprings {
+  SpringList sliding, rolling;         ///< `rolling` is empty without rolling friction
+  std::vector<std::uint8_t> touching;  ///< of each slot, a bit a lane
+};
+
+/// A bit for each of the next pairs, eight or as many as are `left`: whether it touched. `places`:
+/// 8 slot + lane.
+unsigned touched(const WindowSprings& springs, const Index* places, std::size_t left);
+/// The pairs of these bits touch if they did not, and the other way round.
+void toggle_touched(unsigned pairs, const Index* places, WindowSprings& springs);
 
 /// What a sweep adds up for a body; zero before it.
 struct alignas(64) ForceRow {
