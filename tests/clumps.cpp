@@ -119,6 +119,11 @@ TEST(Shape, ellipsoid_is_filled_from_inside_and_the_better_the_more_spheres_ther
   }
   EXPECT_GT(before, 0.9);
   EXPECT_EQ(fill_ellipsoid(Vec3::Ones(), 5).size(), 1u) << "all of them are the ball";
+  const auto small = fill_ellipsoid(axes, 7), large = fill_ellipsoid(8 * axes, 7);
+  for (std::size_t k = 0; k < small.size(); ++k) {
+    EXPECT_EQ(large[k].at, 8 * small[k].at);
+    EXPECT_EQ(large[k].radius, 8 * small[k].radius);
+  }
 }
 
 TEST(Shape, of_spheres_that_touch_to_round_off_hangs_together) {

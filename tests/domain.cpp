@@ -237,6 +237,7 @@ TEST(Halo, pairs_of_all_ranks_are_those_of_brute_force) {
       EXPECT_TRUE(found.emplace(i, j).second) << i << " " << j << " twice";
       EXPECT_EQ(p < pairs.boundary, pairs.i[p] >= mine.owned || pairs.j[p] >= mine.owned);
       EXPECT_TRUE(expected.count({i, j}));
+      EXPECT_EQ(pairs.plane[p], -1);
     }
     // Every pair is on each rank that owns one of its bodies.
     std::set<BodyId> here(mine.id.begin(), mine.id.begin() + mine.owned);

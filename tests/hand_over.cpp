@@ -308,8 +308,15 @@ TEST(CoupledRun, that_would_make_energy_is_refused) {
 
 TEST(CoupledRun, closes_its_books_and_goes_on_after_a_stop) {
   const std::string folder = folder_of("ball"), again = folder_of("again");
+  testing::internal::CaptureStdout();
   run_case(testing_world(), parse_case(ball(coupled), "ball.toml"), folder, Former::overwrite);
+  const std::string told = testing::internal::GetCapturedStdout();
   const toml::table results = results_in(folder);
+  if (testing_world().rank == 0) {
+    const auto share = fmt::format("{:.4g} leave from within with its body",
+                                   value(results, "coupling", "inner_momentum"));
+    EXPECT_NE(told.find(share), told.npos) << told;
+  }
   EXPECT_LT(value(results, "coupling", "momentum_closure"), 1e-12);
   EXPECT_LT(value(results, "coupling", "angular_closure"), 1e-12);
   EXPECT_LT(value(results, "deflection", "momentum_closure"), 1e-10);

@@ -300,6 +300,9 @@ echo "$(hostname) $!" >whole/lock
 refuses "'whole': a run is under way there, by process $! on $(hostname)" run small.toml --out whole --overwrite
 kill $!
 wait $! 2>/dev/null
+echo "elsewhere $!" >whole/lock
+refuses "'whole': a run is under way there, by process $! on elsewhere" run small.toml --out whole --overwrite
+echo "$(hostname) $!" >whole/lock
 on_ranks "$ranks" run small.toml --out whole --overwrite || fail "is kept out by a stale lock: $(cat stderr)"
 grep -q "has left 'whole/lock': it is taken over" stderr || fail "does not name a stale lock: $(cat stderr)"
 

@@ -6,6 +6,7 @@
 
 #include "pair_potentials.hpp"
 #include "run/run.hpp"
+#include "run/timetable.hpp"
 #include "spall/spall.hpp"
 #include "testing.hpp"
 #include "worlds.hpp"
@@ -68,6 +69,21 @@ TEST(Simulation, a_sphere_without_a_finite_size_is_an_error) {
   for (const auto& [radius, told] : {std::pair(-1.0, "-1"), {0.0, "0"}, {infinity, "inf"}})
     EXPECT_EQ(complaint_of([&] { scene.add({.material = "rock", .radius = radius}); }),
               fmt::format("scene: sphere 0: radius = {} m", told));
+}
+
+TEST(Simulation, keeps_its_state_as_often_as_its_pages_say) {
+  const std::string soft = "[penalty]\nmodel = \"hooke\"\nstiffness = 1e6\n";
+  for (const auto& [method, often] : {std::pair("nonsmooth", 50), {"penalty", 1000}}) {
+    const Case scene = parse_case(rock + R"([[groups]]
+name = "ball"
+material = "rock"
+volume = {radius = 1}
+)" + phase(fmt::format("method = \"{}\"\nstep = 0.01\nduration = 1\n", method)) +
+                                      (often == 50 ? "" : soft),
+                                  "x.toml");
+    for (int step = 1; step <= 2 * often; ++step)
+      EXPECT_EQ(keep_due(scene, {.step = step}), step % often == 0) << method << " " << step;
+  }
 }
 
 TEST(Simulation, an_own_force_like_gravity_does_what_gravity_does_with_every_engine) {
