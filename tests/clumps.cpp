@@ -7,6 +7,7 @@
 #include <memory>
 #include <random>
 
+#include "clump_worlds.hpp"
 #include "output/diagnostics.hpp"
 #include "output/restart.hpp"
 #include "output/snapshot.hpp"
@@ -20,12 +21,9 @@
 #include "solver/settings.hpp"
 #include "spall/spall.hpp"
 #include "testing.hpp"
-#include "worlds.hpp"
 
 namespace spall {
 namespace {
-
-const Plane floor_plane{.point = Vec3::Zero(), .normal = Vec3::UnitZ()};
 
 Vec3 random_vector(std::mt19937_64& random) {
   std::uniform_real_distribution<double> one(-1, 1);
@@ -308,36 +306,6 @@ TEST(Levers, one_contact_sticks_or_slips_as_its_block_says_by_every_method) {
 }
 
 // Worlds -------------------------------------------------------------------------------------
-
-struct Clump {
-  std::int32_t shape = 1;
-  double radius = 1;  ///< m
-  double mass = 1;    ///< kg
-  Vec3 position = Vec3::Zero(), velocity = Vec3::Zero(), spin = Vec3::Zero();
-  Quaternion orientation = Quaternion::Identity();
-};
-
-BodyShapes with_sphere(std::vector<BodyShape> others) {
-  BodyShapes shapes(1);
-  shapes[0].name = "sphere";
-  shapes.insert(shapes.end(), others.begin(), others.end());
-  return shapes;
-}
-
-Lab make_world(const Comm& comm, const BodyShapes& shapes, const std::vector<Clump>& clumps,
-               const ContactLaw& law) {
-  std::vector<Sphere> spheres;
-  for (const Clump& c : clumps)
-    spheres.push_back({c.radius, c.mass, c.position, c.velocity, c.spin});
-  Lab world = make_world(comm, spheres, law);
-  world.shapes = shapes;
-  Bodies& bodies = world.bodies;
-  for (Index b = 0; b < bodies.owned; ++b) {
-    bodies.shape[b] = clumps[bodies.id[b]].shape;
-    bodies.orientation[b] = clumps[bodies.id[b]].orientation;
-  }
-  return world;
-}
 
 BodyShape dumbbell() {
   const std::array<ShapeSphere, 2> two{{{Vec3(1.2, 0, 0), 1}, {Vec3(-0.5, 0, 0), 0.8}}};
