@@ -29,7 +29,7 @@ Block make_block(const std::vector<ShapeSphere>& spheres) {
 }
 
 /// The block turned about the origin, then shifted.
-Clump place(const Block& block, const Quaternion& turn, const Vec3& shift, double mass = 1) {
+ShapedBody place(const Block& block, const Quaternion& turn, const Vec3& shift, double mass = 1) {
   return {.radius = block.radius,
           .mass = mass,
           .position = turn * block.centre + shift,
@@ -38,7 +38,7 @@ Clump place(const Block& block, const Quaternion& turn, const Vec3& shift, doubl
 
 /// By each rank for itself, unless told otherwise: a solve to round-off of a few bodies is all
 /// messages on several ranks.
-Lab stand_on_floor(const Block& block, const std::vector<Clump>& clumps, double friction,
+Lab stand_on_floor(const Block& block, const std::vector<ShapedBody>& clumps, double friction,
                    const Comm& comm = alone()) {
   Lab world = make_world(comm, with_sphere({block.shape}), clumps, {.friction = friction});
   world.planes = {floor_plane};
@@ -78,9 +78,9 @@ Block make_box() {
 
 /// Each box is shifted along x against the one below, and lies in the dips that this leaves. The
 /// heavier ones are at the top where `heavier` is positive.
-std::vector<Clump> stack(const Block& box, double shift, double heavier = 0) {
+std::vector<ShapedBody> stack(const Block& box, double shift, double heavier = 0) {
   const double rise = 2 * box_half + std::sqrt(4 * corner * corner - shift * shift);
-  std::vector<Clump> clumps;
+  std::vector<ShapedBody> clumps;
   for (int k = 0; k < boxes; ++k)
     clumps.push_back(place(box, Quaternion::Identity(),
                            Vec3(k * shift, 0, box_half + corner + k * rise), 1 + k * heavier));
@@ -185,8 +185,8 @@ Block make_voussoir(const Arch& arch) {
   return make_block(spheres);
 }
 
-std::vector<Clump> build(const Arch& arch, const Block& voussoir) {
-  std::vector<Clump> clumps;
+std::vector<ShapedBody> build(const Arch& arch, const Block& voussoir) {
+  std::vector<ShapedBody> clumps;
   for (int k = 0; k < arch.voussoirs; ++k) {
     const double turn = (k + 0.5) * arch.angle() - pi / 2;
     clumps.push_back(
@@ -371,7 +371,7 @@ TEST(Rattle, without_friction_gives_no_energy_at_any_restitution) {
       const double x = one(random), y = one(random), z = one(random);
       return Vec3(x, y, z);
     };
-    std::vector<Clump> clumps;
+    std::vector<ShapedBody> clumps;
     for (int k = 0; k < 27; ++k)
       clumps.push_back({.shape = 1 + k % 2,
                         .mass = 1.0 + k % 3,
@@ -410,7 +410,7 @@ TEST(Rattle, without_friction_gives_no_energy_at_any_restitution) {
 TEST(Rattle, on_a_floor_without_friction_never_lifts_the_energy) {
   const BodyShapes shapes = rattling_shapes();
   const auto lifted = [&](double e, std::int32_t shape, double h) {
-    Clump clump{.shape = shape, .position = {0, 0, 2}, .spin = {0.3, -0.5, 0.2}};
+    ShapedBody clump{.shape = shape, .position = {0, 0, 2}, .spin = {0.3, -0.5, 0.2}};
     clump.orientation = turned_by(Vec3(0.4, 0.3, 0), Quaternion::Identity());
     Lab world = make_world(alone(), shapes, {clump}, {.restitution = e});
     world.planes = {floor_plane};

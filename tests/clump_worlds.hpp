@@ -12,7 +12,7 @@ namespace spall {
 inline const Plane floor_plane{.point = Vec3::Zero(), .normal = Vec3::UnitZ()};
 
 /// A body with a shape, which may be the sphere.
-struct Clump {
+struct ShapedBody {
   std::int32_t shape = 1;
   double radius = 1;  ///< m
   double mass = 1;    ///< kg
@@ -27,10 +27,10 @@ inline BodyShapes with_sphere(std::vector<BodyShape> others) {
   return shapes;
 }
 
-inline Lab make_world(const Comm& comm, const BodyShapes& shapes, const std::vector<Clump>& clumps,
-                      const ContactLaw& law) {
+inline Lab make_world(const Comm& comm, const BodyShapes& shapes,
+                      const std::vector<ShapedBody>& clumps, const ContactLaw& law) {
   std::vector<Sphere> spheres;
-  for (const Clump& c : clumps)
+  for (const ShapedBody& c : clumps)
     spheres.push_back({c.radius, c.mass, c.position, c.velocity, c.spin});
   Lab world = make_world(comm, spheres, law);
   world.shapes = shapes;

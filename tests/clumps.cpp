@@ -324,7 +324,7 @@ TEST(Clump, rod_that_falls_on_its_end_gets_the_impulse_of_the_closed_form) {
   for (double e : {0.0, 0.5})
     for (double tilt : {0.5, 1.0, 1.4}) {
       // The thin end is lowest, by `tilt` from the horizontal.
-      Clump clump{.mass = m, .velocity = {0, 0, -v}};
+      ShapedBody clump{.mass = m, .velocity = {0, 0, -v}};
       clump.orientation = turned_by(Vec3(0, tilt, 0), rod.as_listed);
       const ShapeSphere& end = rod.spheres[0];
       const Vec3 arm = clump.orientation * end.at - end.radius * Vec3::UnitZ();
@@ -349,7 +349,7 @@ TEST(Clump, tripod_at_rest_on_a_plane_stays) {
   for (int k = 0; k < 3; ++k)
     spheres.push_back({Vec3(std::cos(2 * pi * k / 3), std::sin(2 * pi * k / 3), 0), 0.7});
   const BodyShape tripod = make_shape("tripod", spheres);
-  Clump clump{.radius = 0.7 / tripod.spheres[1].radius, .orientation = tripod.as_listed};
+  ShapedBody clump{.radius = 0.7 / tripod.spheres[1].radius, .orientation = tripod.as_listed};
   const Vec3 foot = clump.radius * (clump.orientation * tripod.spheres[1].at);
   clump.position = {0, 0, 0.7 - foot.z()};
   Lab world = make_world(alone(), with_sphere({tripod}), {clump}, {.friction = 0.4});
@@ -371,7 +371,7 @@ TEST(Clump, box_of_eight_spheres_slides_beyond_the_angle_of_friction_and_stays_b
   const double mu = 0.3, g = 9.8, h = 1e-3;
   const int steps = 100;
   for (double slope : {0.2, 0.29, 0.31, 0.45}) {
-    Clump clump{.radius = 1 / box.spheres[0].radius, .position = {0, 0, 2}};
+    ShapedBody clump{.radius = 1 / box.spheres[0].radius, .position = {0, 0, 2}};
     clump.orientation = box.as_listed;
     Lab world = make_world(alone(), with_sphere({box}), {clump}, {.friction = mu});
     world.planes = {floor_plane};
@@ -395,7 +395,7 @@ TEST(Clump, energy_that_an_eccentric_hit_gives_is_counted) {
     double gained, change;  ///< J, as it is counted, and of the kinetic energy
   };
   const auto hit = [&](double mu, double e, bool gravity) {
-    Clump clump{.radius = 1 / rod.spheres[0].radius, .velocity = {-1, 0, -1}};
+    ShapedBody clump{.radius = 1 / rod.spheres[0].radius, .velocity = {-1, 0, -1}};
     clump.orientation = turned_by(Vec3(0, 1, 0), rod.as_listed);
     double lowest = 0;
     for (const ShapeSphere& one : rod.spheres)
@@ -427,15 +427,15 @@ TEST(Clump, energy_that_an_eccentric_hit_gives_is_counted) {
 }
 
 /// Clumps and spheres at random, their outer spheres apart by `gap` times their radii.
-std::vector<Clump> cloud_of_clumps(int count, double edge, double nearest, double speed) {
+std::vector<ShapedBody> cloud_of_clumps(int count, double edge, double nearest, double speed) {
   std::mt19937_64 random(7);
-  std::vector<Clump> clumps;
+  std::vector<ShapedBody> clumps;
   while (std::ssize(clumps) < count) {
-    Clump clump{.shape = static_cast<std::int32_t>(clumps.size() % 3),
-                .radius = clumps.size() % 4 == 0 ? 1.3 : 1,
-                .mass = clumps.size() % 4 == 0 ? 2.0 : 1.0,
-                .position = edge / 2 * random_vector(random)};
-    if (std::ranges::any_of(clumps, [&](const Clump& other) {
+    ShapedBody clump{.shape = static_cast<std::int32_t>(clumps.size() % 3),
+                     .radius = clumps.size() % 4 == 0 ? 1.3 : 1,
+                     .mass = clumps.size() % 4 == 0 ? 2.0 : 1.0,
+                     .position = edge / 2 * random_vector(random)};
+    if (std::ranges::any_of(clumps, [&](const ShapedBody& other) {
           return (other.position - clump.position).norm() < nearest;
         }))
       continue;
@@ -513,7 +513,7 @@ TEST(Clump, without_friction_every_method_moves_them_alike) {
 
 TEST(Clump, general_contacts_of_spheres_move_them_as_contacts_of_spheres_do) {
   auto clumps = cloud_of_clumps(30, 9, 2.7, 1);
-  for (Clump& clump : clumps) clump.shape = 0;
+  for (ShapedBody& clump : clumps) clump.shape = 0;
   const auto run = [&](const BodyShapes& shapes) {
     Lab world = make_world(alone(), shapes, clumps, {.friction = 0.5, .restitution = 0.3});
     advance(world, 0.05, 20);
@@ -726,7 +726,7 @@ TEST(Case, an_impactor_is_aimed_at_the_spheres_of_a_clump) {
   const std::array<ShapeSphere, 3> three{
       {{Vec3(-4, 0, 0), 1}, {Vec3(0, 0, 0), 3.5}, {Vec3(4, 0, 0), 1}}};
   const BodyShape shape = make_shape("rod", three);
-  Clump clump{.radius = 5, .position = {1, 2, 3}, .orientation = shape.as_listed};
+  ShapedBody clump{.radius = 5, .position = {1, 2, 3}, .orientation = shape.as_listed};
   clump.orientation = turned_by(Vec3(0, 0, pi / 2), clump.orientation);  // along y now
   const Lab world = make_world(testing_world(), with_sphere({shape}),
                                {clump,
