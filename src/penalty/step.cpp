@@ -61,8 +61,12 @@ void update_pairs(World& world, Penalty& engine, const ByPair<PenaltyLaw>& laws)
   const Radii radii = radii_of(world);
   const Crowd crowd = crowd_of(world.comm, bodies, radii.ordinary);
   const double gap = widest_gap(laws, radii.largest);
-  const SkinRange skins{
-      .length = crowd.diameter, .first = 0.1, .least = 0.02, .step = 0.02, .most = 1, .search = 150};
+  const SkinRange skins{.length = crowd.diameter,
+                        .first = 0.1,
+                        .least = 0.02,
+                        .step = 0.02,
+                        .most = 1,
+                        .search = 150};
   engine.loads = std::vector<ForceRow>();  // a search needs the memory
   wrap_bodies(world);
   search_touch_pairs(world.comm, bodies, world.walls(), world.period,
