@@ -68,6 +68,8 @@ def angles(folder):
 
 
 def told(values):
+    if len(values) == 1:
+        return f"{values[0]:.1f}°"
     return f"{np.mean(values):.1f}° ({min(values):.1f}–{max(values):.1f})"
 
 
