@@ -1,26 +1,21 @@
 // The one vector layer: eight numbers worked on at once, lane by lane.
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// Vectors are those of GCC and Clang: operators act lane by lane, in registers as wide as the
-// machine has. What these do not offer stands here, and every #if on instructions. With
-// SPALL_SCALAR lanes are arrays and operations loops: the same kernels, as an oracle for vectors.
+// Vectors are those of GCC and Clang, or pairs of them where eight doubles fill two registers:
+// operators act lane by lane. What these do not offer stands here. With SPALL_SCALAR lanes are
+// arrays and operations loops: the same kernels, as an oracle for vectors.
 //
 // Highway was looked at and left: its vectors have no fixed size, so that they cannot be fields of
 // blocks and rows as ours are, and each formula would be written in calls (MulAdd, IfThenElse).
 #pragma once
-
-#if defined(__AVX512F__) && defined(__AVX512DQ__) && defined(__AVX512VL__) && !defined(SPALL_SCALAR)
-#define SPALL_AVX512
-#endif
-#if defined(__AVX__) && !defined(SPALL_SCALAR)
-#include <immintrin.h>
-#endif
 
 #include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <type_traits>
+
+#include "spall/registers.hpp"
 
 namespace spall {
 
@@ -78,15 +73,6 @@ struct alignas(n * sizeof(T)) LaneArray {
 template <class T, std::size_t n>
 using Vector = LaneArray<T, n>;
 
-#else
-
-template <class T, std::size_t n>
-struct VectorOf {
-  using Type __attribute__((vector_size(n * sizeof(T)))) = T;
-};
-template <class T, std::size_t n>
-using Vector = typename VectorOf<T, n>::Type;
-
 #endif
 
 using Lanes = Vector<double, lane_count>;
@@ -96,6 +82,19 @@ using LongLanes = Vector<std::int64_t, lane_count>;
 
 /// Half of a row of eight doubles, four numbers of a body.
 using RowHalf = Vector<double, 4>;
+
+/// As many of them as fill a register: what is worked on at once where values should stay there.
+#if defined(SPALL_AVX512) || defined(SPALL_SCALAR)
+inline constexpr std::size_t register_lanes = lane_count;
+#else
+inline constexpr std::size_t register_lanes = lane_count / 2;
+#endif
+using RegisterLanes = Vector<double, register_lanes>;
+
+/// Lanes k, k + 1 ... of `v`, a multiple of register_lanes.
+inline RegisterLanes& part_of(Lanes& v, std::size_t k) {
+  return reinterpret_cast<RegisterLanes*>(&v)[k / register_lanes];
+}
 
 template <class Real>
 using LanesOf = Vector<Real, lane_count>;
@@ -118,6 +117,13 @@ inline Lanes spread(double value) {
 template <class T>
 [[gnu::always_inline]] inline LanesOf<T> load(const T* from) {
   LanesOf<T> v;
+#ifdef SPALL_TWO_REGISTERS
+  if constexpr (is_pair<LanesOf<T>>) {  // register by register, or it goes through memory
+    __builtin_memcpy(&v.low, from, sizeof v.low);
+    __builtin_memcpy(&v.high, from + lane_count / 2, sizeof v.high);
+    return v;
+  }
+#endif
   __builtin_memcpy(&v, from, sizeof v);
   return v;
 }
@@ -131,6 +137,11 @@ template <class M, class T>
     for (std::size_t l = 0; l < size_of_vector<T>; ++l) result[l] = mask[l] ? a[l] : b[l];
     return result;
   } else
+#endif
+#ifdef SPALL_TWO_REGISTERS
+      if constexpr (is_pair<T> && !std::is_same_v<M, bool>)
+    return {mask.low ? a.low : b.low, mask.high ? a.high : b.high};
+  else
 #endif
     return mask ? a : b;
 }
@@ -151,6 +162,8 @@ template <class T, class V>
   To result;
   for (std::size_t l = 0; l < size_of_vector<V>; ++l) result[l] = static_cast<T>(v[l]);
   return result;
+#elif defined(SPALL_TWO_REGISTERS)
+  return convert_registers<To>(v);
 #else
   return __builtin_convertvector(v, To);
 #endif
@@ -162,6 +175,8 @@ template <int... k, class V>
 #ifdef SPALL_SCALAR
   constexpr int n = size_of_vector<V>;
   return Vector<NumberOf<V>, sizeof...(k)>{(k < n ? a[k % n] : b[k % n])...};
+#elif defined(SPALL_TWO_REGISTERS)
+  return shuffle_registers<Vector<NumberOf<V>, sizeof...(k)>, k...>(a, b);
 #else
   return __builtin_shufflevector(a, b, k...);
 #endif
@@ -171,6 +186,10 @@ template <int... k, class V>
 inline LaneMask mask_of_bits(std::uint8_t bits) {
 #ifdef SPALL_AVX512
   return reinterpret_cast<LaneMask>(_mm512_movm_epi64(bits));
+#elif defined(SPALL_TWO_REGISTERS)
+  using Half = LaneMask::Half;
+  const Half all = Half{} + bits, low{1, 2, 4, 8}, high{16, 32, 64, 128};
+  return {(all & low) == low, (all & high) == high};
 #else
   LaneMask mask;
   for (std::size_t l = 0; l < lane_count; ++l) mask[l] = -(bits >> l & 1);
@@ -180,6 +199,9 @@ inline LaneMask mask_of_bits(std::uint8_t bits) {
 inline std::uint8_t bits_of_mask(const LaneMask& mask) {
 #ifdef SPALL_AVX512
   return _mm512_movepi64_mask(reinterpret_cast<__m512i>(mask));
+#elif defined(SPALL_TWO_REGISTERS)
+  return static_cast<std::uint8_t>(_mm256_movemask_pd(reinterpret_cast<__m256d>(mask.low)) |
+                                   _mm256_movemask_pd(reinterpret_cast<__m256d>(mask.high)) << 4);
 #else
   std::uint8_t bits = 0;
   for (std::size_t l = 0; l < lane_count; ++l) bits |= (mask[l] & 1) << l;
@@ -194,8 +216,7 @@ inline bool any_lane(const LaneMask& mask) {
 #endif
 }
 
-/// Of half as many lanes: in AVX2 they fill a register, and lanes of eight are taken to pieces
-/// where they are compared.
+/// Of half as many lanes, which fill a register of AVX2.
 using HalfMask = decltype(RowHalf{} < RowHalf{});
 inline std::uint8_t bits_of_mask(const HalfMask& mask) {
 #if defined(__AVX__) && !defined(SPALL_SCALAR)
@@ -211,6 +232,9 @@ inline bool any_lane(const HalfMask& mask) {
 /// Pairwise, so that round-off stays small and does not depend on the instruction set.
 inline double sum_of_lanes(const Lanes& v) {
   return ((v[0] + v[1]) + (v[2] + v[3])) + ((v[4] + v[5]) + (v[6] + v[7]));
+}
+inline double sum_of_lanes(const RowHalf& v) {
+  return (v[0] + v[1]) + (v[2] + v[3]);
 }
 inline double largest_lane(const Lanes& v) {
   double result = v[0];
@@ -301,6 +325,9 @@ inline RowHalf load_three(const double* from) {
 inline Lanes gather(const double* from, const IndexLanes& at) {
 #ifdef SPALL_AVX512
   return _mm512_mask_i32gather_pd(_mm512_setzero_pd(), 0xff, (__m256i)at, from, 8);
+#elif defined(SPALL_TWO_REGISTERS)
+  return {RowHalf{from[at[0]], from[at[1]], from[at[2]], from[at[3]]},
+          RowHalf{from[at[4]], from[at[5]], from[at[6]], from[at[7]]}};
 #else
   Lanes v;
   for (std::size_t l = 0; l < lane_count; ++l) v[l] = from[at[l]];
@@ -310,8 +337,16 @@ inline Lanes gather(const double* from, const IndexLanes& at) {
 
 /// Numbers that stand one after another into the lanes of `bits`; zero in the others.
 inline Lanes load_packed(const double* from, unsigned bits) {
-#ifdef SPALL_AVX512
+#if defined(SPALL_AVX512)
   return _mm512_maskz_expandloadu_pd(static_cast<__mmask8>(bits), from);
+#elif defined(SPALL_TWO_REGISTERS)
+  const LaneMask wanted = mask_of_bits(static_cast<std::uint8_t>(bits));
+  const auto half = [](const double* at, unsigned of, const LaneMask::Half& lanes) -> RowHalf {
+    const RowHalf v = _mm256_maskload_pd(at, first_lanes(std::popcount(of)));
+    return select(lanes, permuted(v, lane_permutations.unpack[of]), RowHalf{});
+  };
+  return {half(from, bits & 15, wanted.low),
+          half(from + std::popcount(bits & 15), bits >> 4, wanted.high)};
 #else
   Lanes v{};
   for (std::size_t l = 0; l < lane_count; ++l)
@@ -320,10 +355,17 @@ inline Lanes load_packed(const double* from, unsigned bits) {
 #endif
 }
 inline void store_packed(const Lanes& v, unsigned bits, double* to) {
-#ifdef SPALL_AVX512
+#if defined(SPALL_AVX512)
   const auto first = static_cast<__mmask8>((1u << std::popcount(bits)) - 1);
   _mm512_mask_storeu_pd(to, first,
                         _mm512_maskz_compress_pd(static_cast<__mmask8>(bits), (__m512d)v));
+#elif defined(SPALL_TWO_REGISTERS)
+  const auto store = [](double* at, unsigned of, const RowHalf& half) {
+    _mm256_maskstore_pd(at, first_lanes(std::popcount(of)),
+                        permuted(half, lane_permutations.pack[of]));
+  };
+  store(to, bits & 15, v.low);
+  store(to + std::popcount(bits & 15), bits >> 4, v.high);
 #else
   for (std::size_t l = 0; l < lane_count; ++l)
     if (bits >> l & 1) *to++ = v[l];
@@ -331,9 +373,14 @@ inline void store_packed(const Lanes& v, unsigned bits, double* to) {
 }
 /// The indices of the lanes of `bits`, to a place with room for eight; returns how many.
 inline std::size_t store_packed(const IndexLanes& v, unsigned bits, std::int32_t* to) {
-#ifdef SPALL_AVX512
+#if defined(SPALL_AVX512)
   _mm256_storeu_si256(reinterpret_cast<__m256i*>(to),
                       _mm256_maskz_compress_epi32(static_cast<__mmask8>(bits), (__m256i)v));
+  return static_cast<unsigned>(std::popcount(bits));
+#elif defined(SPALL_TWO_REGISTERS)
+  const __m256i by = _mm256_cvtepu8_epi32(
+      _mm_loadl_epi64(reinterpret_cast<const __m128i*>(lane_permutations.pack_indices[bits])));
+  _mm256_storeu_si256(reinterpret_cast<__m256i*>(to), _mm256_permutevar8x32_epi32((__m256i)v, by));
   return static_cast<unsigned>(std::popcount(bits));
 #else
   std::size_t count = 0;
@@ -370,6 +417,11 @@ inline RowHalf square_root(const RowHalf& v) {
   return _mm256_sqrt_pd(v);
 }
 #endif
+#ifdef SPALL_TWO_REGISTERS
+inline Lanes square_root(const Lanes& v) {
+  return {square_root(v.low), square_root(v.high)};
+}
+#endif
 
 #ifdef SPALL_AVX512
 /// 1/sqrt(v) to 2^-14; 0 where v is 0.
@@ -380,22 +432,31 @@ inline Lanes estimate_inverse_sqrt(const Lanes& v) {
 #endif
 
 /// 1/sqrt(v) to the last bit or two; 0 where v is 0, so that coincident points do nothing.
-/// Multiplying v by a power of four scales the result exactly.
+/// Multiplying v by a power of four scales the result exactly, while it is a normal float.
+inline RowHalf inverse_sqrt(const RowHalf& v) {
+#ifdef SPALL_TWO_REGISTERS
+  // The machine estimates inverse roots of floats alone, to 3/2 2^-12.
+  if (!any_lane((v < 0x1p-126) | (v > 0x1p127))) [[likely]] {
+    const RowHalf y = _mm256_cvtps_pd(_mm_rsqrt_ps(_mm256_cvtpd_ps(v)));
+    const RowHalf e = 1.0 - (v * y) * y;  // of the series below 63/256 e^5 < 2^-53 is left
+    return y + y * (e * (e * (e * (e * 0.2734375 + 0.3125) + 0.375) + 0.5));
+  }
+#endif
+  return select(v > 0.0, 1.0 / square_root(v), RowHalf{});
+}
 inline Lanes inverse_sqrt(const Lanes& v) {
-#ifdef SPALL_AVX512
+#if defined(SPALL_AVX512)
   // The estimate y is good to 2^-14; with e = 1 - v y^2 the series of y / sqrt(1 - e) up to e^3
   // leaves 35/128 e^4 < 2^-53. One multiplication fewer than two Newton steps, and a shorter chain.
   const Lanes y = estimate_inverse_sqrt(v);
   const Lanes e = 1.0 - (v * y) * y;
   const Lanes series = e * (e * (e * 0.3125 + 0.375) + 0.5);
   return y + y * series;
+#elif defined(SPALL_TWO_REGISTERS)
+  return {inverse_sqrt(v.low), inverse_sqrt(v.high)};
 #else
   return select(v > 0.0, 1.0 / square_root(v), Lanes{});
 #endif
-}
-
-inline RowHalf inverse_sqrt(const RowHalf& v) {
-  return select(v > 0.0, 1.0 / square_root(v), RowHalf{});
 }
 
 /// sqrt(v) of what is positive or zero.
@@ -415,6 +476,10 @@ inline Lanes estimate_sqrt(const Lanes& v) {
 #else
   return square_root(v);
 #endif
+}
+
+inline RowHalf estimate_sqrt(const RowHalf& v) {
+  return square_root(v);
 }
 
 /// exp(x) to two units in the last place for |x| < 700: x = n ln 2 + f, Taylor's series of e^f.

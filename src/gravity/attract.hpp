@@ -11,9 +11,11 @@
 namespace spall {
 
 /// Before the factor G: sums of m d/d^3, m/d and m |dv|/d^3.
-struct Pull {
-  Lanes x{}, y{}, z{}, potential{}, rate{};
+template <class V>
+struct PullOf {
+  V x{}, y{}, z{}, potential{}, rate{};
 };
+using Pull = PullOf<Lanes>;
 
 /// Eight bodies and what they feel, one a lane. Lanes that are left over hold massless copies of
 /// another body.
@@ -61,43 +63,51 @@ inline void get_felt(const Eight& eight, std::size_t lane, bool rates, double* r
 /// out.
 template <bool mutual, bool rates>
 void attract(std::span<Eight> is, std::span<const std::span<Eight>> sources) {
+  using V = RegisterLanes;
   constexpr std::size_t at_once = 2;  // bodies held in registers: fewer wait, more spill
   for (Eight& i : is)
     for (std::size_t lane = 0; lane < lane_count; lane += at_once) {
-      Pull on_i[at_once];
+      PullOf<V> on_i[at_once];
       for (std::span<Eight> js : sources)
-        for (Eight& j : js) {
-          Pull on_j = j.pull;
-          for (std::size_t u = 0; u < at_once; ++u) {
-            const Lanes dx = j.x - i.x[lane + u];
-            const Lanes dy = j.y - i.y[lane + u];
-            const Lanes dz = j.z - i.z[lane + u];
-            const Lanes inverse = inverse_sqrt(dx * dx + (dy * dy + dz * dz));
-            const Lanes cubed = inverse * inverse * inverse;
-            const Lanes weight_i = cubed * j.mass;
-            on_i[u].x += weight_i * dx;
-            on_i[u].y += weight_i * dy;
-            on_i[u].z += weight_i * dz;
-            on_i[u].potential += inverse * j.mass;
-            const double mass_i = i.mass[lane + u];
-            if constexpr (mutual) {
-              const Lanes weight_j = cubed * mass_i;
-              on_j.x -= weight_j * dx;
-              on_j.y -= weight_j * dy;
-              on_j.z -= weight_j * dz;
-              on_j.potential += inverse * mass_i;
+        for (Eight& j : js)
+          for (std::size_t k = 0; k < lane_count; k += register_lanes) {
+            const V jx = part_of(j.x, k), jy = part_of(j.y, k), jz = part_of(j.z, k);
+            const V mass_j = part_of(j.mass, k);
+            PullOf<V> on_j;
+            for (std::size_t u = 0; u < at_once; ++u) {
+              const V dx = jx - i.x[lane + u], dy = jy - i.y[lane + u], dz = jz - i.z[lane + u];
+              const V inverse = inverse_sqrt(dx * dx + (dy * dy + dz * dz));
+              const V cubed = inverse * inverse * inverse;
+              const V weight_i = cubed * mass_j;
+              on_i[u].x += weight_i * dx;
+              on_i[u].y += weight_i * dy;
+              on_i[u].z += weight_i * dz;
+              on_i[u].potential += inverse * mass_j;
+              const double mass_i = i.mass[lane + u];
+              if constexpr (mutual) {
+                const V weight_j = cubed * mass_i;
+                on_j.x -= weight_j * dx;
+                on_j.y -= weight_j * dy;
+                on_j.z -= weight_j * dz;
+                on_j.potential += inverse * mass_i;
+              }
+              if constexpr (rates) {
+                const V dvx = part_of(j.vx, k) - i.vx[lane + u];
+                const V dvy = part_of(j.vy, k) - i.vy[lane + u];
+                const V dvz = part_of(j.vz, k) - i.vz[lane + u];
+                const V rate = cubed * estimate_sqrt(dvx * dvx + (dvy * dvy + dvz * dvz));
+                on_i[u].rate += rate * mass_j;
+                if constexpr (mutual) on_j.rate += rate * mass_i;
+              }
             }
-            if constexpr (rates) {
-              const Lanes dvx = j.vx - i.vx[lane + u];
-              const Lanes dvy = j.vy - i.vy[lane + u];
-              const Lanes dvz = j.vz - i.vz[lane + u];
-              const Lanes rate = cubed * estimate_sqrt(dvx * dvx + (dvy * dvy + dvz * dvz));
-              on_i[u].rate += rate * j.mass;
-              if constexpr (mutual) on_j.rate += rate * mass_i;
+            if constexpr (mutual) {
+              part_of(j.pull.x, k) += on_j.x;
+              part_of(j.pull.y, k) += on_j.y;
+              part_of(j.pull.z, k) += on_j.z;
+              part_of(j.pull.potential, k) += on_j.potential;
+              if constexpr (rates) part_of(j.pull.rate, k) += on_j.rate;
             }
           }
-          if constexpr (mutual) j.pull = on_j;
-        }
       for (std::size_t u = 0; u < at_once; ++u) {
         i.pull.x[lane + u] += sum_of_lanes(on_i[u].x);
         i.pull.y[lane + u] += sum_of_lanes(on_i[u].y);

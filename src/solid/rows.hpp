@@ -41,12 +41,8 @@ inline constexpr Index response_width = sizeof(ResponseRow) / sizeof(double);
 using PushRow = RowHalf;
 
 /// So many pairs are worked on at once: as many as a register holds.
-#ifdef SPALL_AVX512
-inline constexpr std::size_t pair_lanes = lane_count;
-#else
-inline constexpr std::size_t pair_lanes = lane_count / 2;
-#endif
-using PairLanes = Vector<double, pair_lanes>;
+inline constexpr std::size_t pair_lanes = register_lanes;
+using PairLanes = RegisterLanes;
 using PairMask = decltype(PairLanes{} < PairLanes{});
 
 inline PairLanes spread_pairs(double value) {
