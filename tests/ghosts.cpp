@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "domain/ghosts.hpp"
 
+#include "base/traffic.hpp"
 #include "testing.hpp"
 
 namespace spall {
@@ -35,11 +36,23 @@ TEST(Ghosts, gather_gives_every_ghost_its_original) {
   }
 }
 
-TEST(Ghosts, scatter_add_sums_all_copies_onto_the_original) {
+TEST(Ghosts, gather_of_several_fields_is_one_message_to_each_rank) {
   Everything all;
-  std::vector<double> rows(all.size() * 3, 1.0);
-  all.ghosts.scatter_add(rows.data(), 3);
-  for (Index b = 0; b < all.owned; ++b) EXPECT_EQ(rows[b * 3 + 2], all.comm.size);
+  const auto value = [](int rank, Index row, int k) { return 1000.0 * rank + 10 * row + k; };
+  std::vector<double> one(all.size(), std::nan("")), three(3 * all.size(), std::nan(""));
+  for (Index b = 0; b < all.owned; ++b) {
+    one[b] = value(all.comm.rank, b, 0);
+    for (int k = 0; k < 3; ++k) three[3 * b + k] = value(all.comm.rank, b, 1 + k);
+  }
+  const auto before = traffic();
+  all.ghosts.gather({{one.data(), 1}, {three.data(), 3}});
+  EXPECT_EQ(traffic().messages - before.messages, all.comm.size - 1);
+  for (std::size_t g = 0; g < all.origins.size(); ++g) {
+    const Origin& origin = all.origins[g];
+    EXPECT_EQ(one[all.owned + g], value(origin.rank, origin.row, 0));
+    for (int k = 0; k < 3; ++k)
+      EXPECT_EQ(three[3 * (all.owned + g) + k], value(origin.rank, origin.row, 1 + k));
+  }
 }
 
 TEST(Ghosts, holders_are_all_other_ranks) {

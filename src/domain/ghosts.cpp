@@ -12,6 +12,17 @@
 
 namespace spall {
 
+namespace {
+
+/// Rows [start[k], start[k+1]) of `row` belong to the rank `rank[k]`.
+struct RowsByRank {
+  PetscInt ranks = 0;
+  const PetscMPIInt* rank = nullptr;
+  const PetscInt *start = nullptr, *row = nullptr;
+};
+
+}  // namespace
+
 struct Ghosts::Plan {
   Comm comm;
   Index owned = 0;
@@ -30,14 +41,28 @@ struct Ghosts::Plan {
     }
     return it->second;
   }
-  /// Books an exchange of rows of so many doubles, from their owners to all copies or back.
-  void count(int width, bool to_copies) const {
-    const std::int64_t rows = to_copies ? copies : ghosts;
-    traffic().messages += to_copies ? told : asked;
-    traffic().bytes += rows * width * static_cast<std::int64_t>(sizeof(double));
-    traffic().sources = std::max(traffic().sources, to_copies ? asked : told);
+  /// Books an exchange of rows of so many doubles.
+  void count(int width) const {
+    traffic().messages += told;
+    traffic().bytes += copies * width * static_cast<std::int64_t>(sizeof(double));
+    traffic().sources = std::max(traffic().sources, asked);
     ++traffic().exchanges;
     traffic().row_bytes += width * static_cast<std::int64_t>(sizeof(double));
+  }
+  /// Owned rows that other ranks, or images of own bodies, copy.
+  RowsByRank wanted() const {
+    RowsByRank rows;
+    check_petsc(PetscSFGetLeafRanks(sf, &rows.ranks, &rows.rank, &rows.start, &rows.row),
+                "PetscSFGetLeafRanks");
+    return rows;
+  }
+  /// Ghost rows by the rank of their originals.
+  RowsByRank expected() const {
+    RowsByRank rows;
+    const PetscInt* there = nullptr;
+    check_petsc(PetscSFGetRootRanks(sf, &rows.ranks, &rows.rank, &rows.start, &rows.row, &there),
+                "PetscSFGetRootRanks");
+    return rows;
   }
   ~Plan() {
     for (auto& [width, type] : units) MPI_Type_free(&type);
@@ -63,18 +88,13 @@ Ghosts::Ghosts(Comm comm, Index owned, std::span<const Origin> origins)
                               PETSC_COPY_VALUES, remote.data(), PETSC_COPY_VALUES),
               "PetscSFSetGraph");
   check_petsc(PetscSFSetUp(plan_->sf), "PetscSFSetUp");
-  PetscInt count = 0;
-  const PetscMPIInt* ranks = nullptr;
-  const PetscInt *offsets = nullptr, *rows = nullptr, *remote_rows = nullptr;
-  check_petsc(PetscSFGetRootRanks(plan_->sf, &count, &ranks, &offsets, &rows, &remote_rows),
-              "PetscSFGetRootRanks");
-  plan_->asked = std::count_if(ranks, ranks + count, [&](int r) { return r != comm.rank; });
-  check_petsc(PetscSFGetLeafRanks(plan_->sf, &count, &ranks, &offsets, &rows),
-              "PetscSFGetLeafRanks");
-  for (PetscInt k = 0; k < count; ++k) {
-    if (ranks[k] == comm.rank) continue;  // images of own bodies
+  const RowsByRank expected = plan_->expected(), wanted = plan_->wanted();
+  plan_->asked = std::count_if(expected.rank, expected.rank + expected.ranks,
+                               [&](int rank) { return rank != comm.rank; });
+  for (PetscInt k = 0; k < wanted.ranks; ++k) {
+    if (wanted.rank[k] == comm.rank) continue;  // images of own bodies
     ++plan_->told;
-    plan_->copies += offsets[k + 1] - offsets[k];
+    plan_->copies += wanted.start[k + 1] - wanted.start[k];
   }
 }
 
@@ -94,7 +114,7 @@ const Comm& Ghosts::comm() const {
 
 void Ghosts::gather_begin(double* rows, int width) const {
   if (!plan_->sf) return;
-  plan_->count(width, true);
+  plan_->count(width);
   check_petsc(PetscSFBcastBegin(plan_->sf, plan_->unit(width), rows, rows, MPI_REPLACE),
               "PetscSFBcastBegin");
 }
@@ -105,32 +125,63 @@ void Ghosts::gather_end(double* rows, int width) const {
               "PetscSFBcastEnd");
 }
 
-void Ghosts::scatter_add(double* rows, int width) const {
+void Ghosts::gather(std::span<const FieldRows> fields) const {
   if (!plan_->sf) return;
-  plan_->count(width, false);
-  // MPI_SUM has no meaning for a derived type in MPI itself; PetscSF defines it for contiguous
-  // doubles.
-  check_petsc(PetscSFReduceBegin(plan_->sf, plan_->unit(width), rows, rows, MPI_SUM),
-              "PetscSFReduceBegin");
-  check_petsc(PetscSFReduceEnd(plan_->sf, plan_->unit(width), rows, rows, MPI_SUM),
-              "PetscSFReduceEnd");
+  int width = 0;
+  for (const FieldRows& field : fields) width += field.width;
+  plan_->count(width);
+  // The star forest knows which rows each rank wants, in the order in which that rank expects them.
+  const RowsByRank wanted = plan_->wanted(), expected = plan_->expected();
+  const auto buffer = [&](const RowsByRank& by_rank) {
+    return std::vector<double>(static_cast<std::size_t>(by_rank.start[by_rank.ranks]) * width);
+  };
+  std::vector<double> going = buffer(wanted), coming = buffer(expected);
+  std::vector<MPI_Request> requests;
+  const auto part = [&](std::vector<double>& all, const RowsByRank& by_rank, PetscInt k) {
+    return std::span(all).subspan(static_cast<std::size_t>(by_rank.start[k]) * width,
+                                  (by_rank.start[k + 1] - by_rank.start[k]) * width);
+  };
+  constexpr int tag = 1;  // Comm::exchange has 0
+  for (PetscInt k = 0; k < expected.ranks; ++k) {
+    const std::span<double> from = part(coming, expected, k);
+    check_mpi(MPI_Irecv(from.data(), static_cast<int>(from.size()), MPI_DOUBLE, expected.rank[k],
+                        tag, plan_->comm.raw, &requests.emplace_back()),
+              "MPI_Irecv");
+  }
+  for (PetscInt k = 0; k < wanted.ranks; ++k) {
+    const std::span<double> to = part(going, wanted, k);
+    double* next = to.data();
+    for (PetscInt row = wanted.start[k]; row < wanted.start[k + 1]; ++row)
+      for (const FieldRows& field : fields)
+        next = std::copy_n(field.rows + static_cast<std::ptrdiff_t>(wanted.row[row]) * field.width,
+                           field.width, next);
+    check_mpi(MPI_Isend(to.data(), static_cast<int>(to.size()), MPI_DOUBLE, wanted.rank[k], tag,
+                        plan_->comm.raw, &requests.emplace_back()),
+              "MPI_Isend");
+  }
+  check_mpi(MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE),
+            "MPI_Waitall");
+  const double* next = coming.data();
+  for (PetscInt row = 0; row < expected.start[expected.ranks]; ++row)
+    for (const FieldRows& field : fields) {
+      std::copy_n(next, field.width,
+                  field.rows + static_cast<std::ptrdiff_t>(expected.row[row]) * field.width);
+      next += field.width;
+    }
 }
 
 Ghosts::Holders Ghosts::holders() const {
   Holders result;
   result.start.assign(plan_->owned + 1, 0);
   if (!plan_->sf) return result;
-  PetscInt count = 0;
-  const PetscMPIInt* ranks = nullptr;
-  const PetscInt *offsets = nullptr, *rows = nullptr;
-  check_petsc(PetscSFGetLeafRanks(plan_->sf, &count, &ranks, &offsets, &rows),
-              "PetscSFGetLeafRanks");
-  for (PetscInt k = 0; k < offsets[count]; ++k) ++result.start[rows[k] + 1];
+  const RowsByRank wanted = plan_->wanted();
+  for (PetscInt k = 0; k < wanted.start[wanted.ranks]; ++k) ++result.start[wanted.row[k] + 1];
   for (Index b = 0; b < plan_->owned; ++b) result.start[b + 1] += result.start[b];
   result.ranks.resize(result.start.back());
   std::vector<Index> next(result.start.begin(), result.start.end() - 1);
-  for (PetscInt r = 0; r < count; ++r)
-    for (PetscInt k = offsets[r]; k < offsets[r + 1]; ++k) result.ranks[next[rows[k]]++] = ranks[r];
+  for (PetscInt r = 0; r < wanted.ranks; ++r)
+    for (PetscInt k = wanted.start[r]; k < wanted.start[r + 1]; ++k)
+      result.ranks[next[wanted.row[k]]++] = wanted.rank[r];
   return result;
 }
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <initializer_list>
 #include <memory>
 #include <span>
 #include <vector>
@@ -15,6 +16,12 @@ namespace spall {
 struct Origin {
   int rank;
   Index row;
+};
+
+/// The rows of one array: `width` doubles each.
+struct FieldRows {
+  double* rows;
+  int width;
 };
 
 /// A communication plan. Ghost g is row `owned + g` on this rank. It is a copy of row
@@ -42,8 +49,11 @@ class Ghosts {
     gather_end(rows, width);
   }
 
-  /// Adds ghost rows onto their originals. Ghost rows keep their values.
-  void scatter_add(double* rows, int width) const;
+  /// The same of several arrays, still in one message to each neighbour.
+  void gather(std::initializer_list<FieldRows> fields) const {
+    gather(std::span(fields.begin(), fields.size()));
+  }
+  void gather(std::span<const FieldRows> fields) const;
 
   /// For every owned row, the ranks that hold a copy (rows [start[b], start[b+1]) of `ranks`).
   struct Holders {

@@ -381,14 +381,13 @@ std::vector<HaloShare> foretell_halo(const Bodies& bodies, std::span<const doubl
 }
 
 void refresh_ghosts(const Ghosts& ghosts, Bodies& bodies) {
-  const auto for_each_refreshed = [&](auto&& f) {
-    for_each_field(bodies, [&]<class T>(const TypedField<T>& info, auto& field) {
-      if (info.is(trait::refreshed))
-        f(reinterpret_cast<double*>(field.data()), static_cast<int>(packed_width<T>));
-    });
-  };
-  for_each_refreshed([&](double* rows, int width) { ghosts.gather_begin(rows, width); });
-  for_each_refreshed([&](double* rows, int width) { ghosts.gather_end(rows, width); });
+  std::vector<FieldRows> fields;
+  for_each_field(bodies, [&]<class T>(const TypedField<T>& info, auto& field) {
+    if (info.is(trait::refreshed))
+      fields.push_back(
+          {reinterpret_cast<double*>(field.data()), static_cast<int>(packed_width<T>)});
+  });
+  ghosts.gather(fields);
 }
 
 }  // namespace spall

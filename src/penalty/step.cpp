@@ -49,10 +49,9 @@ void update_pairs(World& world, Penalty& engine, const ByPair<PenaltyLaw>& laws)
     touch.moved = approach_from(world, touch.found_at);
   if (touch.skin > 0 && touch.moved <= touch.skin) {
     ++touch.steps;
-    for (auto* field : {&bodies.position, &bodies.velocity, &bodies.angular_velocity})
-      touch.ghosts.gather_begin(flat(*field), 3);
-    for (auto* field : {&bodies.position, &bodies.velocity, &bodies.angular_velocity})
-      touch.ghosts.gather_end(flat(*field), 3);
+    touch.ghosts.gather({{flat(bodies.position), 3},
+                         {flat(bodies.velocity), 3},
+                         {flat(bodies.angular_velocity), 3}});
     if (world.period.any())
       for (Index g = 0; g < touch.ghosts.ghosts(); ++g)
         bodies.position[bodies.owned + g] += touch.shifts[g];

@@ -99,9 +99,10 @@ void update_pairs(World& world, Potential& engine, bool velocities) {
   ++near.steps;
   // Forces are zero between sweeps, and so those of ghosts become zero again.
   double* const rows = reinterpret_cast<double*>(engine.rows.data());
-  near.ghosts.gather_begin(rows, doubles_a_row);
-  if (velocities) near.ghosts.gather(flat(engine.ahead), 3);
-  near.ghosts.gather_end(rows, doubles_a_row);
+  if (velocities)
+    near.ghosts.gather({{rows, doubles_a_row}, {flat(engine.ahead), 3}});
+  else
+    near.ghosts.gather(rows, doubles_a_row);
   if (world.period.any())
     for (Index g = 0; g < near.ghosts.ghosts(); ++g)
       engine.rows[world.bodies.owned + g].place += half_row(near.shifts[g], 0);
