@@ -1,7 +1,12 @@
 // On 64 ranks, and on 8 of them with as many bodies each: who hears of whom, and how much.
 // SPDX-License-Identifier: BSD-3-Clause
+#include <malloc.h>
+
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
+#include <new>
 #include <random>
 
 #include "base/traffic.hpp"
@@ -14,6 +19,46 @@
 #include "spall/spall.hpp"
 #include "state/world.hpp"
 #include "testing.hpp"
+
+namespace {
+
+std::int64_t bytes_held = 0, most_held = 0;  // by what `new` gave
+
+void* allocate(std::size_t size, std::size_t alignment) {
+  const std::size_t whole =
+      (std::max<std::size_t>(size, 1) + alignment - 1) / alignment * alignment;
+  void* const place = std::aligned_alloc(alignment, whole);
+  if (place == nullptr) throw std::bad_alloc();
+  bytes_held += static_cast<std::int64_t>(malloc_usable_size(place));
+  most_held = std::max(most_held, bytes_held);
+  return place;
+}
+
+void release(void* place) {
+  if (place != nullptr) bytes_held -= static_cast<std::int64_t>(malloc_usable_size(place));
+  std::free(place);
+}
+
+}  // namespace
+
+void* operator new(std::size_t size) {
+  return allocate(size, alignof(std::max_align_t));
+}
+void* operator new(std::size_t size, std::align_val_t alignment) {
+  return allocate(size, static_cast<std::size_t>(alignment));
+}
+void operator delete(void* place) noexcept {
+  release(place);
+}
+void operator delete(void* place, std::size_t) noexcept {
+  release(place);
+}
+void operator delete(void* place, std::align_val_t) noexcept {
+  release(place);
+}
+void operator delete(void* place, std::size_t, std::align_val_t) noexcept {
+  release(place);
+}
 
 namespace spall {
 namespace {
@@ -165,9 +210,9 @@ TEST(ManyRanks, what_gravity_tells_grows_with_the_logarithm_of_the_ranks) {
   EXPECT_EQ(told[2].gathered, 0);
 }
 
-/// A gas of grains, with `more` keys.
+/// A gas of grains in a cube of so many, with `more` keys.
 Simulation gas(const Comm& comm, const std::string& method, double step,
-               const std::string& more = "") {
+               const std::string& more = "", int side = 10) {
   return Simulation(comm, Scene::from_text(fmt::format(R"(
 [materials.rock]
 density = 2000
@@ -183,17 +228,17 @@ stiffness = 1e6
 [[groups]]
 name = "gas"
 material = "rock"
-volume = {{shape = "box", size = [2, 2, 2]}}
+volume = {{shape = "box", size = [{0}, {0}, {0}]}}
 packing = {{kind = "simple_cubic", radius = 0.1}}
 thermal_velocity = {{rms = 1, seed = 3}}
 [[phases]]
 name = "only"
-method = "{}"
-step = {}
+method = "{1}"
+step = {2}
 duration = 1
-{}
+{3}
 )",
-                                                       method, step, more)));
+                                                       0.2 * side, method, step, more)));
 }
 
 /// J: the kinetic energy after some steps.
@@ -217,6 +262,30 @@ std::int64_t collectives_of_a_step(const std::string& method, const std::string&
   }
   std::ranges::nth_element(calls, calls.begin() + 4);
   return calls[4];
+}
+
+TEST(ManyRanks, memory_of_a_rank_is_that_of_its_bodies_and_ghosts) {
+  struct Kind {
+    const char *method, *more;
+    double growth;  // of what gravity tells, with the logarithm of the ranks
+  };
+  for (const auto& [method, more, growth] :
+       {Kind{"nonsmooth", "", 1}, Kind{"penalty", "", 1},
+        Kind{"penalty", "[gravity]\nmethod = \"tree\"\naccuracy = 1e-2", 2}}) {
+    double bytes_a_row[2] = {};
+    for (int k = 0; k < 2; ++k)
+      on_ranks(k == 0 ? 8 : 64, [&](const Comm& comm) {
+        const std::int64_t before = most_held = bytes_held;
+        Simulation simulation = gas(comm, method, 1e-4, more, k == 0 ? 10 : 20);
+        simulation.advance(1, false);
+        const Bodies& bodies = simulation.world().bodies;
+        bytes_a_row[k] = comm.sum(static_cast<double>(most_held - before)) /
+                         comm.sum(static_cast<double>(bodies.size()));
+      });
+    if (testing_world().rank < 8) {
+      EXPECT_LT(bytes_a_row[1], 1.1 * growth * bytes_a_row[0]) << method << more;
+    }
+  }
 }
 
 TEST(ManyRanks, a_step_waits_for_all_ranks_four_times_at_most) {

@@ -186,7 +186,8 @@ thermal_velocity = {rms = "2 m/s", seed = 5}
 TEST(Scene, thermal_velocities_are_maxwell_s_without_a_drift) {
   const Comm comm = testing_world();
   const Bodies own = make_bodies(parse(gas), comm), all = all_on_this_rank(parse(gas));
-  for (Index b = 0; b < own.owned; ++b) ASSERT_EQ(own.velocity[b], all.velocity[own.id[b]]);
+  for (Index b = 0; b < own.owned; ++b)  // sums over ranks have another order
+    ASSERT_LT((own.velocity[b] - all.velocity[own.id[b]]).norm(), 1e-13);
   EXPECT_EQ(all.velocity[0], Vec3(Vec3::Zero()));
   Vec3 momentum = Vec3::Zero();
   double mass = 0, squares = 0, fourth = 0;

@@ -212,18 +212,17 @@ void check_clear(const Case& scene, const std::string& place, std::size_t g,
   }
 }
 
-/// Gives the bodies of group `g` that this rank owns, the last rows of `bodies`, their share of its
-/// random velocities; `mass` are those of the whole group, from id `first` on.
-void add_thermal_velocities(const Case& scene, std::size_t g, std::span<const double> mass,
+/// Gives the bodies of group `g` that this rank owns, from row `begin` on, their share of its
+/// random velocities; the group's ids begin at `first`. Collective.
+void add_thermal_velocities(const Comm& comm, const Case& scene, std::size_t g, Index begin,
                             BodyId first, Bodies& bodies) {
   const Group& group = scene.groups[g];
-  require(std::ranges::count_if(mass, [](double m) { return std::isfinite(m); }) > 1,
-          "{}.thermal_velocity: without a drift one body that moves has none", group.place);
+  std::vector<BodyId> number;
+  for (Index b = begin; b < bodies.size(); ++b) number.push_back(bodies.id[b] - first);
   const std::vector<Vec3> velocity =
-      thermal_velocities(mass, group.thermal->rms, mix(mix(group.thermal->seed) + g));
-  for (Index b = 0; b < bodies.size(); ++b)
-    if (bodies.group[b] == static_cast<std::int32_t>(g))
-      bodies.velocity[b] += velocity[bodies.id[b] - first];
+      thermal_velocities(comm, std::span(bodies.mass).subspan(begin), number, group.thermal->rms,
+                         mix(mix(group.thermal->seed) + g));
+  for (std::size_t k = 0; k < velocity.size(); ++k) bodies.velocity[begin + k] += velocity[k];
 }
 
 }  // namespace
@@ -306,8 +305,8 @@ Bodies make_bodies(const Case& scene, const Comm& comm) {
   for (std::size_t g = 0; g < scene.groups.size(); ++g) {
     const Group& group = scene.groups[g];
     const double factor = contents[g].mass_factor(group);
-    std::vector<double> masses;  // of all ranks, where random velocities ask for them
     const BodyId first = id;
+    const Index first_row = bodies.size();
     const bool keeps_spheres =
         scene.period.any() || !scene.spheres.empty() ||
         std::any_of(scene.groups.begin() + g + 1, scene.groups.end(),
@@ -334,7 +333,6 @@ Bodies make_bodies(const Case& scene, const Comm& comm) {
           for (const ShapeSphere& part : parts_of(scene, g, id - first, center, sphere.radius))
             placed.back().add_part(part);
       }
-      if (group.thermal) masses.push_back(mass);
       if (id >= first_owned && id < end_owned) {
         const Index row = append_row(bodies);
         bodies.id[row] = id;
@@ -356,7 +354,11 @@ Bodies make_bodies(const Case& scene, const Comm& comm) {
       ++id;
     };
     place_group(scene, g, is_free, place);
-    if (group.thermal) add_thermal_velocities(scene, g, masses, first, bodies);
+    if (group.thermal) {
+      require(contents[g].movable > 1,
+              "{}.thermal_velocity: without a drift one body that moves has none", group.place);
+      add_thermal_velocities(comm, scene, g, first_row, first, bodies);
+    }
   }
   Eigen::AlignedBox3d of_spheres;
   for (const SceneSphere& sphere : scene.spheres) of_spheres.extend(sphere.position);
