@@ -3,6 +3,8 @@
 """The rules are those of src/analysis/clumps.cpp: bodies closer than the range of cohesion hang
 together; the heaviest such clump then takes every body that its gravity, as of a point mass,
 holds."""
+import concurrent.futures
+import os
 import pathlib
 import subprocess
 import tomllib
@@ -34,16 +36,23 @@ def pile(seed, settles=True):
 
 
 def run_all(case, runs, groups):
-    """Runs what is missing of [(folder, seed, changes)]; `groups` of the case get the pile of the
-    seed."""
-    for folder, seed, changes in runs:
-        if (folder / "results.toml").exists():
-            continue
+    """Runs what is missing of [(folder, seed, changes)], as many at a time as there are cores, each
+    on one rank; `groups` of the case get the pile of the seed."""
+    missing = [run for run in runs if not (run[0] / "results.toml").exists()]
+    for seed in sorted({seed for _, seed, _ in missing if groups}):
+        pile(seed)
+
+    def run(folder, seed, changes):
         changes = [*changes, *(f"groups.{group}.packing.file=../../{pile(seed)}/after_settling.h5"
                                for group in groups)]
-        subprocess.run(["mpirun", "-n", "2", "build/release/spall", "run", case,
-                        "--out", str(folder), "--overwrite",
-                        *(word for change in changes for word in ("--set", change))], check=True)
+        subprocess.run(["build/release/spall", "run", case, "--out", str(folder), "--overwrite",
+                        *(word for change in changes for word in ("--set", change))],
+                       check=True, stdout=subprocess.DEVNULL)
+        print(folder, flush=True)
+
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        for done in [pool.submit(run, *one) for one in missing]:
+            done.result()
 
 
 def scatter(values, digits=2):
