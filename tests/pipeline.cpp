@@ -191,7 +191,8 @@ TEST(Aggregate, of_512_bodies_is_the_same_on_any_ranks_after_200_steps) {
   EXPECT_LT(by_round_off, 0.2) << "of the radius";
   EXPECT_LT(rms_distance(one, many), 2 * by_round_off);
   const Vec3 a = mean_square(one.spheres), b = mean_square(many.spheres);
-  EXPECT_LT((a - b).norm(), 1e-2 * a.norm());
+  // Shifts of 1e-13 to 1e-4 change it by 0.05 to 0.9 %, 0.6 % in the rms: four times that.
+  EXPECT_LT((a - b).norm(), 2.5e-2 * a.norm());
   // Shifts of 1e-12 to 1e-4 leave between 2.356 and 2.401 J: differences of two scatter by 1 %.
   EXPECT_NEAR(many.dissipated, one.dissipated, 4e-2 * one.dissipated);
 }

@@ -233,6 +233,8 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--across", type=float, default=ACROSS, help="bodies across the ball")
     parser.add_argument("--seed", type=int, default=1, help="of the crystals' orientations")
+    parser.add_argument("--rows", type=int, nargs="+", metavar="ROW",
+                        help="of the rule's shots these alone, as for another number across")
     parser.add_argument("--most", type=int, default=math.inf, help="shots that are run now")
     parser.add_argument("--until", metavar="HH:MM",
                         help="nothing is begun later today, and what then runs is given up")
@@ -270,6 +272,8 @@ def main():
     done = {tuple(row[key] for key in KEY) for row in known()}
     left = [shot for shot in wanted
             if (str(shot.row), f"{options.across:g}", str(options.seed)) not in done]
+    if options.rows:
+        left = [shot for shot in left if shot.row in options.rows]
     left = left[:min(len(left), options.most)]
     print(f"{len(wanted)} shots, {len(wanted) - len(left)} of them done or not asked for")
     lock, begun = threading.Lock(), iter(left)
