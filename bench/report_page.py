@@ -15,6 +15,7 @@ import json
 import os
 import pathlib
 import resource
+import shutil
 import statistics
 import subprocess
 import sys
@@ -129,9 +130,9 @@ def processor_seconds(pid):
 
 def turn(spall, out, watched):
     """Seconds: processor time of the run, its wall time, and processor time of the watching."""
+    shutil.rmtree(out, ignore_errors=True)  # files of the run before would be taken for its own
     begin, before = time.monotonic(), resource.getrusage(resource.RUSAGE_CHILDREN)
-    run = subprocess.Popen([spall, "run", root / "cases/didymoon/case.toml", "--out", out,
-                            "--overwrite", "--set",
+    run = subprocess.Popen([spall, "run", root / "cases/didymoon/case.toml", "--out", out, "--set",
                             "groups.cloud.packing.count=3000", "groups.cloud.volume.radius=63",
                             "output.snapshot_every=500 s"], stdout=subprocess.DEVNULL)
     watching, ends, asking = None, threading.Event(), None
