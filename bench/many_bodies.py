@@ -62,8 +62,9 @@ def main():
     parser.add_argument("--methods", default=";".join(METHODS), help="separated by ;")
     parser.add_argument("--steps", type=int, default=20)
     parser.add_argument("radii", nargs="*", default=RADII)
-    given = parser.parse_args()
-    folder = tempfile.mkdtemp()
+    given = parser.parse_intermixed_args()
+    kept = tempfile.TemporaryDirectory()
+    folder = kept.name
 
     def run(name, radius, ranks, cores="0", at="one"):
         changes = [f"phases.only.method={name.split(',')[0]}",
