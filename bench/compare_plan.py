@@ -35,6 +35,10 @@ def on_ranks(ranks, *words):
     return call("mpirun", "--oversubscribe", "-n", str(ranks), *words)
 
 
+def bodies_of(spall, changes):
+    return int(re.search(r"(\d+) bodies, at most", call(spall, "check", CASE, *changes))[1])
+
+
 def seconds(text):
     value, unit = re.search(r"([\d.e+-]+) (us|ms|s)\b", text).groups()
     return float(value) * SECONDS[unit]
@@ -66,8 +70,7 @@ def ran(spall, changes, ranks):
     with tempfile.TemporaryDirectory() as folder:
         on_ranks(ranks, spall, "run", CASE, "--out", folder + "/out", *changes)
         table = tomllib.loads(pathlib.Path(folder, "out/results.toml").read_text())["communication"]
-    bodies = float(re.search(r"(\d+) bodies, at most", call(spall, "check", CASE, *changes))[1])
-    run = {"bodies": table["imbalance"] * bodies / ranks}
+    run = {"bodies": table["imbalance"] * bodies_of(spall, changes) / ranks}
     for stage in STAGES:
         run |= {f"{stage} {what}": table[f"{stage}_{what}"] for what in COUNTS
                 if f"{stage}_{what}" in table}

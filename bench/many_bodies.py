@@ -1,7 +1,7 @@
 """Time and memory a body from a hundred thousand bodies on: one rank, two, and two runs at once.
 
 SPDX-License-Identifier: BSD-3-Clause
-usage: many_bodies.py SPALL [--turns 3] [--methods nonsmooth,...] [--steps 20] [RADIUS_IN_M ...]
+usage: many_bodies.py SPALL [--turns 3] [--methods 'nonsmooth;...'] [--steps 20] [RADIUS_IN_M ...]
 
 RADIUS is that of the ball of plan.toml: 0.255 has 100,000 bodies, 0.55 a million, 1.5 twenty
 million. In each turn a ball is run by one rank, by two, and by two runs of one rank each that know
@@ -18,7 +18,7 @@ import tempfile
 import time
 import tomllib
 
-from compare_plan import CASE, METHODS
+from compare_plan import CASE, METHODS, bodies_of
 from readme import origin, replace_section
 
 HERE = pathlib.Path(__file__).resolve().parent
@@ -47,12 +47,6 @@ class Run:
         spent = tomllib.loads(pathlib.Path(self.folder, "results.toml").read_text())["time"]
         stepping = sum(spent.get(f"{stage}_s", 0) for stage in STAGES)
         return stepping / steps, whole - stepping, 1024 * used.ru_maxrss
-
-
-def bodies_of(spall, changes):
-    text = subprocess.run([spall, "check", CASE, *changes], check=True, text=True,
-                          capture_output=True).stdout
-    return int(text.split(" bodies, at most")[0].split()[-1])
 
 
 def main():

@@ -9,7 +9,7 @@ import pathlib
 import re
 import sys
 
-from compare_plan import CASE, METHODS, blocks, call
+from compare_plan import CASE, METHODS, blocks, bodies_of, call
 from readme import replace_section
 
 HERE = pathlib.Path(__file__).resolve().parent
@@ -33,8 +33,7 @@ def main(spall, *radii):
         for radius in radii or ("0.15", "0.55"):
             changes = ["--set", f"phases.only.method={name.split(',')[0]}", "--set",
                        f"groups.ball.volume.radius={radius}m", *more]
-            bodies = int(re.search(r"(\d+) bodies, at most",
-                                   call(spall, "check", CASE, *changes))[1])
+            bodies = bodies_of(spall, changes)
             ranks = [bodies // each for each in BODIES_A_RANK if 2 <= bodies // each <= MACHINE]
             for count, rows, block in blocks(call(spall, "plan", CASE, "--ranks",
                                                   ",".join(map(str, ranks)), *changes)):
