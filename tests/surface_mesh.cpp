@@ -7,6 +7,7 @@
 #include <random>
 
 #include "scene/shape.hpp"
+#include "scene/sphere_fill.hpp"
 #include "spall/error.hpp"
 #include "testing.hpp"
 
@@ -194,6 +195,51 @@ TEST(SurfaceMesh, of_a_file_has_its_volume_around_the_origin) {
   const std::string open = "v 0 0 0\nv 1 0 0\nf 1 2 7\n";
   EXPECT_EQ(complaint_of([&] { SurfaceMesh::from_obj(open, "x.obj", 1); }),
             "x.obj:3: the face's corner \"7\" is none of the 2 vertices above it");
+}
+
+// Spheres in a surface -----------------------------------------------------------------------
+
+double filled_share(const SurfaceMesh& mesh, const std::vector<ShapeSphere>& spheres) {
+  const BodyShape shape = make_shape("filled", spheres);
+  const double r = spheres[0].radius / shape.spheres[0].radius;
+  return shape.volume * r * r * r / mesh.volume();
+}
+
+TEST(SphereFill, lies_inside_hangs_together_and_fills_the_more_the_more_spheres_there_are) {
+  const SurfaceMesh boulder = ellipsoid({2, std::sqrt(2.0), 1}, 4).mesh();
+  for (const SurfaceMesh& mesh : {cube(2).mesh(), boulder, torus(2, 0.7, 40, 20).mesh()}) {
+    double before = 0;
+    for (int count : {1, 4, 12, 30}) {
+      const auto spheres = fill_mesh(mesh, count);
+      ASSERT_EQ(std::ssize(spheres), count);
+      for (const ShapeSphere& s : spheres) {
+        EXPECT_GT(s.radius, 0);
+        EXPECT_LE(s.radius, spheres[0].radius);
+        EXPECT_GE(mesh.depth(s.at), s.radius * (1 - 1e-7));
+      }
+      const double filled = filled_share(mesh, spheres);  // which throws where they fall apart
+      EXPECT_GT(filled, before) << count;
+      EXPECT_LT(filled, 1) << count;
+      before = filled;
+    }
+    EXPECT_GT(before, 0.75);
+  }
+  // The ball in the cube touches it at the middles of its faces.
+  EXPECT_NEAR(fill_mesh(cube(2).mesh(), 1)[0].radius, 1, 1e-3);
+  // Of an ellipsoid as the rule for ellipsoids does it, or better.
+  EXPECT_GT(filled_share(boulder, fill_mesh(boulder, 7)),
+            0.98 * 4 * pi / 3 * 2 * std::sqrt(2.0) / boulder.volume() *
+                filled_share(boulder, fill_ellipsoid({2, std::sqrt(2.0), 1}, 7)));
+}
+
+TEST(SphereFill, of_a_ball_is_the_ball_and_of_a_larger_one_larger) {
+  const SurfaceMesh ball = ellipsoid(Vec3::Ones(), 5).mesh();
+  EXPECT_GT(filled_share(ball, fill_mesh(ball, 1)), 0.99);
+  const auto small = fill_mesh(cube(2).mesh(), 9), large = fill_mesh(cube(16).mesh(), 9);
+  for (std::size_t k = 0; k < small.size(); ++k) {
+    EXPECT_EQ(large[k].at, 8 * small[k].at);
+    EXPECT_EQ(large[k].radius, 8 * small[k].radius);
+  }
 }
 
 }  // namespace

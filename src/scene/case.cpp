@@ -379,6 +379,7 @@ Case parse_case(const std::string& text, const std::string& file,
   scene.overrides = overrides;
   scene.constants = constants;
   insert_named_constants(root, file, scene.constants, files);
+  insert_filled_shapes(root, file, scene.constants, files);
   Section::read_all(
       root, file, [&](Section& in) { read_case_keys(in, scene); }, all_keys());
   scene.unused = unused_parts(root, scene);

@@ -3,13 +3,57 @@
 #include "scene/read_shapes.hpp"
 
 #include <algorithm>
+#include <filesystem>
 
+#include "keys/toml_text.hpp"
 #include "scene/packing.hpp"
+#include "scene/sphere_fill.hpp"
 #include "spall/error.hpp"
 
 namespace spall {
 
 using namespace dimension;
+
+namespace {
+constexpr std::int64_t most_spheres_filled = 100;
+}
+
+void insert_filled_shapes(toml::table& root, const std::string& file,
+                          std::vector<std::string>& kept, const InputFiles& files) {
+  toml::table* shapes = root["shapes"].as_table();
+  if (!shapes) return;
+  for (auto&& [name, node] : *shapes) {
+    toml::table* shape = node.as_table();
+    if (!shape) continue;
+    // What is none, or no such number, is refused where the keys are read. File "" is of a restart
+    // file, which holds the spheres.
+    const auto named = (*shape)["file"].value<std::string>();
+    const auto count = (*shape)["count"].value<std::int64_t>().value_or(0);
+    if (!named || named == "" || count < 1 || count > most_spheres_filled) continue;
+    toml::array spheres;
+    std::string text;
+    try {
+      require(!shape->contains("spheres"), "spheres are listed too: one is wanted");
+      const std::string path = (std::filesystem::path(file).parent_path() / *named).string();
+      const SurfaceMesh mesh = SurfaceMesh::from_obj(files.text(path), path, 1);
+      for (const ShapeSphere& sphere : fill_mesh(mesh, static_cast<int>(count))) {
+        const Vec3& at = sphere.at;
+        spheres.push_back(
+            toml::table{{"at", toml::array{at.x(), at.y(), at.z()}}, {"radius", sphere.radius}});
+        text += fmt::format("{{at = [{}, {}, {}], radius = {}}}, ", at.x(), at.y(), at.z(),
+                            sphere.radius);
+      }
+    } catch (const Error& error) {
+      throw Error(fmt::format("{}:{}: shapes.{}.file: {}", file,
+                              (*shape)["file"].node()->source().begin.line, name.str(),
+                              error.what()));
+    }
+    const std::string place = "shapes." + toml_string(name.str());
+    kept.push_back(fmt::format("{}.spheres=[{}]", place, text));
+    kept.push_back(place + ".file=\"\"");
+    shape->insert_or_assign("spheres", std::move(spheres));
+  }
+}
 
 void read_shape(Section& in, ListedShape& shape) {
   in.tables("spheres", "that the shape is made of; packings scale them", [&](Section& s) {
@@ -20,15 +64,24 @@ void read_shape(Section& in, ListedShape& shape) {
   const bool listed = !shape.spheres.empty();
   Vec3 axes = Vec3::Ones();
   std::int64_t count = 0;
-  if (in.reads(!listed)) {
+  std::string file;
+  in.take(
+      "file",
+      "in place of spheres: Wavefront OBJ, closed, beside the case; is filled with them; of its "
+      "size only ratios count",
+      file);
+  const bool filled = in.has("file");
+  if (in.reads(!listed && !filled))
     in.need("axes", "in place of spheres: of the ellipsoid that is filled with them", axes,
             positive(length));
-    in.need("count", "of axes: spheres in it", count, 1);
-    constexpr std::int64_t most = 100;
-    in.check("count", count <= most, fmt::format("is more than {}", most));
+  if (in.reads(!listed || filled)) {
+    in.need("count", "of file and axes: spheres in it", count, 1);
+    in.check("count", count <= most_spheres_filled,
+             fmt::format("is more than {}", most_spheres_filled));
   }
   shape.place = in.place();
-  if (!listed && count > 0) shape.spheres = fill_ellipsoid(axes, static_cast<int>(count));
+  if (!listed && !filled && count > 0)
+    shape.spheres = fill_ellipsoid(axes, static_cast<int>(count));
 }
 
 namespace {
@@ -41,8 +94,8 @@ void check_group(const Case& scene, const Group& group) {
           scene.materials[group.material].name);
   for (const Phase& phase : scene.phases)
     require(phase.engine->has_shapes,
-            "{}: packing.shape: phases.{}.method = \"{}\" knows spheres alone; \"nonsmooth\" knows "
-            "shapes",
+            "{}: packing.shape: phases.{}.method = \"{}\" knows spheres alone; \"nonsmooth\" and "
+            "\"penalty\" know shapes",
             group.place, phase.name, phase.engine->name);
 }
 

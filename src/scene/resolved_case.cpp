@@ -14,6 +14,10 @@ std::string resolved_text(toml::table root, const Case& scene) {
     for (auto&& [name, node] : *materials)
       if (toml::table& material = *node.as_table(); material.contains("solid"))
         for (const char* source : {"file", "library"}) material.erase(source);
+  if (toml::table* shapes = root["shapes"].as_table())
+    for (auto&& [name, node] : *shapes)
+      if (toml::table& shape = *node.as_table(); shape.contains("file"))
+        for (const char* source : {"file", "count"}) shape.erase(source);
   for (std::size_t g = 0; g < scene.groups.size(); ++g) {
     const Group& group = scene.groups[g];
     const auto name_whole = [&](const char* table, const std::string& file) {
