@@ -108,7 +108,7 @@ void compare_forces(const Comm& comm, const std::string& dump, double h, Lab& wo
   }
   require(in.good(), "{}: ends too soon", dump);
   const PenaltyLaw law = law_of_lammps(world);
-  search_touch_pairs(comm, bodies, {}, world.period, {.gap = widest_gap(law, 0.5), .skin = 0.1},
+  search_touch_pairs(world, {.gap = widest_gap(law, 0.5), .skin = 0.1}, world.penalty.members,
                      world.penalty.touch);
   std::vector<ForceRow> rows(bodies.size());
   double worst = 0, worst_torque = 0, largest = 0, largest_torque = 0;

@@ -6,8 +6,8 @@
 #include <random>
 
 #include "clump_worlds.hpp"
+#include "engine/free_turn.hpp"
 #include "output/diagnostics.hpp"
-#include "rigid/free_turn.hpp"
 #include "testing.hpp"
 
 namespace spall {

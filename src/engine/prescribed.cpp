@@ -58,17 +58,23 @@ double largest_meeting_speed(const World& world, double lasts) {
   std::vector<char> moves(bodies.owned, 0);
   for_each_moving(world, [&](Index b, std::int32_t, const PrescribedMotion&) { moves[b] = 1; });
   Box others;
-  for (Index b = 0; b < bodies.owned; ++b)
-    if (!moves[b]) others.add(bodies.velocity[b]);
+  double turning = 0;  // of one of them
+  for (Index b = 0; b < bodies.owned; ++b) {
+    if (moves[b]) continue;
+    others.add(bodies.velocity[b]);
+    turning = std::max(turning, turning_speed(world.shapes, bodies, b));
+  }
+  if (!world.shapes.empty()) turning = world.comm.max(turning);
   if (world.walls().size() > 0) others.add(Vec3(Vec3::Zero()));
   others = others.united(world.comm);
   if (others.low[0] > others.high[0]) return 0;  // there are none
   const Vec3 low = vector_of(others.low), high = vector_of(others.high);
-  double largest = others.diagonal();
+  double largest = others.diagonal() + 2 * turning;
   for_each_moving(world, [&](Index b, std::int32_t, const PrescribedMotion& motion) {
     const VelocityRange range = motion.velocities(bodies.anchor[b], world.time, world.time + lasts);
     const Vec3 apart = (range.high - low).cwiseMax(high - range.low);
-    largest = std::max(largest, apart.norm() + range.turning);
+    largest = std::max(
+        largest, apart.norm() + range.turning + turning + turning_speed(world.shapes, bodies, b));
   });
   return world.comm.max(largest);
 }

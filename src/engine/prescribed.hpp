@@ -21,9 +21,9 @@ std::vector<Index> set_prescribed_velocities(World& world, double from, double h
 /// Empty where nothing is prescribed. Collective.
 std::vector<double> prescribed_accelerations(const World& world, double from, double to);
 
-/// m/s over all ranks, at most: the speed at which two bodies, or a body and a wall, may meet
-/// within `lasts` (s) from `world.time` on, wherever they are now. Those of moving groups go their
-/// ways and do not act on each other; all others fly straight on. Collective.
+/// m/s over all ranks, at most: the speed at which two spheres, of clumps too, or one and a wall,
+/// may meet within `lasts` (s) from `world.time` on, wherever they are now. Those of moving groups
+/// go their ways and do not act on each other; all others fly straight on. Collective.
 double largest_meeting_speed(const World& world, double lasts);
 
 /// A body that moves as prescribed, where it must be now.

@@ -35,27 +35,30 @@ HalfKick::HalfKick(const World& before)
                 before.bodies.velocity.begin() + before.bodies.owned),
       dissipated_(before.ledger.dissipated),
       own_work_(before.ledger.own_work) {
-  if (before.bodies.has(Field::angular_velocity))
-    spin_.assign(before.bodies.angular_velocity.begin(),
-                 before.bodies.angular_velocity.begin() + before.bodies.owned);
+  const Bodies& bodies = before.bodies;
+  if (!bodies.has(Field::angular_velocity)) return;
+  for (Index b = 0; b < bodies.owned; ++b) {
+    const double r = bodies.radius[b], scale = 1 / (bodies.mass[b] * r * r);
+    spin_.push_back({spin_momentum(before.shapes, bodies, b),
+                     scale * inverse_inertia_factor(before.shapes, bodies, b)});
+  }
 }
 
 double HalfKick::energy(const World& after, double t) const {
   const Bodies& bodies = after.bodies;
   const Vec3 field = after.steady_gravity();
-  // m/2 (v + dv/2)^2 - m/2 v^2, of the whole change dv.
-  const auto half = [](const Vec3& before, const Vec3& now) {
+  // m/2 (v + dv/2)^2 - m/2 v^2, of the whole change dv; of momenta with 1/m in place of m.
+  const auto half = [](const Vec3& before, const Vec3& now, const auto& factor) {
     const Vec3 change = now - before;
-    return change.dot(before) / 2 + change.squaredNorm() / 8;
+    return change.dot(factor * before) / 2 + change.dot(factor * change) / 8;
   };
   double given = (after.ledger.dissipated - dissipated_ - after.ledger.own_work + own_work_) / 2;
   for (std::size_t b = 0; b < velocity_.size(); ++b) {
     const double mass = bodies.mass[b];
     if (!std::isfinite(mass)) continue;
-    given += mass * (half(velocity_[b], bodies.velocity[b]) - t / 2 * field.dot(velocity_[b]));
+    given += half(velocity_[b], bodies.velocity[b], mass) - mass * t / 2 * field.dot(velocity_[b]);
     if (!spin_.empty())
-      given +=
-          moment_of_inertia(mass, bodies.radius[b]) * half(spin_[b], bodies.angular_velocity[b]);
+      given += half(spin_[b].momentum, spin_momentum(after.shapes, bodies, b), spin_[b].inverse);
   }
   return given;
 }

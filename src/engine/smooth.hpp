@@ -43,7 +43,12 @@ class HalfKick {
   double energy(const World& after, double t) const;
 
  private:
-  std::vector<Vec3> velocity_, spin_;
+  struct Spin {
+    Vec3 momentum;  ///< kg m^2/s: a drift after the kick keeps it
+    Mat3 inverse;   ///< of the inertia, 1/(kg m^2), where the kick is given
+  };
+  std::vector<Vec3> velocity_;
+  std::vector<Spin> spin_;
   double dissipated_, own_work_;
 };
 

@@ -26,13 +26,16 @@ Box velocities_of(const Bodies& bodies) {
 }
 
 Box velocities_with_walls(const World& world) {
-  Box box = velocities_of(world.bodies);
+  Box box;
+  const Bodies& bodies = world.bodies;
+  for (Index b = 0; b < bodies.owned; ++b)
+    box.add(bodies.velocity[b], turning_speed(world.shapes, bodies, b));
   if (world.walls().size() > 0) box.add(Vec3(Vec3::Zero()));
   return box;
 }
 
-double approach_from(const World& world, std::span<const Vec3> from) {
-  const auto moved = [&](std::size_t b) -> Vec3 { return world.bodies.position[b] - from[b]; };
+double approach_from(const World& world, const Bodies& bodies, std::span<const Vec3> from) {
+  const auto moved = [&](std::size_t b) -> Vec3 { return bodies.position[b] - from[b]; };
   Box box;
   for (std::size_t b = 0; b < from.size(); ++b) box.add(moved(b));
   const Vec3 centre = box.united(world.comm).centre();
@@ -45,7 +48,8 @@ double approach_from(const World& world, std::span<const Vec3> from) {
 }
 
 double approach_since_search(const World& world, const NearPairs& near) {
-  if (world.period.any() || world.walls().size() > 0) return approach_from(world, near.found_at);
+  if (world.period.any() || world.walls().size() > 0)
+    return approach_from(world, world.bodies, near.found_at);
   std::vector<Vec3> displacement(near.found_at.size());
   for (std::size_t b = 0; b < displacement.size(); ++b)
     displacement[b] = world.bodies.position[b] - near.found_at[b];

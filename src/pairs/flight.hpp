@@ -27,6 +27,11 @@ struct Box {
     high = larger(v, high);
   }
   void add(const Vec3& v) { add(half_row(v, 0)); }
+  /// All within `r` of `v`.
+  void add(const Vec3& v, double r) {
+    add(half_row(v, 0) - r);
+    add(half_row(v, 0) + r);
+  }
   /// Of the boxes of all ranks. Collective.
   Box united(const Comm& comm) const;
   Vec3 centre() const { return vector_of((low + high) / 2); }
@@ -34,14 +39,14 @@ struct Box {
 };
 
 Box velocities_of(const Bodies& bodies);
-/// Of all bodies, and of what stands still where there are walls.
+/// Of all bodies, the spheres of clumps included, and of what stands still where there are walls.
 Box velocities_with_walls(const World& world);
 
-/// m, that two bodies have come nearer at most since they were at `from` (one an owned body): twice
-/// the radius of the displacements about the centre of their box. A common motion counts for
-/// nothing, but to walls. Not place by place as `MotionCells`: where space repeats itself, and with
-/// giants, bodies meet from afar. Collective.
-double approach_from(const World& world, std::span<const Vec3> from);
+/// m, that two of the owned `bodies` have come nearer at most since they were at `from`: twice the
+/// radius of the displacements about the centre of their box. A common motion counts for nothing,
+/// but to the world's walls. Not place by place as `MotionCells`: where space repeats itself, and
+/// with giants, bodies meet from afar. Collective.
+double approach_from(const World& world, const Bodies& bodies, std::span<const Vec3> from);
 
 /// m, that two bodies have come nearer at most since the last search: place by place where none
 /// meet from afar, else as `approach_from`. Collective.

@@ -21,6 +21,19 @@ class WindowMaker {
       : grouping_(grouping), windows_(windows) {}
 
   std::vector<Index>& partners() { return partners_; }
+  /// Takes partners since the last row away; tells how many of the `near` first ones are left.
+  template <class Test>
+  Index drop(Index near, Test&& test) {
+    Index to = first_, left = near;
+    for (Index at = first_; at < static_cast<Index>(partners_.size()); ++at) {
+      if (!test(partners_[at]))
+        partners_[to++] = partners_[at];
+      else if (at - first_ < near)
+        --left;
+    }
+    partners_.resize(to);
+    return left;
+  }
   /// All partners since the last call belong to `row`.
   void end_row(Index row, Index near) {
     rows_.push_back({row, first_, static_cast<Index>(partners_.size()) - first_, near});
@@ -98,10 +111,16 @@ class WindowMaker {
 }  // namespace
 
 void find_near_pairs(const Bodies& bodies, const Reach& reach, Grouping grouping,
-                     std::vector<NearWindow>& windows) {
+                     std::vector<NearWindow>& windows, BodyId members) {
   WindowMaker maker(grouping, windows);
   find_partners(bodies, reach, ListedWith::first_cell, maker.partners(),
-                [&](Index row, Index near) { maker.end_row(row, near); });
+                [&](Index row, Index near) {
+                  if (members > 1)
+                    near = maker.drop(near, [&](Index partner) {
+                      return bodies.id[partner] / members == bodies.id[row] / members;
+                    });
+                  maker.end_row(row, near);
+                });
   maker.finish();
 }
 

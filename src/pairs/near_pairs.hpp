@@ -58,8 +58,9 @@ enum class Grouping { by_partners, by_near_partners };
 
 /// Finds all pairs with an owned body whose spheres meet when grown by `reach`; ghosts current.
 /// Slots of those in the skin alone come last: a sweep passes them over as long as they stay there.
+/// Rows whose ids, over `members`, are the same are parts of one body, and no pair.
 void find_near_pairs(const Bodies& bodies, const Reach& reach, Grouping grouping,
-                     std::vector<NearWindow>& windows);
+                     std::vector<NearWindow>& windows, BodyId members = 1);
 
 /// How far two bodies may act on each other, between their centres.
 struct PairReach {

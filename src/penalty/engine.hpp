@@ -4,16 +4,17 @@
 
 #include "engine/smooth.hpp"
 #include "engine/type.hpp"
+#include "penalty/members.hpp"
 #include "penalty/penalty.hpp"
-#include "penalty/touch_pairs.hpp"
 
 namespace spall {
 
 struct Penalty final : Engine {
   ByPair<PenaltySettings> settings;
   Splitting integrator = leapfrog;
-  TouchPairs touch;
-  std::vector<ForceRow> loads;  ///< of the bodies, while steps go on
+  Members members;
+  TouchPairs touch;             ///< of what meets: bodies, or members
+  std::vector<ForceRow> loads;  ///< of what meets, while steps go on
 
   explicit Penalty(const ByPair<PenaltySettings>& of_case) : settings(of_case) {}
 

@@ -158,8 +158,10 @@ void check(const Surroundings& around, std::span<const MaterialUse> uses,
           phase.place);
 }
 
-FieldSet fields(const Surroundings&, const EngineSettings&) {
-  return {Field::angular_velocity, Field::heat};
+FieldSet fields(const Surroundings& around, const EngineSettings&) {
+  FieldSet fields{Field::angular_velocity, Field::heat};
+  if (!around.shapes.empty()) fields |= {Field::shape, Field::orientation};
+  return fields;
 }
 
 /// The stiffness of each pair of materials that the law knows, where there are several.
@@ -197,6 +199,7 @@ std::unique_ptr<Engine> make(const EngineSettings& settings) {
 const EngineType penalty_engine{
     .name = "penalty",
     .help = "grains that touch by springs and dashpots: Hertz and Mindlin, Hooke, DMT, JKR",
+    .has_shapes = true,
     .moves_groups = true,
     .tables = {"contact", "penalty"},
     .read = read,

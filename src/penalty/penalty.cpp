@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "penalty/penalty.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -20,18 +21,67 @@ constexpr double rayleigh_part = 0.2;
 /// Of the smaller radius: no deeper may an impact press two bodies into each other.
 constexpr double deepest = 0.5;
 
+/// A body, or a sphere of a clump.
 struct Member {
-  double id, radius, mass, material;
+  double id;        ///< of the body
+  double radius;    ///< m, of the sphere
+  double mass;      ///< kg, of the body
+  double material;  ///< a number of one
+  double light;     ///< kg: a force on the sphere's centre moves it at once at least as this would
+  double alone;     ///< kg, of the sphere without the rest
 };
 
 /// A pair as one body: R, m, and the smaller radius. A wall is a body without bounds.
 struct Reduced {
-  double radius, mass, smaller;
+  double radius, mass, light, smaller;
 };
 Reduced reduce(const Member& a, const Member& b) {
   return {1 / (1 / a.radius + 1 / b.radius), 1 / (1 / a.mass + 1 / b.mass),
-          std::min(a.radius, b.radius)};
+          1 / (1 / a.light + 1 / b.light), std::min(a.radius, b.radius)};
 }
+
+/// What bodies are made of, each sphere in turn.
+class MemberList {
+ public:
+  explicit MemberList(const World& world) : bodies_(world.bodies), shapes_(world.shapes) {
+    if (shapes_.empty()) shapes_.emplace_back();
+    for (const BodyShape& shape : shapes_) {
+      std::vector<double>& turning = turning_.emplace_back();
+      for (const ShapeSphere& sphere : shape.spheres) {
+        // A force n on a sphere turns the body, which moves the sphere by (a x n)^T J^-1 (a x n)
+        // along n, beside 1 of the body's own motion.
+        Mat3 arm;
+        for (int k = 0; k < 3; ++k) arm.col(k) = sphere.at.cross(Vec3::Unit(k));
+        const Mat3 moved = arm.transpose() * shape.inertia.cwiseInverse().asDiagonal() * arm;
+        turning.push_back(
+            Eigen::SelfAdjointEigenSolver<Mat3>(moved, Eigen::EigenvaluesOnly).eigenvalues()[2]);
+      }
+    }
+  }
+
+  /// Calls `f(member)` for all of the owned bodies.
+  template <class F>
+  void for_each(F&& f) const {
+    for (Index b = 0; b < bodies_.owned; ++b) {
+      const std::int32_t shape = shapes_.size() > 1 ? bodies_.shape[b] : 0;
+      const auto& spheres = shapes_[shape].spheres;
+      for (std::size_t k = 0; k < spheres.size(); ++k) {
+        const double mass = bodies_.mass[b], r = spheres[k].radius;
+        f(Member{.id = static_cast<double>(bodies_.id[b]),
+                 .radius = bodies_.radius[b] * r,
+                 .mass = mass,
+                 .material = static_cast<double>(bodies_.material[b]),
+                 .light = mass / (1 + turning_[shape][k]),
+                 .alone = mass * (4 * pi / 3 * r * r * r / shapes_[shape].volume)});
+      }
+    }
+  }
+
+ private:
+  const Bodies& bodies_;
+  BodyShapes shapes_;
+  std::vector<std::vector<double>> turning_;  ///< of each sphere of each shape
+};
 
 /// m, that a collision at `speed` presses the pair together.
 double deepest_overlap(const PenaltyLaw& law, const Reduced& p, double speed) {
@@ -56,22 +106,20 @@ constexpr double any_material = -1;
 template <class Value>
 std::optional<Member> least(const World& world, double material, double without, bool held,
                             Value&& value) {
-  const Bodies& bodies = world.bodies;
-  std::array<double, 5> best{infinity, 0, 0, 0, 0};
-  for (Index b = 0; b < bodies.owned; ++b) {
-    const Member member{static_cast<double>(bodies.id[b]), bodies.radius[b], bodies.mass[b],
-                        static_cast<double>(bodies.material[b])};
-    if (member.id == without || (!held && !std::isfinite(member.mass))) continue;
-    if (material != any_material && material != member.material) continue;
-    const double v = value(member);
-    if (v < best[0]) best = {v, member.id, member.radius, member.mass, member.material};
-  }
+  constexpr std::size_t numbers = 7;
+  std::array<double, numbers> best{infinity};
+  MemberList(world).for_each([&](const Member& m) {
+    if (m.id == without || (!held && !std::isfinite(m.mass))) return;
+    if (material != any_material && material != m.material) return;
+    const double v = value(m);
+    if (v < best[0]) best = {v, m.id, m.radius, m.mass, m.material, m.light, m.alone};
+  });
   const std::vector<double> all = world.comm.all_gather(best);
-  for (std::size_t k = 0; k < all.size(); k += 5)
+  for (std::size_t k = 0; k < all.size(); k += numbers)
     if (all[k] < best[0] || (all[k] == best[0] && all[k + 1] < best[1]))
-      std::copy_n(&all[k], 5, best.begin());
+      std::copy_n(&all[k], numbers, best.begin());
   if (!std::isfinite(best[0])) return std::nullopt;
-  return Member{best[1], best[2], best[3], best[4]};
+  return Member{best[1], best[2], best[3], best[4], best[5], best[6]};
 }
 
 struct Meeting {
@@ -93,7 +141,7 @@ std::optional<Meeting> least_meeting(const World& world, std::vector<double> the
       const auto first =
           least(world, a, -1, false, [&](const Member& m) { return value(m, as_partner(m)); });
       if (!first) continue;
-      const Member wall = as_partner({-1, infinity, infinity, first->material});
+      const Member wall = as_partner({-1, infinity, infinity, first->material, infinity, infinity});
       const auto beside = [&](const Member& m) { return value(*first, m); };
       Meeting met{*first, least(world, b, first->id, true, beside).value_or(wall)};
       // The wall may be worse than a body that never moves either.
@@ -104,9 +152,10 @@ std::optional<Meeting> least_meeting(const World& world, std::vector<double> the
 }
 
 std::string name_of(const Member& m) {
-  return std::isfinite(m.radius)
-             ? fmt::format("body {:.0f} (radius {:.4g} m, {:.4g} kg)", m.id, m.radius, m.mass)
-             : "a wall";
+  if (!std::isfinite(m.radius)) return "a wall";
+  const bool whole = m.alone == m.mass;
+  return fmt::format("{}body {:.0f} ({}radius {:.4g} m, {:.4g} kg)", whole ? "" : "a sphere of ",
+                     m.id, whole ? "" : "its ", m.radius, m.mass);
 }
 
 /// Of two stiffnesses in series; exact for equal ones.
@@ -158,7 +207,7 @@ void check_waves(const World& world, PenaltyModel model, double h, const std::st
   const auto crossing = [&](const Member& m) {
     const Material& of = world.materials[static_cast<std::size_t>(m.material)];
     const double nu = of.poisson_ratio, shear = of.youngs_modulus / (2 * (1 + nu));
-    return pi * std::sqrt(m.mass / (4 / 3.0 * pi * m.radius * shear)) / (0.1631 * nu + 0.8766);
+    return pi * std::sqrt(m.alone / (4 / 3.0 * pi * m.radius * shear)) / (0.1631 * nu + 0.8766);
   };
   const std::optional<Member> slow = least(world, any_material, -1, false, crossing);
   if (!slow) return;  // nothing moves
@@ -263,7 +312,7 @@ void check_penalty_step(const World& world, const ByPair<PenaltySettings>& setti
   };
   const auto limit = [&](const Member& a, const Member& b) {
     const Reduced pair = reduce(a, b);
-    return std::sqrt(pair.mass / largest_stiffness(law_of(a, b), pair, speed));
+    return std::sqrt(pair.light / largest_stiffness(law_of(a, b), pair, speed));
   };
   const std::optional<Meeting> tight = least_meeting(world, there, limit);
   // At rest springs of Hertz have no stiffness yet, but a time in which waves cross.
@@ -284,11 +333,12 @@ void check_penalty_step(const World& world, const ByPair<PenaltySettings>& setti
 
   const Reduced pair = reduce(tight->a, tight->b);
   const double k = largest_stiffness(law_of(tight->a, tight->b), pair, speed);
-  const double longest = step_limit * std::sqrt(pair.mass / k);
+  const double longest = step_limit * std::sqrt(pair.light / k);
   require(h <= longest,
           "{}: step = {:g} s is too long for penalty contact: {} and {} meet with m = {:.4g} kg, k "
           "= {:.4g} N/m at {:g} m/s and need at most {:g} sqrt(m/k) = {:.3g} s",
-          place, h, name_of(tight->a), name_of(tight->b), pair.mass, k, speed, step_limit, longest);
+          place, h, name_of(tight->a), name_of(tight->b), pair.light, k, speed, step_limit,
+          longest);
   check_waves(world, laws.common().model, h, place);
 }
 

@@ -192,7 +192,7 @@ void find_touch_pairs(const Comm& comm, Bodies& bodies, const Walls& walls, cons
     find_ghosts(comm, bodies, period, reaches, touch);
   }
   find_near_pairs(bodies, {.common = slack / 2, .skin = skin}, Grouping::by_near_partners,
-                  touch.windows);
+                  touch.windows, range.members);
   const Kept kept(bodies, memory);
   recall_springs(kept, range.rolling, touch);
   find_walls(bodies, walls, slack, kept, touch.walls);
@@ -200,23 +200,6 @@ void find_touch_pairs(const Comm& comm, Bodies& bodies, const Walls& walls, cons
   touch.gap = range.gap;
   touch.skin = skin;
   book_search(comm, touch);
-}
-
-void search_touch_pairs(const Comm& comm, Bodies& bodies, const Walls& walls, const Period& period,
-                        const TouchRange& range, TouchPairs& touch) {
-  const auto keep = [&](bool cut) {
-    ContactMemory memory = remember(bodies, touch, cut);
-    // What comes needs the memory.
-    touch.carried = {};
-    touch.springs.clear();
-    touch.windows.clear();
-    return memory;
-  };
-  search_anew(
-      comm, bodies, touch, [&] { return work_of(bodies, touch); }, keep,
-      [&](const ContactMemory& memory) {
-        find_touch_pairs(comm, bodies, walls, period, range, memory, touch);
-      });
 }
 
 }  // namespace spall

@@ -89,21 +89,16 @@ struct TouchRange {
   double gap = 0;        ///< m, at which bodies may act on each other
   double skin = 0;       ///< m
   bool rolling = false;  ///< rolling springs are kept
+  BodyId members = 1;    ///< rows whose ids agree over it are of one body, and do not meet
 };
 
 /// Of owned bodies, as the domain is cut by.
 std::vector<double> work_of(const Bodies& bodies, const TouchPairs& touch);
 
-/// Finds ghosts and pairs anew, with the springs of `memory`. Throws as `search_touch_pairs`.
-/// Collective.
+/// Finds ghosts and pairs anew, with the springs of `memory`. Throws as `search_touch_pairs`
+/// (penalty/members.hpp). Collective.
 void find_touch_pairs(const Comm& comm, Bodies& bodies, const Walls& walls, const Period& period,
                       const TouchRange& range, const ContactMemory& memory, TouchPairs& touch);
-
-/// Finds ghosts and pairs anew; cuts the domain before where the ranks' work differs by more than a
-/// tenth. Springs stay with their pairs. Throws Error where space repeats itself so soon that a
-/// body would meet two images of another. Collective.
-void search_touch_pairs(const Comm& comm, Bodies& bodies, const Walls& walls, const Period& period,
-                        const TouchRange& range, TouchPairs& touch);
 
 /// The springs of all touching pairs by id; each on one rank with `once`, else on every rank that
 /// has it.

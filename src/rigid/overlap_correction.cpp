@@ -8,8 +8,8 @@
 #include <span>
 #include <utility>
 
+#include "engine/free_turn.hpp"
 #include "engine/prescribed.hpp"
-#include "rigid/free_turn.hpp"
 #include "rigid/narrow_phase.hpp"
 #include "solver/problem.hpp"
 #include "solver/settings.hpp"

@@ -38,11 +38,13 @@ double bytes_a_body(const EngineType& engine, const Surroundings& around, double
   const Use& use = found == uses.end() ? uses.front() : *found;
   if (around.shapes.empty())
     return use.body + contacts * (friction ? use.contact : use.contact_without_friction);
+  std::size_t most = 0;
+  for (const BodyShape& shape : around.shapes) most = std::max(most, shape.spheres.size());
+  if (&engine == &penalty_engine)  // a sphere of a clump is a row like a body
+    return use.body * static_cast<double>(1 + most);
   // Counted from what a step keeps of a body, of each of its spheres, and of a contact with its
   // arms; three contacts a pair are many.
   constexpr double of_body = 420, of_sphere = 56, of_arms = 224, contacts_a_pair = 3;
-  std::size_t most = 0;
-  for (const BodyShape& shape : around.shapes) most = std::max(most, shape.spheres.size());
   return use.body + of_body + of_sphere * static_cast<double>(most) +
          contacts_a_pair * contacts * (use.contact + of_arms);
 }

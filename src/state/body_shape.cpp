@@ -142,6 +142,7 @@ BodyShape make_shape(std::string name, std::span<const ShapeSphere> spheres) {
   for (const ShapeSphere& s : spheres)
     shape.spheres.push_back(
         {turn.transpose() * (s.at - moments.centre()) / radius, s.radius / radius});
+  for (const ShapeSphere& s : shape.spheres) shape.arm = std::max(shape.arm, s.at.norm());
   shape.volume = moments.volume / (radius * radius * radius);
   shape.inertia = principal.eigenvalues() / (moments.volume * radius * radius);
   return shape;

@@ -22,6 +22,7 @@ struct BodyShape {
   std::string name;
   std::vector<ShapeSphere> spheres = {{Vec3::Zero(), 1}};
   double volume = 4 * pi / 3;                     ///< over the radius cubed
+  double arm = 0;                                 ///< from its centre to a sphere's, at most
   Vec3 inertia = Vec3::Constant(sphere_inertia);  ///< principal moments over m r^2
   Quaternion as_listed = Quaternion::Identity();  ///< turns body axes into those it was listed in
 
@@ -70,6 +71,12 @@ inline Mat3 inertia_factor(const BodyShapes& shapes, const Bodies& bodies, Index
 inline Mat3 inverse_inertia_factor(const BodyShapes& shapes, const Bodies& bodies, Index b) {
   if (shapes.empty() || bodies.shape[b] == 0) return 1 / sphere_inertia * Mat3::Identity();
   return turned_tensor(bodies.orientation[b], shape_of(shapes, bodies, b).inertia.cwiseInverse());
+}
+
+/// m/s, at most, of the spheres of body `b` beside its centre.
+inline double turning_speed(const BodyShapes& shapes, const Bodies& bodies, Index b) {
+  if (shapes.empty() || bodies.shape[b] == 0) return 0;
+  return bodies.radius[b] * shape_of(shapes, bodies, b).arm * bodies.angular_velocity[b].norm();
 }
 
 /// kg m^2/s: angular momentum of body `b`, of finite mass, about its centre.
