@@ -644,6 +644,45 @@ TEST(Case, mass_is_that_of_the_union) {
   EXPECT_NEAR(bodies.mass[23], 2000 * 4 * pi / 3 * 0.064, 1e-9);
 }
 
+TEST(Case, bodies_draw_one_of_several_shapes_the_same_on_any_number_of_ranks) {
+  std::string text = heap;
+  const std::string one = "radius = 0.5, count = 12, shape = \"boulder\"";
+  const auto at = text.find(one);
+  const auto with = [&](const std::string& keys) {
+    return std::string(text).replace(at, one.size(), keys);
+  };
+  const std::string several = "shapes = [\"boulder\", \"boulder\", \"dumbbell\"]";
+  const Case scene = parse_case(with("radius = 0.1, count = 900, " + several), "heap.toml");
+  const auto by_id = [&](const Comm& comm) {
+    const Bodies bodies = make_bodies(scene, comm);
+    std::vector<double> rows;
+    for (Index b = 0; b < bodies.owned; ++b)
+      rows.insert(rows.end(), {double(bodies.id[b]), double(bodies.shape[b]), bodies.mass[b],
+                               bodies.orientation[b].x()});
+    return comm.all_gather(rows);
+  };
+  const auto all = by_id(testing_world());
+  EXPECT_EQ(all, by_id(alone()));
+  double mass = 0;
+  std::array<int, 3> count{};
+  for (std::size_t k = 0; k < 900; ++k) {
+    const auto shape = static_cast<std::size_t>(all[4 * k + 1]);
+    ++count.at(shape);
+    EXPECT_NEAR(all[4 * k + 2] / (2000 * scene.shapes[shape].volume * 1e-3), 1, 1e-12) << k;
+    mass += all[4 * k + 2];
+  }
+  EXPECT_EQ(count[0], 0);
+  EXPECT_NEAR(count[1], 600, 3 * std::sqrt(900 * 2 / 9.0));
+  EXPECT_NEAR(measure_groups(scene)[0].mass / mass, 1, 1e-12);
+  const auto complaint = [&](const std::string& keys) {
+    return complaint_of([&] { parse_case(with("radius = 0.1, count = 9, " + keys), "heap.toml"); });
+  };
+  EXPECT_NE(complaint(several + ", shape = \"boulder\"").find("is given beside shapes"),
+            std::string::npos);
+  EXPECT_NE(complaint("shapes = [\"boulder\", \"rock\"]").find("\"rock\" is not in [shapes]"),
+            std::string::npos);
+}
+
 TEST(Case, a_shape_of_one_sphere_gives_the_bits_of_spheres) {
   const auto run = [](const std::string& shape) {
     std::string text = heap;

@@ -337,7 +337,8 @@ std::vector<std::string> unused_parts(const toml::table& root, const Case& scene
                                          walls, fmt::join(methods.at("contact"), " or ")));
   for (const ListedShape& shape : scene.listed_shapes)
     if (std::ranges::none_of(scene.groups, [&](const Group& group) {
-          return group.packing.shape_name == shape.name;
+          const auto& names = group.packing.shape_names;
+          return std::ranges::find(names, shape.name) != names.end();
         }))
       unused.push_back(
           fmt::format("[shapes.{}] is not used: no packing of a group names it", shape.name));

@@ -62,8 +62,8 @@ struct Packing {
   std::string file = {};                             ///< of file: a restart file of an earlier run
   std::vector<StoredBody> stored = {};               ///< of file: with_stored_bodies puts them here
   StoredMotion stored_motion = StoredMotion::kept;   ///< of file: none: bodies are at rest
-  std::string shape_name = {};                       ///< of its bodies; empty: spheres
-  std::int32_t shape = 0;                            ///< place in the case's shapes; 0: the sphere
+  std::vector<std::string> shape_names = {};         ///< that bodies draw from; empty: spheres
+  std::vector<std::int32_t> shapes = {};             ///< places of these in the case's shapes
   std::any own = {};                                 ///< what its type alone knows
 };
 

@@ -64,10 +64,14 @@ void read_packing(Section& in, Packing& packing) {
   if (in.reads(packing.type->turns))
     in.take("rotation", "of lattices, file, and a single body with a shape: rotation vector",
             packing.rotation, any(number));
-  in.take("shape", "of the bodies, one of [shapes]; radius is that of the sphere around it",
-          packing.shape_name);
+  std::string shape;
+  in.take("shape", "of the bodies, one of [shapes]; radius is that of the sphere around it", shape);
+  in.take("shapes", "in place of shape: several, of which each body draws one",
+          packing.shape_names);
+  in.check("shape", !in.has("shape") || !in.has("shapes"), "is given beside shapes: give one");
+  if (in.has("shape")) packing.shape_names = {shape};
   in.check("rotation",
-           packing.type != &single_packing || !packing.shape_name.empty() || !in.has("rotation"),
+           packing.type != &single_packing || !packing.shape_names.empty() || !in.has("rotation"),
            "is that of a sphere, which looks the same from all sides; or give it a shape");
 }
 

@@ -104,26 +104,26 @@ void check_group(const Case& scene, const Group& group) {
 void gather_shapes(Case& scene) {
   BodyShapes shapes(1);
   shapes[0].name = "sphere";
-  for (Group& group : scene.groups) {
-    Packing& packing = group.packing;
-    if (packing.shape_name.empty()) continue;
-    const auto listed =
-        std::ranges::find(scene.listed_shapes, packing.shape_name, &ListedShape::name);
+  /// The place of a shape, which is worked out where it is not known yet.
+  const auto place_of = [&](const Group& group, const std::string& name) {
+    const auto listed = std::ranges::find(scene.listed_shapes, name, &ListedShape::name);
     require(listed != scene.listed_shapes.end(), "{}: packing.shape: \"{}\" is not in [shapes]",
-            group.place, packing.shape_name);
-    if (listed->spheres.size() == 1) continue;
+            group.place, name);
+    if (listed->spheres.size() == 1) return std::int32_t{0};
     check_group(scene, group);
-    const auto known = std::find_if(shapes.begin() + 1, shapes.end(), [&](const BodyShape& shape) {
-      return shape.name == packing.shape_name;
-    });
-    packing.shape = static_cast<std::int32_t>(known - shapes.begin());
-    if (known != shapes.end()) continue;
+    const auto known = std::ranges::find(shapes.begin() + 1, shapes.end(), name, &BodyShape::name);
+    const auto place = static_cast<std::int32_t>(known - shapes.begin());
+    if (known != shapes.end()) return place;
     try {
       shapes.push_back(make_shape(listed->name, listed->spheres));
     } catch (const Error& error) {
       throw Error(fmt::format("{}: {}", listed->place, error.what()));
     }
-  }
+    return place;
+  };
+  for (Group& group : scene.groups)
+    for (const std::string& name : group.packing.shape_names)
+      group.packing.shapes.push_back(place_of(group, name));
   if (shapes.size() > 1) scene.shapes = std::move(shapes);
 }
 

@@ -25,25 +25,37 @@ std::uint64_t stream_of(const Case& scene, std::size_t g) {
   return scene.seed * 0x9E3779B97F4A7C15u + g;
 }
 
-/// m^3, of a body of this group with this radius.
-double volume_of_body(const Case& scene, const Group& group, double radius) {
-  if (group.packing.shape == 0) return ball_volume(radius);
-  return scene.shapes[group.packing.shape].volume * radius * radius * radius;
+/// Place in the case's shapes, of the `k`-th body of group `g`: one that it draws, the same on any
+/// number of ranks.
+std::int32_t shape_of_body(const Case& scene, std::size_t g, BodyId k) {
+  const std::vector<std::int32_t>& shapes = scene.groups[g].packing.shapes;
+  if (shapes.empty()) return 0;
+  if (shapes.size() == 1) return shapes[0];
+  const std::uint64_t stream = mix(stream_of(scene, g) ^ 0x53484150);  // another than of places
+  return shapes[mix(stream + static_cast<std::uint64_t>(k)) % shapes.size()];
 }
 
-/// kg, of a body: a sphere of a solid's lattice stands for its cell.
-double mass_of_body(const Case& scene, const Group& group, double radius) {
+/// m^3, of the `k`-th body of group `g`, with this radius.
+double volume_of_body(const Case& scene, std::size_t g, BodyId k, double radius) {
+  const std::int32_t shape = shape_of_body(scene, g, k);
+  return shape == 0 ? ball_volume(radius) : scene.shapes[shape].volume * radius * radius * radius;
+}
+
+/// kg, of the `k`-th body of group `g`: a sphere of a solid's lattice stands for its cell.
+double mass_of_body(const Case& scene, std::size_t g, BodyId k, double radius) {
+  const Group& group = scene.groups[g];
   const Material& material = scene.materials[group.material];
   const Lattice lattice = lattice_of(group.packing);
   return material.solid && lattice.neighbours > 0
              ? sphere_mass(*material.solid, lattice)
-             : material.density * volume_of_body(scene, group, radius);
+             : material.density * volume_of_body(scene, g, k, radius);
 }
 
 /// Calls `place` with every body of group `g`; those that keep clear are where `is_free`.
 /// Masses are those before they are scaled to the group's total.
 void place_group(const Case& scene, std::size_t g, const IsFree& is_free, const Place& place) {
   const Group& group = scene.groups[g];
+  BodyId k = 0;
   group.packing.type->place(
       {.volume = group.volume,
        .packing = group.packing,
@@ -51,7 +63,8 @@ void place_group(const Case& scene, std::size_t g, const IsFree& is_free, const 
        .place = group.place,
        .is_free = is_free,
        .put = [&](const PackedSphere& sphere) {
-         place(sphere, sphere.mass ? *sphere.mass : mass_of_body(scene, group, sphere.radius));
+         place(sphere, sphere.mass ? *sphere.mass : mass_of_body(scene, g, k, sphere.radius));
+         ++k;
        }});
 }
 
@@ -151,21 +164,23 @@ std::string words(const Vec3& v) {
 /// others at random; the same on any number of ranks.
 Quaternion orientation_of(const Case& scene, std::size_t g, BodyId k) {
   const Packing& packing = scene.groups[g].packing;
-  if (packing.shape == 0) return Quaternion::Identity();
+  const std::int32_t shape = shape_of_body(scene, g, k);
+  if (shape == 0) return Quaternion::Identity();
   const std::uint64_t stream = mix(stream_of(scene, g) ^ 0x5455524e);  // another than of places
   const Vec3 turn = packing.type == &single_packing
                         ? packing.rotation
                         : random_rotation(mix(stream + static_cast<std::uint64_t>(k)));
   const Quaternion turned(Eigen::AngleAxisd(turn.norm(), turn.stableNormalized()));
-  return (turned * scene.shapes[packing.shape].as_listed).normalized();
+  return (turned * scene.shapes[shape].as_listed).normalized();
 }
 
 /// m: the spheres that the `k`-th body of group `g` is made of, itself where it has no shape.
 std::vector<ShapeSphere> parts_of(const Case& scene, std::size_t g, BodyId k, const Vec3& center,
                                   double radius) {
-  if (g >= scene.groups.size() || scene.groups[g].packing.shape == 0) return {{center, radius}};
+  const std::int32_t shape = g < scene.groups.size() ? shape_of_body(scene, g, k) : 0;
+  if (shape == 0) return {{center, radius}};
   const Quaternion turn = orientation_of(scene, g, k);
-  std::vector<ShapeSphere> parts = scene.shapes[scene.groups[g].packing.shape].spheres;
+  std::vector<ShapeSphere> parts = scene.shapes[shape].spheres;
   for (ShapeSphere& part : parts) part = placed_sphere(part, center, radius, turn);
   return parts;
 }
@@ -233,10 +248,10 @@ std::vector<GroupContent> measure_groups(const Case& scene) {
     const Group& group = scene.groups[g];
     GroupContent content;
     const auto count = [&](double radius, double mass, bool fixed) {
-      ++content.count;
-      content.volume += volume_of_body(scene, group, radius);
+      content.volume += volume_of_body(scene, g, content.count, radius);
       content.smallest = std::min(content.smallest, radius);
       content.largest = std::max(content.largest, radius);
+      ++content.count;
       if (fixed) return;
       ++content.movable;
       content.mass += mass;
@@ -244,7 +259,7 @@ std::vector<GroupContent> measure_groups(const Case& scene) {
     };
     if (const auto radii_of = group.packing.type->radii) {
       for (double radius : radii_of(group.packing, stream_of(scene, g)))
-        count(radius, mass_of_body(scene, group, radius), false);
+        count(radius, mass_of_body(scene, g, content.count, radius), false);
     } else {
       place_group(scene, g, {}, [&](const PackedSphere& sphere, double mass) {
         count(sphere.radius, mass, sphere.fixed);
@@ -345,7 +360,7 @@ Bodies make_bodies(const Case& scene, const Comm& comm) {
         bodies.velocity[row] = group.velocity + group.spin.cross(center - group.volume.center);
         if (!held) bodies.velocity[row] += sphere.velocity;
         if (bodies.has(Field::shape)) {
-          bodies.shape[row] = group.packing.shape;
+          bodies.shape[row] = shape_of_body(scene, g, id - first);
           bodies.orientation[row] = orientation_of(scene, g, id - first);
         }
         if (bodies.has(Field::angular_velocity))
