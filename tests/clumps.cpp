@@ -8,6 +8,7 @@
 #include <memory>
 #include <random>
 
+#include "clump_cases.hpp"
 #include "clump_worlds.hpp"
 #include "engine/free_turn.hpp"
 #include "output/diagnostics.hpp"
@@ -493,43 +494,7 @@ TEST(Clump, general_contacts_of_spheres_move_them_as_contacts_of_spheres_do) {
 
 // Memory -------------------------------------------------------------------------------------
 
-const std::string heap = R"(
-seed = 3
-[materials.rock]
-density = "2000 kg/m^3"
-[shapes.boulder]
-axes = [2, 1.414, 1]
-count = 5
-[shapes.dumbbell]
-spheres = [{at = [0, 0, 0], radius = 1}, {at = [1.4, 0, 0], radius = 0.8}]
-[contact]
-friction = 0.5
-restitution = 0
-[gravity]
-uniform = [0, 0, "-9.81 m/s^2"]
-[[planes]]
-point = [0, 0, 0]
-normal = [0, 0, 1]
-[[groups]]
-name = "boulders"
-material = "rock"
-volume = {shape = "box", size = [3, 3, 3], center = [0, 0, 1.6]}
-packing = {kind = "random", radius = 0.5, count = 12, shape = "boulder"}
-[[groups]]
-name = "dumbbells"
-material = "rock"
-volume = {shape = "box", size = [3, 3, 2], center = [0, 0, 4.2]}
-packing = {kind = "random", radius = 0.4, count = 8, shape = "dumbbell"}
-[[groups]]
-name = "balls"
-material = "rock"
-volume = {shape = "box", size = [3, 3, 1.2], center = [0, 0, 5.9]}
-packing = {kind = "random", radius = 0.4, count = 4}
-[[phases]]
-name = "fall"
-step = "3 ms"
-duration = "3 s"
-)";
+const std::string heap = heap_of_clumps({.restitution = "0", .step = "3 ms"});
 
 Simulation simulation_of(const std::string& text) {
   return Simulation(testing_world(), Scene(std::make_shared<Case>(parse_case(text, "heap.toml"))));
@@ -572,27 +537,7 @@ TEST(Memory, impulses_of_spheres_stay_through_a_new_cut_and_a_search) {
 }
 
 TEST(Memory, a_run_of_clumps_that_is_stopped_goes_on_with_the_same_bits) {
-  const Comm comm = testing_world();
-  const std::string folder = ::testing::TempDir() + "/clumps_" + std::to_string(comm.size);
-  const Case scene = parse_case(heap, "heap.toml");
-  Simulation first(comm, Scene(std::make_shared<Case>(scene)));
-  first.run_until(0.6);
-  RestartState state = first.save();
-  if (comm.rank == 0) std::filesystem::create_directories(folder);
-  comm.any(true);
-  write_restart(comm, folder + "/restart.h5", state);
-  Simulation second(comm, Scene(std::make_shared<Case>(scene)),
-                    read_restart(comm, folder + "/restart.h5"));
-  first.go_on(state);
-  for (Simulation* run : {&first, &second}) run->run_until(0.75);
-  const Bodies &a = first.bodies(), &b = second.bodies();
-  EXPECT_EQ(a.id, b.id);
-  EXPECT_EQ(a.position, b.position);
-  EXPECT_EQ(a.velocity, b.velocity);
-  EXPECT_EQ(a.angular_velocity, b.angular_velocity);
-  EXPECT_EQ(a.shape, b.shape);
-  for (Index k = 0; k < a.owned; ++k)
-    EXPECT_EQ(a.orientation[k].coeffs(), b.orientation[k].coeffs());
+  expect_the_same_bits_after_a_stop(heap, "clumps", 0.6, 0.75);
 }
 
 TEST(Memory, of_shapes_that_the_case_does_not_have_is_refused) {

@@ -2,13 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <memory>
 
+#include "clump_cases.hpp"
 #include "clump_worlds.hpp"
 #include "engine/prescribed.hpp"
 #include "output/diagnostics.hpp"
-#include "output/restart.hpp"
 #include "penalty_worlds.hpp"
 #include "run/simulation.hpp"
 #include "scene/case.hpp"
@@ -432,71 +431,16 @@ TEST(PenaltyClump, step_is_limited_by_the_mass_that_its_end_feels) {
 
 // Cases --------------------------------------------------------------------------------------
 
-const std::string heap = R"(
-seed = 3
-[materials.rock]
-density = "2000 kg/m^3"
-youngs_modulus = "2 GPa"
-poisson_ratio = 0.25
-[shapes.boulder]
-axes = [2, 1.414, 1]
-count = 5
-[shapes.dumbbell]
-spheres = [{at = [0, 0, 0], radius = 1}, {at = [1.4, 0, 0], radius = 0.8}]
-[contact]
-friction = 0.5
-restitution = 0.5
-[penalty]
-model = "hertz"
-[gravity]
-uniform = [0, 0, "-9.81 m/s^2"]
-[[planes]]
-point = [0, 0, 0]
-normal = [0, 0, 1]
-[[groups]]
-name = "boulders"
-material = "rock"
-volume = {shape = "box", size = [3, 3, 3], center = [0, 0, 1.6]}
-packing = {kind = "random", radius = 0.5, count = 12, shape = "boulder"}
-[[groups]]
-name = "dumbbells"
-material = "rock"
-volume = {shape = "box", size = [3, 3, 2], center = [0, 0, 4.2]}
-packing = {kind = "random", radius = 0.4, count = 8, shape = "dumbbell"}
-[[groups]]
-name = "balls"
-material = "rock"
-volume = {shape = "box", size = [3, 3, 1.2], center = [0, 0, 5.9]}
-packing = {kind = "random", radius = 0.4, count = 4}
-[[phases]]
-name = "fall"
-method = "penalty"
-step = "50 us"
-duration = "3 s"
-)";
+const std::string heap =
+    heap_of_clumps({.material = "youngs_modulus = \"2 GPa\"\npoisson_ratio = 0.25\n",
+                    .restitution = "0.5",
+                    .tables = "[penalty]\nmodel = \"hertz\"\n",
+                    .phase = "method = \"penalty\"\n",
+                    .step = "50 us"});
 
 TEST(PenaltyClump, a_run_that_is_stopped_goes_on_with_the_same_bits) {
-  const Comm comm = testing_world();
-  const std::string folder = ::testing::TempDir() + "/penalty_clumps_" + std::to_string(comm.size);
-  const Case scene = parse_case(heap, "heap.toml");
-  Simulation first(comm, Scene(std::make_shared<Case>(scene)));
-  first.run_until(1);
-  RestartState state = first.save();
-  EXPECT_GT(comm.sum(static_cast<double>(state.contacts.size())), 5);
-  if (comm.rank == 0) std::filesystem::create_directories(folder);
-  comm.any(true);
-  write_restart(comm, folder + "/restart.h5", state);
-  Simulation second(comm, Scene(std::make_shared<Case>(scene)),
-                    read_restart(comm, folder + "/restart.h5"));
-  first.go_on(state);
-  for (Simulation* run : {&first, &second}) run->run_until(1.1);
-  const Bodies &a = first.bodies(), &b = second.bodies();
-  EXPECT_EQ(a.id, b.id);
-  EXPECT_EQ(a.position, b.position);
-  EXPECT_EQ(a.velocity, b.velocity);
-  EXPECT_EQ(a.angular_velocity, b.angular_velocity);
-  for (Index k = 0; k < a.owned; ++k)
-    EXPECT_EQ(a.orientation[k].coeffs(), b.orientation[k].coeffs());
+  const double contacts = expect_the_same_bits_after_a_stop(heap, "penalty_clumps", 1, 1.1);
+  EXPECT_GT(contacts, 5);
 }
 
 TEST(PenaltyClump, what_cannot_be_resolved_is_refused_with_what_would_do) {

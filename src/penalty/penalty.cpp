@@ -40,10 +40,13 @@ Reduced reduce(const Member& a, const Member& b) {
           1 / (1 / a.light + 1 / b.light), std::min(a.radius, b.radius)};
 }
 
-/// What bodies are made of, each sphere in turn.
+/// What the bodies of a world are made of, each sphere in turn. The world must outlive it.
 class MemberList {
  public:
-  explicit MemberList(const World& world) : bodies_(world.bodies), shapes_(world.shapes) {
+  const Comm& comm;
+
+  explicit MemberList(const World& world)
+      : comm(world.comm), bodies_(world.bodies), shapes_(world.shapes) {
     if (shapes_.empty()) shapes_.emplace_back();
     for (const BodyShape& shape : shapes_) {
       std::vector<double>& turning = turning_.emplace_back();
@@ -104,17 +107,17 @@ constexpr double any_material = -1;
 /// The owned body of all ranks of that material, `without` that id, for which `value` is least;
 /// `held`: those that never move, too. Collective.
 template <class Value>
-std::optional<Member> least(const World& world, double material, double without, bool held,
+std::optional<Member> least(const MemberList& members, double material, double without, bool held,
                             Value&& value) {
   constexpr std::size_t numbers = 7;
   std::array<double, numbers> best{infinity};
-  MemberList(world).for_each([&](const Member& m) {
+  members.for_each([&](const Member& m) {
     if (m.id == without || (!held && !std::isfinite(m.mass))) return;
     if (material != any_material && material != m.material) return;
     const double v = value(m);
     if (v < best[0]) best = {v, m.id, m.radius, m.mass, m.material, m.light, m.alone};
   });
-  const std::vector<double> all = world.comm.all_gather(best);
+  const std::vector<double> all = members.comm.all_gather(best);
   for (std::size_t k = 0; k < all.size(); k += numbers)
     if (all[k] < best[0] || (all[k] == best[0] && all[k + 1] < best[1]))
       std::copy_n(&all[k], numbers, best.begin());
@@ -130,7 +133,8 @@ struct Meeting {
 /// either: for each pair of materials that is `there` with a law of its own the least of the first,
 /// then its worst partner, for want of a body a wall. Nothing where no body moves. Collective.
 template <class Value>
-std::optional<Meeting> least_meeting(const World& world, std::vector<double> there, Value&& value) {
+std::optional<Meeting> least_meeting(const MemberList& members, const std::vector<double>& there,
+                                     Value&& value) {
   std::optional<Meeting> best;
   for (double a : there)
     for (double b : there) {
@@ -139,11 +143,11 @@ std::optional<Meeting> least_meeting(const World& world, std::vector<double> the
         return m;
       };
       const auto first =
-          least(world, a, -1, false, [&](const Member& m) { return value(m, as_partner(m)); });
+          least(members, a, -1, false, [&](const Member& m) { return value(m, as_partner(m)); });
       if (!first) continue;
       const Member wall = as_partner({-1, infinity, infinity, first->material, infinity, infinity});
       const auto beside = [&](const Member& m) { return value(*first, m); };
-      Meeting met{*first, least(world, b, first->id, true, beside).value_or(wall)};
+      Meeting met{*first, least(members, b, first->id, true, beside).value_or(wall)};
       // The wall may be worse than a body that never moves either.
       if (!std::isfinite(met.b.mass) && beside(wall) < beside(met.b)) met.b = wall;
       if (!best || value(met.a, met.b) < value(best->a, best->b)) best = met;
@@ -201,7 +205,8 @@ std::string stiffer(const World& world, const ByPair<PenaltyLaw>& laws, const Me
 }
 
 /// Throws Error where `h` (s) does not resolve surface waves on elastic bodies. Collective.
-void check_waves(const World& world, PenaltyModel model, double h, const std::string& place) {
+void check_waves(const World& world, const MemberList& members, PenaltyModel model, double h,
+                 const std::string& place) {
   if (model == PenaltyModel::hooke) return;
   // pi r sqrt(rho/G)/(0.1631 nu + 0.8766) (Thornton 2015, eq. 5.14); sqrt(rho r^3) is the body's.
   const auto crossing = [&](const Member& m) {
@@ -209,7 +214,7 @@ void check_waves(const World& world, PenaltyModel model, double h, const std::st
     const double nu = of.poisson_ratio, shear = of.youngs_modulus / (2 * (1 + nu));
     return pi * std::sqrt(m.alone / (4 / 3.0 * pi * m.radius * shear)) / (0.1631 * nu + 0.8766);
   };
-  const std::optional<Member> slow = least(world, any_material, -1, false, crossing);
+  const std::optional<Member> slow = least(members, any_material, -1, false, crossing);
   if (!slow) return;  // nothing moves
   const double time = crossing(*slow), longest = rayleigh_part * time;
   require(h <= longest,
@@ -314,16 +319,17 @@ void check_penalty_step(const World& world, const ByPair<PenaltySettings>& setti
     const Reduced pair = reduce(a, b);
     return std::sqrt(pair.light / largest_stiffness(law_of(a, b), pair, speed));
   };
-  const std::optional<Meeting> tight = least_meeting(world, there, limit);
+  const MemberList members(world);
+  const std::optional<Meeting> tight = least_meeting(members, there, limit);
   // At rest springs of Hertz have no stiffness yet, but a time in which waves cross.
-  if (!tight) return check_waves(world, laws.common().model, h, place);
+  if (!tight) return check_waves(world, members, laws.common().model, h, place);
 
   const auto depth = [&](const Member& a, const Member& b) {
     const Reduced p = reduce(a, b);
     return -deepest_overlap(law_of(a, b), p, speed) / p.smaller;
   };
   // The deepest impact of all: of the heaviest for its size on another.
-  const Meeting deep = *least_meeting(world, there, depth);
+  const Meeting deep = *least_meeting(members, there, depth);
   const double reached = -depth(deep.a, deep.b) / deepest;
   require(reached <= 1,
           "{}: {} and {} would pass into each other by {:.3g} of the smaller radius at {:g} m/s, "
@@ -339,7 +345,7 @@ void check_penalty_step(const World& world, const ByPair<PenaltySettings>& setti
           "= {:.4g} N/m at {:g} m/s and need at most {:g} sqrt(m/k) = {:.3g} s",
           place, h, name_of(tight->a), name_of(tight->b), pair.light, k, speed, step_limit,
           longest);
-  check_waves(world, laws.common().model, h, place);
+  check_waves(world, members, laws.common().model, h, place);
 }
 
 }  // namespace spall

@@ -145,8 +145,10 @@ Box kick_and_drift(World& world, Penalty& engine, const ByPair<PenaltyLaw>& laws
       bodies.angular_velocity[b] += scale / (sphere_inertia * r * r) * torque;
     bodies.position[b] += first * bodies.velocity[b];
     if (second != 0) bodies.position[b] += second * bodies.velocity[b];
-    box.add(bodies.velocity[b]);
-    if (clumps) box.add(bodies.velocity[b], turning_speed(world.shapes, bodies, b));
+    if (clumps)
+      box.add(bodies.velocity[b], turning_speed(world.shapes, bodies, b));
+    else
+      box.add(bodies.velocity[b]);
     bodies.heat[b] += h * row.force[3];
     taken += h * row.force[3];
     row = ForceRow{};
