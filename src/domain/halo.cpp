@@ -1,4 +1,5 @@
-// Ranks tell their neighbours the boxes of small clusters; a body goes where it meets one.
+// Ranks tell their neighbours the boxes of small clusters; a body goes where it meets one, and
+// stays where it meets a body.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "domain/halo.hpp"
 
@@ -155,7 +156,24 @@ class ClusterTree {
     visit(levels_.size() - 1, 0, boxes, f);
   }
 
+  /// Whether any of the bodies, which the tree is of, meets the ball.
+  bool meets(const Bodies& bodies, std::span<const double> reach, const RoundBox& other) const {
+    return meets(levels_.size() - 1, 0, bodies, reach, other);
+  }
+
  private:
+  bool meets(std::size_t level, std::size_t from, const Bodies& bodies,
+             std::span<const double> reach, const RoundBox& other) const {
+    for (std::size_t k = from; k < std::min(from + fan, levels_[level].size()); ++k) {
+      if (!levels_[level][k].meets(other)) continue;
+      if (level > 0 ? meets(level - 1, fan * k, bodies, reach, other)
+                    : std::ranges::any_of(clusters_[k].rows, [&](Index b) {
+                        return ball(bodies, reach, b).meets(other);
+                      }))
+        return true;
+    }
+    return false;
+  }
   template <class F>
   void visit(std::size_t level, std::size_t from, std::span<const RoundBox> boxes, F& f) const {
     std::vector<RoundBox> met;
@@ -286,13 +304,20 @@ Ghosts make_halo(const Comm& comm, Bodies& bodies, std::vector<double>& reach, c
   shifts.clear();
   for (const auto& [rank, rows] : incoming)
     for (std::size_t k = 0; k < rows.size(); k += width) {
-      shifts.emplace_back(rows[k], rows[k + 1], rows[k + 2]);
-      origins.push_back({rank, static_cast<Index>(rows[k + 3])});
+      const Vec3 shift(rows[k], rows[k + 1], rows[k + 2]);
       reach.push_back(rows[k + 4]);
       unpack_rows(bodies,
                   std::span(rows).subspan(k + doubles_before_row, width - doubles_before_row),
                   trait::ghosted);
-      bodies.position.back() += shifts.back();
+      bodies.position.back() += shift;
+      const Index ghost = bodies.size() - 1;
+      if (!tree.meets(bodies, reach, ball(bodies, reach, ghost))) {
+        resize(bodies, ghost);
+        reach.pop_back();
+        continue;
+      }
+      shifts.push_back(shift);
+      origins.push_back({rank, static_cast<Index>(rows[k + 3])});
     }
   return Ghosts(comm, bodies.owned, origins);
 }
@@ -339,11 +364,18 @@ std::vector<HaloShare> foretell_halo(const Bodies& bodies, std::span<const doubl
     if (is_new) at->second = boxes_for(neighbours_of(rank, wholes, moves), rank_of(rank).tree);
     return at->second;
   };
-  const auto count_asked = [&](int rank, const std::vector<double>& boxes) {
-    const AbsentRank& of = rank_of(rank);
-    std::int64_t count = 0;
-    for_each_asked(of.bodies, of.reach, of.tree, moves, boxes,
-                   [&](const Vec3&, Index) { ++count; });
+  // Bodies of `rank` that the other one is sent by its boxes, and how many of them it keeps.
+  struct Asked {
+    std::int64_t sent = 0, kept = 0;
+  };
+  const auto count_asked = [&](int rank, int other, const std::vector<double>& boxes) {
+    const AbsentRank &of = rank_of(rank), &by = rank_of(other);
+    Asked count;
+    for_each_asked(of.bodies, of.reach, of.tree, moves, boxes, [&](const Vec3& move, Index b) {
+      ++count.sent;
+      const RoundBox moved = ball(of.bodies, of.reach, b).moved(move);
+      count.kept += by.tree.meets(by.bodies, by.reach, moved);
+    });
     return count;
   };
 
@@ -352,12 +384,13 @@ std::vector<HaloShare> foretell_halo(const Bodies& bodies, std::span<const doubl
   std::vector<HaloShare> shares;
   for (int own : sample) {
     HaloShare& share = shares.emplace_back();
-    std::int64_t doubles = 0, boxes_came = 0;
+    std::int64_t doubles = 0, boxes_came = 0, senders = 0;
     for (const auto& [other, boxes] : boxes_of(own)) {
-      const std::int64_t came = count_asked(other, boxes);
-      share.ghosts += came;
+      const Asked came = count_asked(other, own, boxes);
+      share.ghosts += came.kept;
       if (other == own) continue;
-      share.sources += came > 0;
+      share.sources += came.kept > 0;
+      senders += came.sent > 0;
       ++share.search.messages;
       doubles += std::ssize(boxes);
     }
@@ -368,14 +401,14 @@ std::vector<HaloShare> foretell_halo(const Bodies& bodies, std::span<const doubl
       const auto for_own = boxes.find(own);
       if (for_own == boxes.end() || other == own) continue;
       ++boxes_came;
-      const std::int64_t went = count_asked(own, for_own->second);
-      share.copies += went;
-      share.holders += went > 0;
-      share.search.messages += went > 0;
-      doubles += width * went;
+      const Asked went = count_asked(own, other, for_own->second);
+      share.copies += went.kept;
+      share.holders += went.kept > 0;
+      share.search.messages += went.sent > 0;
+      doubles += width * went.sent;
     }
     share.search.bytes = static_cast<std::int64_t>(sizeof(double)) * doubles;
-    share.search.sources = std::max(boxes_came, share.sources);
+    share.search.sources = std::max(boxes_came, senders);
   }
   return shares;
 }
