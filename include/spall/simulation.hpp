@@ -121,7 +121,7 @@ class Simulation {
   RestartState save();
   /// Goes on with bodies and pairs that `save` took: pairs are searched anew, as they are after
   /// reading the file.
-  void go_on(RestartState& state);
+  void go_on(const RestartState& state);
 
  private:
   struct State;

@@ -38,13 +38,20 @@ void for_each_list(State& state, F&& f) {
   f("constants", state.constants);
 }
 
-/// `f(name, field)` for every field of the contacts.
+/// `f(name, field)` for every field that all contacts have.
 template <class Memory, class F>
 void for_each_contact_field(Memory& contacts, F&& f) {
   f("i", contacts.i);
   f("j", contacts.j);
   f("impulse", contacts.impulse);
-  f("rolling", contacts.rolling);
+}
+
+/// `f(name, field, blank)` for those that are left out where no contact has one; `blank` is what
+/// others have then.
+template <class Memory, class F>
+void for_each_rare_contact_field(Memory& contacts, F&& f) {
+  f("rolling", contacts.rolling, Vec3(Vec3::Zero()));
+  f("spheres", contacts.spheres, std::array<std::int32_t, 2>{});
 }
 
 /// The clock as two short arrays.
@@ -134,8 +141,11 @@ RestartState read_state(const Comm& comm, const std::string& path) {
   for_each_contact_field(state.contacts, [&]<class T>(const char* name, std::vector<T>& field) {
     field = file.read<T>(place_of_contacts(name), rows);
   });
-  if (const std::string spheres = place_of_contacts("spheres"); file.exists(spheres))
-    state.contacts.spheres = file.read<std::array<std::int32_t, 2>>(spheres, rows);
+  for_each_rare_contact_field(
+      state.contacts, [&]<class T>(const char* name, std::vector<T>& field, const T&) {
+        if (const std::string place = place_of_contacts(name); file.exists(place))
+          field = file.read<T>(place, rows);
+      });
   state.bonds = read_bonds(file, comm, state.bodies.owned);
   return state;
 }
@@ -176,20 +186,21 @@ void write_restart(const Comm& comm, const std::string& path, const RestartState
   auto rows = layout("/layout/bodies", state.bodies.owned);
   for_each_field(state.bodies, [&]<class T>(const TypedField<T>& info, const auto& field) {
     if (!info.is(trait::restarted)) return;
-    const std::vector<T> owned(field.begin(), field.begin() + state.bodies.owned);
-    file.write<T>(place_of(info), owned, rows);
+    file.write<T>(place_of(info), std::span(field).first(state.bodies.owned), rows);
     if (*info.unit) file.attribute(place_of(info), "unit", info.unit);
   });
   rows = layout("/layout/contacts", std::ssize(state.contacts.i));
-  ContactMemory contacts = state.contacts;
-  contacts.rolling.resize(contacts.size(), Vec3::Zero());
-  for_each_contact_field(contacts, [&]<class T>(const char* name, const std::vector<T>& field) {
-    file.write<T>(place_of_contacts(name), field, rows);
-  });
-  if (comm.any(!contacts.spheres.empty())) {
-    contacts.spheres.resize(contacts.size());
-    file.write<std::array<std::int32_t, 2>>(place_of_contacts("spheres"), contacts.spheres, rows);
-  }
+  for_each_contact_field(state.contacts,
+                         [&]<class T>(const char* name, const std::vector<T>& field) {
+                           file.write<T>(place_of_contacts(name), field, rows);
+                         });
+  for_each_rare_contact_field(
+      state.contacts, [&]<class T>(const char* name, const std::vector<T>& field, const T& blank) {
+        if (!comm.any(!field.empty())) return;
+        std::vector<T> all = field;
+        all.resize(rows.count, blank);
+        file.write<T>(place_of_contacts(name), all, rows);
+      });
   if (state.bonds) write_bonds(file, comm, *state.bonds, state.bodies.owned);
   file.close();
   check_mpi(MPI_Barrier(comm.raw), "MPI_Barrier");  // every rank has closed the file

@@ -7,6 +7,7 @@
 #include <bit>
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <set>
 #include <type_traits>
 
@@ -33,33 +34,67 @@ std::string dataset(const FieldInfo& info) {
   return std::string("/particles/all/") + info.name + (info.is(trait::fixed) ? "" : "/value");
 }
 
-/// The bodies of all ranks in order of id, this rank's equal part of them.
-Bodies in_order_of_id(const Comm& comm, const Bodies& bodies, const h5::Rows& rows) {
-  std::vector<hsize_t> end(comm.size);
-  for (int r = 0; r < comm.size; ++r) end[r] = h5::equal_rows(r, comm.size, rows.total).end();
-  ByRank<double> outgoing;
-  for (Index b = 0; b < bodies.owned; ++b) {
-    const auto id = static_cast<hsize_t>(bodies.id[b]);
-    require(id < rows.total, "body id {} in a set of {} bodies: ids must be 0 … N-1", bodies.id[b],
-            rows.total);
-    const auto rank = static_cast<int>(std::upper_bound(end.begin(), end.end(), id) - end.begin());
-    pack_row(bodies, b, in_snapshots, outgoing[rank]);
+/// Fields of all ranks in order of id, of which this rank gets an equal part. One field at a time:
+/// whole bodies on their way would take more than all else that a run holds.
+class InOrderOfId {
+ public:
+  InOrderOfId(const Comm& comm, const Bodies& bodies, const h5::Rows& rows)
+      : comm_(comm), count_(rows.count) {
+    std::vector<hsize_t> end(comm.size);
+    for (int r = 0; r < comm.size; ++r) end[r] = h5::equal_rows(r, comm.size, rows.total).end();
+    for (Index b = 0; b < bodies.owned; ++b) {
+      const auto id = static_cast<hsize_t>(bodies.id[b]);
+      require(id < rows.total, "body id {} in a set of {} bodies: ids must be 0 … N-1",
+              bodies.id[b], rows.total);
+      const auto part = std::upper_bound(end.begin(), end.end(), id) - end.begin();
+      rank_of_.push_back(static_cast<int>(part));
+      ++leaving_[rank_of_.back()];
+    }
+    const auto came = exchange(bodies.id);
+    const auto first = static_cast<BodyId>(rows.begin);
+    std::vector<bool> has(rows.count);
+    for (BodyId id : came) {
+      place_.push_back(static_cast<Index>(id - first));
+      has[place_.back()] = true;
+    }
+    const auto lost = std::ranges::find(has, false) - has.begin();
+    require(lost == std::ssize(has), "no body has id {}: ids must be 0 … N-1", first + lost);
   }
-  const auto incoming = comm.exchange(std::move(outgoing));
-  const std::size_t width = packed_row_width(bodies, in_snapshots);
-  std::vector<const double*> row_of(rows.count, nullptr);
-  for (const auto& [rank, packed] : incoming)
-    for (std::size_t at = 0; at < packed.size(); at += width)  // the id is the first field
-      row_of[std::bit_cast<BodyId>(packed[at]) - static_cast<BodyId>(rows.begin)] = &packed[at];
-  Bodies block;
-  block.fields = bodies.fields;
-  for (std::size_t k = 0; k < row_of.size(); ++k) {
-    require(row_of[k] != nullptr, "no body has id {}: ids must be 0 … N-1", rows.begin + k);
-    unpack_rows(block, {row_of[k], width}, in_snapshots);
+
+  /// Collective.
+  template <class T>
+  std::vector<T> operator()(const std::vector<T>& values) const {
+    const std::vector<T> came = exchange(values);
+    std::vector<T> ordered(came.size());
+    for (std::size_t k = 0; k < came.size(); ++k) ordered[place_[k]] = came[k];
+    return ordered;
   }
-  block.owned = block.size();
-  return block;
-}
+
+ private:
+  /// What came to this rank, in the order of the ranks.
+  template <class T>
+  std::vector<T> exchange(const std::vector<T>& values) const {
+    constexpr std::size_t width = packed_width<T>;
+    ByRank<double> outgoing;
+    for (const auto& [rank, count] : leaving_) outgoing[rank].reserve(width * count);
+    for (std::size_t b = 0; b < rank_of_.size(); ++b) pack_value(values[b], outgoing[rank_of_[b]]);
+    std::vector<T> came;
+    came.reserve(count_);
+    auto incoming = comm_.exchange(std::move(outgoing));
+    for (auto& [rank, rows] : incoming) {
+      for (std::size_t at = 0; at < rows.size(); at += width)
+        came.push_back(unpack_value<T>(&rows[at]));
+      rows = {};
+    }
+    return came;
+  }
+
+  const Comm& comm_;
+  std::size_t count_;                   // of bodies in this rank's part
+  std::vector<int> rank_of_;            // whose part has each owned body
+  std::map<int, std::size_t> leaving_;  // how many for each rank
+  std::vector<Index> place_;            // in the part, of what comes
+};
 
 /// `step` and `time` of one field; later fields link to the first's.
 void write_frames(h5::File& file, const std::string& field, std::string& first,
@@ -204,7 +239,7 @@ void SnapshotWriter::for_each_output(const Bodies& bodies, F&& f) const {
   const auto warms = [](const Material& m) { return m.solid && m.solid->specific_heat > 0; };
   if (!bodies.has(Field::heat) || std::none_of(materials_.begin(), materials_.end(), warms)) return;
   std::vector<double> temperatures;
-  for (Index b = 0; b < bodies.size(); ++b) {
+  for (Index b = 0; b < bodies.owned; ++b) {
     const Material& material = materials_[bodies.material[b]];
     temperatures.push_back(warms(material)
                                ? temperature(*material.solid, bodies.heat[b] / bodies.mass[b])
@@ -216,17 +251,17 @@ void SnapshotWriter::for_each_output(const Bodies& bodies, F&& f) const {
 void SnapshotWriter::write(const Bodies& bodies, std::int64_t step, double time) {
   const auto rows =
       h5::equal_rows(comm_.rank, comm_.size, comm_.sum(static_cast<std::int64_t>(bodies.owned)));
-  const Bodies block = in_order_of_id(comm_, bodies, rows);
+  const InOrderOfId in_order(comm_, bodies, rows);
   fields_ = bodies.fields;
 
   const std::string path = folder_ + "/" + snapshot_name(written_.size());
   auto file = h5::File::create(unfinished(path), comm_);
   write_metadata(file);
   std::string first;
-  for_each_output(block, [&](const FieldInfo& info, const auto& values) {
-    using Value = typename std::decay_t<decltype(values)>::value_type;
+  for_each_output(bodies, [&]<class T>(const FieldInfo& info, const std::vector<T>& values) {
     const bool fixed = info.is(trait::fixed);
-    file.write<Value>(dataset(info), values, rows, !fixed, names_[static_cast<int>(info.field)]);
+    file.write<T>(dataset(info), in_order(values), rows, !fixed,
+                  names_[static_cast<int>(info.field)]);
     describe(file, info);
     if (!fixed) write_frames(file, info.name, first, std::array{step}, std::array{time});
   });

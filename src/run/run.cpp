@@ -323,15 +323,15 @@ class Run {
     seconds_before_ += now - seconds_at_start_;
     seconds_at_start_ = now;
     if (series_) count_files();
-    RestartState state = simulation_->save();
-    save_scalars(*this, state.scalars);
-    save_scalars(record_, state.scalars);
-    verdict_.save(state.scalars);
-    debris_.save(state.scalars);
-    shields_.save(state.scalars);
-    reactions_.save(state.scalars);
-    kept_ = state;
-    simulation_->go_on(state);
+    kept_ = {};  // the former one is as large
+    kept_ = simulation_->save();
+    save_scalars(*this, kept_.scalars);
+    save_scalars(record_, kept_.scalars);
+    verdict_.save(kept_.scalars);
+    debris_.save(kept_.scalars);
+    shields_.save(kept_.scalars);
+    reactions_.save(kept_.scalars);
+    simulation_->go_on(kept_);
   }
 
   void write(const std::string& file) {

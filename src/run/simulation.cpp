@@ -443,9 +443,9 @@ RestartState Simulation::save() {
   return state;
 }
 
-void Simulation::go_on(RestartState& state) {
-  world().bodies = std::move(state.bodies);
-  state_->engine->restart_pairs(world(), {std::move(state.contacts), std::move(state.bonds)});
+void Simulation::go_on(const RestartState& state) {
+  world().bodies = state.bodies;
+  state_->engine->restart_pairs(world(), {state.contacts, state.bonds});
 }
 
 }  // namespace spall

@@ -175,6 +175,7 @@ SolverResult solve_packed(const ContactProblem& problem, const Ghosts& ghosts,
     report.scale = unit * system.scale;
     double part = 0;
     best = warm_start(system, pack_impulses<dimension>(problem, units, impulse), part);
+    impulse = std::vector<Vec3>();  // what comes needs the memory
     ++report.products;
     system.none_holds = settings.impact && part < least_part_to_hold;
     system.speed_tolerance = settings.speed_tolerance > 0 ? settings.speed_tolerance
@@ -191,6 +192,7 @@ SolverResult solve_packed(const ContactProblem& problem, const Ghosts& ghosts,
   report.unsolved = !report.converged && best.residual.relative_prox > start / 2;
 
   report.over_tolerance = best.residual.relative > settings.tolerance;
+  impulse.resize(problem.contacts());
   unpack_impulses(problem, units, best.impulse, impulse);
   result.change.resize(problem.inverse_mass.size());
   for (std::size_t b = 0; b < result.change.size(); ++b)

@@ -23,13 +23,24 @@ inline std::size_t packed_row_width(const Bodies& bodies, unsigned any_of) {
   return width;
 }
 
+/// Appends a value's bits to `out`.
+template <class T>
+void pack_value(const T& value, std::vector<double>& out) {
+  const std::size_t at = out.size();
+  out.resize(at + packed_width<T>);
+  std::memcpy(out.data() + at, &value, sizeof(T));
+}
+template <class T>
+T unpack_value(const double* at) {
+  T value;
+  std::memcpy(static_cast<void*>(&value), at, sizeof(T));
+  return value;
+}
+
 /// Appends row `b` of every field with one of these traits to `out`.
 inline void pack_row(const Bodies& bodies, Index b, unsigned any_of, std::vector<double>& out) {
   for_each_field(bodies, [&]<class T>(const TypedField<T>& info, const auto& field) {
-    if (!info.is(any_of)) return;
-    const std::size_t at = out.size();
-    out.resize(at + packed_width<T>);
-    std::memcpy(out.data() + at, &field[b], sizeof(T));
+    if (info.is(any_of)) pack_value(field[b], out);
   });
 }
 
@@ -41,7 +52,7 @@ inline void unpack_rows(Bodies& bodies, std::span<const double> rows, unsigned a
     for_each_field(bodies, [&]<class T>(const TypedField<T>& info, auto& field) {
       T value = info.initial;
       if (info.is(any_of)) {
-        std::memcpy(static_cast<void*>(&value), rows.data() + at, sizeof(T));
+        value = unpack_value<T>(rows.data() + at);
         at += packed_width<T>;
       }
       field.push_back(value);
