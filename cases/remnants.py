@@ -57,11 +57,16 @@ def run_all(case, runs, groups):
 
 def scatter(values, digits=2):
     """Mean ± standard deviation over the seeds, with as many decimals as the deviation has of
-    `digits` figures."""
-    values = np.asarray(values, dtype=float)
+    `digits` figures. Seeds without a value (nan) are left out, and how many have one is told."""
+    every = np.asarray(values, dtype=float)
+    values = every[np.isfinite(every)]
+    if len(values) == 0:
+        return "none"
+    if len(values) < len(every):
+        return f"{scatter(values, digits)} ({len(values)} of {len(every)})"
     mean = values.mean()
     if len(values) < 2:
-        return f"{mean:.1g}"
+        return f"{mean:.2g}"
     spread = values.std(ddof=1)
     if spread <= 1e-9 * abs(mean):
         return f"{mean:.4g} ± 0"

@@ -18,7 +18,7 @@ from report_spheres import Camera, render  # noqa: E402
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 
-APPROACHES = (1.2, 1.5, 1.7, 1.85, 1.88, 1.92)  # planet radii
+APPROACHES = (1.2, 1.5, 1.7, 1.85, 1.88, 1.92, 2.0, 2.1, 2.2)  # planet radii
 PLANET, START = 6371e3, 6 * 6371e3  # m
 MU = 6.67430e-11 * 5.972e24
 
