@@ -83,15 +83,19 @@ def main():
         middle = np.median(position, axis=0)
         long_axis = np.linalg.svd(position - middle, full_matrices=False)[2][0]
         along = (position - middle) @ long_axis
-        middle = middle + long_axis * (along.min() + along.max()) / 2
-        width = max(1.06 * np.ptp(along), 5.5 * np.ptp(position[:, 2]))
         up = np.cross([0, 0, 1.0], long_axis)
+        up /= np.linalg.norm(up)
+        across = (position - middle) @ up
+        middle = middle + (long_axis * (along.min() + along.max())
+                           + up * (across.min() + across.max())) / 2
+        edge = 2 * radius.max()
+        width = 1.06 * max(np.ptp(along) + edge, 5 * (np.ptp(across) + edge))
         camera = Camera(np.array([0, 0, 1.0]), up, middle, width, width / 5, 1100)
         show(panel, camera, render(camera, position, radius, rock(len(radius)), SKY))
         scale_bar(panel, camera)
         panel.set_title(f"{approach} planet radii: {kind(part)}", color="white", loc="center",
                         fontsize=10)
-    figure.subplots_adjust(0.005, 0.01, 0.995, 0.94, hspace=0.14)
+    figure.subplots_adjust(0.005, 0.01, 0.995, 1 - 0.12 / len(rows), hspace=0.14)
     figure.savefig(HERE / "piles.png", dpi=110, facecolor=tuple(SKY))
 
 
