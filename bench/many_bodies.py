@@ -73,7 +73,8 @@ def main():
     def run(name, radius, ranks, cores="0", at="one"):
         changes = [f"phases.only.method={name.split(',')[0]}",
                    f"groups.ball.volume.radius={radius}m",
-                   f"phases.only.duration={steps_of(name)} us", "output.snapshot_every=0"]
+                   f"phases.only.duration={steps_of(name)} us", "output.snapshot_every=0",
+                   "output.series_every=1 s"]  # a row of each step costs as much as the step
         words = [word for change in changes for word in ("--set", change)] + METHODS[name]
         return Run(f"{folder}/{at}", ranks, words, cores, given.spall), words
 
