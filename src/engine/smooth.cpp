@@ -30,6 +30,16 @@ void end_smooth_steps(World& world, int steps) {
   world.kick.steps_left = held ? world.kick.steps_left - steps : 0;
 }
 
+namespace {
+
+/// 1/(kg m^2)
+Mat3 inverse_inertia(const World& world, Index b) {
+  const double r = world.bodies.radius[b], scale = 1 / (world.bodies.mass[b] * r * r);
+  return scale * inverse_inertia_factor(world.shapes, world.bodies, b);
+}
+
+}  // namespace
+
 HalfKick::HalfKick(const World& before)
     : velocity_(before.bodies.velocity.begin(),
                 before.bodies.velocity.begin() + before.bodies.owned),
@@ -37,11 +47,12 @@ HalfKick::HalfKick(const World& before)
       own_work_(before.ledger.own_work) {
   const Bodies& bodies = before.bodies;
   if (!bodies.has(Field::angular_velocity)) return;
-  for (Index b = 0; b < bodies.owned; ++b) {
-    const double r = bodies.radius[b], scale = 1 / (bodies.mass[b] * r * r);
-    spin_.push_back({spin_momentum(before.shapes, bodies, b),
-                     scale * inverse_inertia_factor(before.shapes, bodies, b)});
-  }
+  spin_momentum_.reserve(bodies.owned);
+  for (Index b = 0; b < bodies.owned; ++b)
+    spin_momentum_.push_back(spin_momentum(before.shapes, bodies, b));
+  if (before.shapes.empty()) return;
+  inverse_inertia_.reserve(bodies.owned);
+  for (Index b = 0; b < bodies.owned; ++b) inverse_inertia_.push_back(inverse_inertia(before, b));
 }
 
 double HalfKick::energy(const World& after, double t) const {
@@ -57,8 +68,10 @@ double HalfKick::energy(const World& after, double t) const {
     const double mass = bodies.mass[b];
     if (!std::isfinite(mass)) continue;
     given += half(velocity_[b], bodies.velocity[b], mass) - mass * t / 2 * field.dot(velocity_[b]);
-    if (!spin_.empty())
-      given += half(spin_[b].momentum, spin_momentum(after.shapes, bodies, b), spin_[b].inverse);
+    if (spin_momentum_.empty()) continue;
+    const Index row = static_cast<Index>(b);
+    given += half(spin_momentum_[b], spin_momentum(after.shapes, bodies, row),
+                  inverse_inertia_.empty() ? inverse_inertia(after, row) : inverse_inertia_[b]);
   }
   return given;
 }

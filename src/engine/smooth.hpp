@@ -43,12 +43,9 @@ class HalfKick {
   double energy(const World& after, double t) const;
 
  private:
-  struct Spin {
-    Vec3 momentum;  ///< kg m^2/s: a drift after the kick keeps it
-    Mat3 inverse;   ///< of the inertia, 1/(kg m^2), where the kick is given
-  };
   std::vector<Vec3> velocity_;
-  std::vector<Spin> spin_;
+  std::vector<Vec3> spin_momentum_;    // kg m^2/s: a drift after the kick keeps it
+  std::vector<Mat3> inverse_inertia_;  // where the kick is given; of shapes, which the drift turns
   double dissipated_, own_work_;
 };
 
