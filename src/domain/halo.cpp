@@ -295,7 +295,7 @@ Ghosts make_halo(const Comm& comm, Bodies& bodies, std::vector<double>& reach, c
 
   const auto incoming = comm.exchange(std::move(outgoing));
   const std::size_t width = doubles_before_row + packed_row_width(bodies, trait::ghosted);
-  // Fields grow once, and by no more than they need.
+  // Fields grow once, and by no more than what came.
   std::size_t arriving = 0;
   for (const auto& [rank, rows] : incoming) arriving += rows.size();
   const std::size_t size = bodies.owned + arriving / width;
