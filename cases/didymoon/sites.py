@@ -1,0 +1,175 @@
+# How much dv depends on the pile and on the place that is hit: the same impact on many sites of
+# several piles.
+# SPDX-License-Identifier: BSD-3-Clause
+"""sites.py [--cohesions N,N,...] [--sites N] [--piles N] [--only-table]: runs what is missing in
+out/didymoon-sites/, each on one rank and as many at a time as there are cores; writes sites.md,
+sites.csv and sites.png beside this script."""
+import argparse
+import concurrent.futures
+import csv
+import os
+import pathlib
+import subprocess
+import sys
+import tomllib
+
+import matplotlib
+import numpy as np
+
+HERE = pathlib.Path(__file__).parent
+sys.path.insert(0, str(HERE.parent))
+from remnants import commits  # noqa: E402
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt  # noqa: E402
+
+OUT = pathlib.Path("out/didymoon-sites")
+COLUMNS = ["cohesion", "pile", "site", "dv", "dv_ejecta", "ejecta_count", "largest_part",
+           "momentum_closure", "energy_unexplained", "not_converged", "commit"]
+
+
+def directions(count):
+    """Of impactors, evenly over all: the first is the case's, others follow a golden spiral."""
+    x = 1 - 2 * np.arange(count) / max(count - 1, 1)
+    turn = np.pi * (3 - np.sqrt(5)) * np.arange(count)
+    across = np.sqrt(np.maximum(0, 1 - x ** 2))
+    return np.stack([x, across * np.cos(turn), across * np.sin(turn)], axis=1)
+
+
+def spall(*words):
+    subprocess.run(["build/release/spall", *words], check=True, stdout=subprocess.DEVNULL)
+
+
+def settle(pile):
+    folder = OUT / f"pile{pile}"
+    if not (folder / "after_aggregation.h5").exists():
+        spall("run", "cases/didymoon/case.toml", "--out", str(folder), "--overwrite",
+              "--set", f"seed={pile}")
+
+
+def folder_of(cohesion, pile, site):
+    return OUT / f"{cohesion:g}-pile{pile}-site{site}"
+
+
+def hit(cohesion, pile, site, direction):
+    folder = folder_of(cohesion, pile, site)
+    spall("resume", str(OUT / f"pile{pile}/after_aggregation.h5"), "--out", str(folder),
+          "--overwrite", "--set", f"phases.impact.cohesion={cohesion:g} N",
+          "--set", f"phases.impact.impactor.direction={[float(x) for x in direction]}",
+          "--set", "output.snapshot_every=0", "--set", "output.restart_every=0")
+    print(folder, flush=True)
+
+
+def read(cohesion, pile, site):
+    with open(folder_of(cohesion, pile, site) / "results.toml", "rb") as file:
+        r = tomllib.load(file)
+    return {"cohesion": cohesion, "pile": pile, "site": site, "dv": r["deflection"]["dv"],
+            "dv_ejecta": r["deflection"]["dv_ejecta"], "ejecta_count": r["ejecta"]["count"],
+            "largest_part": r["clump"]["mass"] / r["pile"]["mass"],
+            "momentum_closure": r["deflection"]["momentum_closure"],
+            "energy_unexplained": r["conservation"]["energy_unexplained"],
+            "not_converged": r["solver"]["steps_not_converged"],
+            "commit": r["provenance"]["commit"]}
+
+
+def by_pile(rows, key="dv"):
+    return [np.array([row[key] for row in rows if row["pile"] == pile])
+            for pile in sorted({row["pile"] for row in rows})]
+
+
+def spread(piles):
+    """Mean, its standard error with piles as clusters, standard deviations of sites on a pile and
+    of piles: analysis of variance of one factor, by random effects."""
+    means = np.array([sites.mean() for sites in piles])
+    within = np.sum([np.sum((sites - sites.mean()) ** 2) for sites in piles])
+    within /= sum(len(sites) - 1 for sites in piles)
+    each = np.mean([len(sites) for sites in piles])
+    between = means.var(ddof=1) - within / each
+    return means.mean(), np.sqrt(means.var(ddof=1) / len(piles)), np.sqrt(within), between
+
+
+def table(rows):
+    print("| c, N | piles | sites on each | dv, mm/s | of it the ejecta, mm/s | standard deviation "
+          "of sites on a pile, mm/s | of piles, mm/s | least and most dv, mm/s | bodies lost | "
+          "largest remnant, of the mass |")
+    print("|--:" * 10 + "|")
+    for c in sorted({row["cohesion"] for row in rows}):
+        some = [row for row in rows if row["cohesion"] == c]
+        piles = by_pile(some)
+        mean, error, sites, between = spread(piles)
+        ejecta, ejecta_error, *_ = spread(by_pile(some, "dv_ejecta"))
+        lost = [row["ejecta_count"] for row in some]
+        dv = np.concatenate(piles)
+        # A variance below nothing: less than the sites' scatter can tell from none.
+        of_piles = f"{1e3 * np.sqrt(between):.3f}" if between > 0 else "none seen"
+        print(f"| {c:g} | {len(piles)} | {len(piles[0])} | {1e3 * mean:.3f} ± {1e3 * error:.3f} | "
+              f"{1e3 * ejecta:.3f} ± {1e3 * ejecta_error:.3f} | {1e3 * sites:.3f} | {of_piles} | "
+              f"{1e3 * dv.min():.3f}, {1e3 * dv.max():.3f} | {min(lost)} to {max(lost)} | "
+              f"{min(row['largest_part'] for row in some):.4f} |")
+
+
+def picture(rows):
+    cohesions = sorted({row["cohesion"] for row in rows})
+    figure, panel = plt.subplots(figsize=(7.5, 4.4), layout="constrained")
+    for at, c in enumerate(cohesions):
+        piles = by_pile([row for row in rows if row["cohesion"] == c])
+        for k, sites in enumerate(piles):
+            x = at + 0.13 * (k - (len(piles) - 1) / 2)
+            panel.plot(np.full(len(sites), x), 1e3 * sites, ".", color="#2f6db3", alpha=0.45,
+                       label="a site" if at == k == 0 else None)
+            panel.plot(x, 1e3 * sites.mean(), "_", color="#1d2733", ms=12, mew=2,
+                       label="mean of a pile" if at == k == 0 else None)
+    for value, name in ((1.072, "m v / M"), (1.394, "m v (1 + e) / M")):
+        panel.axhline(value, color="#8a94a3", ls=":", lw=1)
+        panel.text(-0.45, value, name, fontsize=8, va="bottom", color="#5b6472")
+    panel.set(xlabel="cohesion c (N), piles side by side", ylabel="dv at 90 s (mm/s)",
+              xlim=(-0.5, len(cohesions) - 0.5), ylim=(1, None))
+    panel.set_xticks(range(len(cohesions)), [f"{c:g}" for c in cohesions])
+    panel.grid(axis="y", color="#e4e8ee")
+    panel.legend(frameon=False)
+    figure.savefig(HERE / "sites.png", dpi=110)
+
+
+def main():
+    options = argparse.ArgumentParser(description=__doc__)
+    options.add_argument("--cohesions", default="500", help="N")
+    options.add_argument("--sites", type=int, default=20)
+    options.add_argument("--piles", type=int, default=5)
+    options.add_argument("--cores", type=int, default=os.cpu_count())
+    options.add_argument("--only-table", action="store_true")
+    asked = options.parse_args()
+    runs = [(float(c), pile, site) for c in asked.cohesions.split(",")
+            for site in range(asked.sites) for pile in range(1, asked.piles + 1)]
+    if not asked.only_table:
+        with concurrent.futures.ThreadPoolExecutor(asked.cores) as pool:
+            list(pool.map(settle, range(1, asked.piles + 1)))
+            towards = directions(asked.sites)
+            list(pool.map(lambda run: hit(*run, towards[run[2]]),
+                          [run for run in runs
+                           if not (folder_of(*run) / "results.toml").exists()]))
+    rows = [read(*run) for run in runs]
+    with open(HERE / "sites.csv", "w", newline="") as file:
+        writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+    picture(rows)
+    page = HERE / "sites.md"
+    with open(page, "w") as file:
+        sys.stdout, console = file, sys.stdout
+        print("# Didymoon: sites and piles\n"
+              "Written by `cases/didymoon/sites.py`. Runs by commit "
+              f"{commits([folder_of(*run) for run in runs])}, each on one rank.\n\n"
+              "dv is along the impactor's flight, 90 s after its hit. After ± stands the "
+              "standard error, with piles as clusters. Deviations of sites and of piles come from an "
+              "analysis of variance.\n")
+        table(rows)
+        print(f"\nMomentum closes to {max(row['momentum_closure'] for row in rows):.1e} of m v in "
+              f"all {len(rows)} runs; energy that no entry explains is at most "
+              f"{max(abs(row['energy_unexplained']) for row in rows):.1e} of the dissipated; "
+              f"{sum(row['not_converged'] for row in rows)} steps did not converge.")
+        sys.stdout = console
+    print(page.read_text())
+
+
+if __name__ == "__main__":
+    main()
