@@ -56,7 +56,7 @@ def hit(cohesion, pile, site, direction):
     spall("resume", str(OUT / f"pile{pile}/after_aggregation.h5"), "--out", str(folder),
           "--overwrite", "--set", f"phases.impact.cohesion={cohesion:g} N",
           "--set", f"phases.impact.impactor.direction={[float(x) for x in direction]}",
-          "--set", "output.snapshot_every=0", "--set", "output.restart_every=0")
+          "--set", "output.snapshot_every=0")
     print(folder, flush=True)
 
 
@@ -160,8 +160,8 @@ def main():
               "Written by `cases/didymoon/sites.py`. Runs by commit "
               f"{commits([folder_of(*run) for run in runs])}, each on one rank.\n\n"
               "dv is along the impactor's flight, 90 s after its hit. After ± stands the "
-              "standard error, with piles as clusters. Deviations of sites and of piles come from an "
-              "analysis of variance.\n")
+              "standard error, with piles as clusters. Deviations of sites and of piles come from "
+              "an analysis of variance.\n")
         table(rows)
         print(f"\nMomentum closes to {max(row['momentum_closure'] for row in rows):.1e} of m v in "
               f"all {len(rows)} runs; energy that no entry explains is at most "
