@@ -8,6 +8,7 @@
 #include <functional>
 #include <random>
 
+#include "base/random.hpp"
 #include "scene/shape.hpp"
 #include "scene/sizes.hpp"
 #include "testing.hpp"
@@ -32,7 +33,8 @@ std::vector<Vec3> random_spheres(const Volume& volume, double radius, std::int64
                                  std::uint64_t seed) {
   std::vector<Vec3> centers;
   place_at_random(
-      volume, std::vector<double>(count, radius), seed, [](const Vec3&, double) { return true; },
+      testing_world(), volume, {}, {count, {radius}}, seed,
+      [](const Vec3&, double) { return true; },
       [&](const Vec3& center, double) { centers.push_back(center); });
   return centers;
 }
@@ -182,7 +184,7 @@ TEST(RandomPacking, a_scene_in_other_units_is_the_same_to_the_bit) {
 
 TEST(RandomPacking, that_cannot_fit_is_known_before_it_is_tried) {
   const auto most = [](const Volume& volume, double radius) {
-    return most_filled_at_random(volume, std::vector<double>{radius});
+    return most_filled_at_random(volume, {1, {radius}});
   };
   // What did find a place is never more; in small volumes walls make a difference.
   for (double radius : {0.1, 0.3, 1.0}) {
@@ -276,7 +278,8 @@ TEST(RandomPacking, of_unequal_spheres_holds_all_of_them_clear_of_each_other) {
   const Volume volume = box({10, 8, 6});
   std::vector<Boulder> boulders;
   place_at_random(
-      volume, radii, 5, [](const Vec3& x, double r) { return x.z() > r; },
+      testing_world(), volume, {}, {700, radii}, 5,
+      [](const Vec3& x, double r) { return x.z() > r; },
       [&](const Vec3& center, double radius) {
         boulders.push_back({center, radius});
       });
@@ -288,6 +291,79 @@ TEST(RandomPacking, of_unequal_spheres_holds_all_of_them_clear_of_each_other) {
     EXPECT_GT(x.z(), r);
     for (std::size_t b = 0; b < a; ++b)
       EXPECT_GE((x - boulders[b].center).norm(), (r + boulders[b].radius) * (1 - 1e-12));
+  }
+}
+
+/// Tried one after another, each against all before.
+std::vector<Boulder> added_one_by_one(const Volume& volume, const Period& period,
+                                      const Radii& radii, std::uint64_t seed,
+                                      const std::function<bool(const Vec3&, double)>& is_free) {
+  std::mt19937_64 engine(seed);
+  std::vector<Boulder> boulders;
+  const auto coordinate = [&] { return 2 * uniform(engine) - 1; };
+  while (std::ssize(boulders) < radii.count) {
+    const double r = radii[std::ssize(boulders)];
+    const double x = coordinate(), y = coordinate(), z = coordinate();
+    const Vec3 half = half_widths(volume) - Vec3::Constant(r);
+    const Vec3 center = volume.center + half.cwiseProduct(Vec3(x, y, z));
+    const auto meets = [&](const Boulder& other) {
+      return (period.nearest(other.center, center) - center).norm() < r + other.radius;
+    };
+    if (depth(volume, center) >= r && is_free(center, r) && std::ranges::none_of(boulders, meets))
+      boulders.push_back({center, r});
+  }
+  return boulders;
+}
+
+TEST(RandomPacking, is_that_of_one_sphere_after_another_on_any_ranks) {
+  struct Scene {
+    Volume volume;
+    Radii radii;
+    Period period = {};
+    double floor = -infinity;  // m, along z
+  };
+  const auto drawn = [](SizeLaw law, std::int64_t count, double smallest) {
+    return Radii{count, draw_radii({.law = law,
+                                    .smallest = smallest,
+                                    .largest = 1,
+                                    .exponent = 2,
+                                    .median = 0.7,
+                                    .spread = 0.5},
+                                   count, 4)};
+  };
+  const Period along_x_and_z{.low = {-6, 0, -5}, .size = {12, 0, 10}};
+  const Scene scenes[] = {
+      {.volume = box({14, 13, 15}), .radii = {1500, {0.45}}},  // 0.21 of it
+      {.volume = box({9, 8, 10}), .radii = {580, {0.45}}},     // 0.31: near where places run out
+      {.volume = {.shape = Shape::sphere, .center = {3, 2, 1}, .radius = 8},
+       .radii = {1000, {0.5}},
+       .floor = -2},
+      {.volume = {.shape = Shape::cylinder, .extents = {3, 3, 90}}, .radii = {300, {0.5}}},
+      {.volume = box({12, 8, 10}), .radii = {450, {0.5}}, .period = along_x_and_z},
+      {.volume = box({14, 13, 15}), .radii = drawn(SizeLaw::power, 2000, 0.2), .floor = -7},
+      {.volume = ball(7), .radii = drawn(SizeLaw::lognormal, 300, 0.3)},
+      {.volume = box({12, 8, 10}),
+       .radii = drawn(SizeLaw::power, 600, 0.3),
+       .period = along_x_and_z},
+      {.volume = box({9, 9, 9}), .radii = {0, {}}},  // of a list, below
+  };
+  for (Scene scene : scenes) {
+    if (scene.radii.count == 0) {
+      const Sizes list{.law = SizeLaw::list, .radii = {1, 0.3}, .shares = {0.1, 0.9}};
+      scene.radii = {300, draw_radii(list, 300, 4)};
+    }
+    const auto above = [&](const Vec3& x, double r) { return x.z() - r > scene.floor; };
+    const auto expected = added_one_by_one(scene.volume, scene.period, scene.radii, 7, above);
+    std::vector<Boulder> boulders;
+    place_at_random(testing_world(), scene.volume, scene.period, scene.radii, 7, above,
+                    [&](const Vec3& center, double radius) {
+                      boulders.push_back({center, radius});
+                    });
+    ASSERT_EQ(boulders.size(), expected.size());
+    for (std::size_t k = 0; k < expected.size(); ++k) {
+      ASSERT_EQ(boulders[k].center, expected[k].center) << k;
+      ASSERT_EQ(boulders[k].radius, expected[k].radius) << k;
+    }
   }
 }
 

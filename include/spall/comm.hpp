@@ -35,6 +35,7 @@ struct Comm {
   void max(std::span<double> values) const;  ///< in place
   double min(double value) const;
   bool any(bool value) const;
+  void any(std::span<std::uint64_t> bits) const;      ///< in place, bit by bit
   std::int64_t sum_before(std::int64_t value) const;  ///< over lower ranks; 0 on rank 0
 
   void broadcast(std::span<double> values, int root) const;

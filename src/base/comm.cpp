@@ -201,6 +201,13 @@ double Comm::min(double value) const {
 bool Comm::any(bool value) const {
   return reduce<std::int64_t>(raw, value, MPI_MAX) != 0;
 }
+void Comm::any(std::span<std::uint64_t> bits) const {
+  ++traffic().collectives;
+  traffic().reduced += static_cast<std::int64_t>(bits.size_bytes());
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, bits.data(), static_cast<int>(bits.size()), MPI_UINT64_T,
+                          MPI_BOR, raw),
+            "MPI_Allreduce");
+}
 
 Vec3 Comm::sum(const Vec3& value) const {
   Vec3 result = value;

@@ -1,16 +1,13 @@
-// One sphere, lattices, random sequential addition of equal spheres, bodies of an earlier run.
+// One sphere, lattices, bodies of an earlier run; spheres in cells.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scene/packing.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
-#include "base/hash.hpp"
 #include "base/random.hpp"
 #include "scene/shape.hpp"
-#include "scene/sizes.hpp"
 #include "spall/error.hpp"
 
 namespace spall {
@@ -82,55 +79,6 @@ void place_single(const PackingRequest& request) {
   request.put({.center = request.volume.center, .radius = request.packing.radius});
 }
 
-void read_random(Section& in, Packing& packing) {
-  std::int64_t count = 0;
-  in.need("count", "of random: spheres wholly inside the volume", count, 1);
-  in.check("count", static_cast<double>(count) <= most_spheres,
-           fmt::format("= {}: a group has at most {:.0f} spheres", count, most_spheres));
-  packing.count = count;
-  for (const char* one : {"radius", "diameter"})
-    in.check(one, !in.has(one) || !in.has("sizes"), "is given beside sizes: give one of them");
-  Sizes sizes;
-  if (!in.table("sizes", "of random, in place of radius: unequal spheres",
-                [&](Section& s) { read_sizes(s, sizes, count); }))
-    return;
-  packing.radius = sizes.largest;
-  packing.own = sizes;
-}
-
-std::vector<double> radii_at_random(const Packing& packing, std::uint64_t seed) {
-  const std::int64_t count = packing.count.value();
-  const auto* sizes = std::any_cast<Sizes>(&packing.own);
-  if (!sizes) return std::vector<double>(count, packing.radius);
-  constexpr std::uint64_t stream = 0x53495a45;  // another than that of the places
-  return draw_radii(*sizes, count, mix(seed ^ stream));
-}
-
-void place_random(const PackingRequest& request) {
-  const std::vector<double> radii = radii_at_random(request.packing, request.seed);
-  const double all = volume_of(request.volume);
-  const auto filled = [&](std::int64_t spheres) {
-    return std::accumulate(radii.begin(), radii.begin() + spheres, 0.0,
-                           [](double sum, double r) { return sum + ball_volume(r); }) /
-           all;
-  };
-  const auto count = std::ssize(radii);
-  const std::string wanted = fmt::format(
-      "{}: {} spheres of radius {}{} m would be {:.3f} of the volume", request.place, count,
-      radii.back() < radii.front() ? fmt::format("{:.4g} to ", radii.back()) : "", radii.front(),
-      filled(count));
-  const std::string mend =
-      "enlarge the volume (random packings of equal spheres end near 0.38) or "
-      "take a lattice";
-  const double most = most_filled_at_random(request.volume, radii);
-  require(filled(count) <= most, "{}; at random at most {:.3f} can be: {}", wanted, most, mend);
-  const std::int64_t placed = place_at_random(
-      request.volume, radii, request.seed, request.is_free,
-      [&](const Vec3& center, double r) { request.put({.center = center, .radius = r}); });
-  require(placed == count, "{}; {} ({:.3f}) found a place at random: {}", wanted, placed,
-          filled(placed), mend);
-}
-
 constexpr Choice<Orientation> orientations[] = {{"rotation", Orientation::rotation},
                                                 {"random", Orientation::random}};
 
@@ -198,15 +146,9 @@ void place_stored(const PackingRequest& request) {
 
 }  // namespace
 
-extern const PackingType random_packing, simple_cubic_packing, fcc_packing, hcp_packing;
-extern const PackingType file_packing;
+extern const PackingType simple_cubic_packing, fcc_packing, hcp_packing, file_packing;
 const PackingType single_packing{
     .name = "single", .sized = false, .turns = true, .read = read_nothing, .place = place_single};
-const PackingType random_packing{.name = "random",
-                                 .keeps_clear = true,
-                                 .read = read_random,
-                                 .radii = radii_at_random,
-                                 .place = place_random};
 const PackingType simple_cubic_packing{.name = "simple_cubic",
                                        .turns = true,
                                        .read = read_lattice,
@@ -269,6 +211,12 @@ void SphereGrid::add(const Vec3& center) {
   centers_.push_back(center);
 }
 
+void SphereGrid::remove_last() {
+  first_[index_of(cell_of(centers_.back()))] = next_.back();
+  next_.pop_back();
+  centers_.pop_back();
+}
+
 std::int64_t SphereGrid::find_nearer(const Vec3& point, double distance) const {
   return find(point, distance, [&](std::int64_t sphere) {
     return (centers_[sphere] - point).squaredNorm() < distance * distance;
@@ -287,6 +235,16 @@ void SphereSet::add(const Vec3& center, double radius) {
   level->second.grid.add(center);
   level->second.radius.push_back(radius);
   level->second.sphere.push_back(count_++);
+}
+
+void SphereSet::keep(std::int64_t count) {
+  for (auto& [power, level] : levels_)
+    while (!level.sphere.empty() && level.sphere.back() >= count) {
+      level.grid.remove_last();
+      level.radius.pop_back();
+      level.sphere.pop_back();
+    }
+  count_ = std::min(count_, count);
 }
 
 std::optional<SphereSet::Overlap> SphereSet::find_overlap(const Vec3& center, double radius,
@@ -335,57 +293,6 @@ void place_lattice(LatticeKind kind, const Volume& volume, const Packing& packin
       if (depth(volume, center) >= -slack * d) place(center);
     }
   });
-}
-
-double most_filled_at_random(const Volume& volume, std::span<const double> radii) {
-  // Where random sequential addition of equal spheres ends (Zhang & Torquato 2013: 0.38413). For
-  // each halving of the radius another such packing may fill what is left.
-  constexpr double equal = 0.3842;
-  const double halvings = 1 + std::log2(radii.front() / radii.back());
-  const double inside = 1 - std::pow(1 - equal, halvings);
-  // Spheres that lean on walls stand denser: as if the volume had a layer more, of at most this
-  // part of the layer in which no centre may be.
-  constexpr double beside_walls = 2;
-  const Vec3 half = half_widths(volume);
-  std::mt19937_64 engine(1);
-  constexpr int samples = 20'000;
-  int all = 0, free = 0;
-  for (int k = 0; k < samples; ++k) {
-    const double x = uniform(engine), y = uniform(engine), z = uniform(engine);
-    const Vec3 offset = half.cwiseProduct(2 * Vec3(x, y, z) - Vec3::Ones());
-    const double d = depth(volume, volume.center + offset);
-    all += d >= 0;
-    free += d >= radii.back();
-  }
-  return inside * (1 + beside_walls * (all - free) / std::max(all, 1));
-}
-
-std::int64_t place_at_random(const Volume& volume, std::span<const double> radii,
-                             std::uint64_t seed,
-                             const std::function<bool(const Vec3&, double radius)>& is_free,
-                             const std::function<void(const Vec3&, double radius)>& place) {
-  std::mt19937_64 engine(seed);
-  const auto coordinate = [&] { return 2 * uniform(engine) - 1; };
-  const Vec3 half = half_widths(volume);
-  SphereSet spheres(volume.center, half, std::ssize(radii));
-  constexpr std::int64_t most_tries_in_vain = 2'000'000;
-  std::int64_t placed = 0;
-  for (double r : radii) {
-    const Vec3 room = half - Vec3::Constant(r);  // of centres
-    if ((room.array() < 0).any()) return placed;
-    for (std::int64_t in_vain = 0;; ++in_vain) {
-      if (in_vain == most_tries_in_vain) return placed;
-      const double x = coordinate(), y = coordinate(), z = coordinate();
-      const Vec3 center = volume.center + room.cwiseProduct(Vec3(x, y, z));
-      if (depth(volume, center) < r || spheres.find_overlap(center, r, 0) || !is_free(center, r))
-        continue;
-      spheres.add(center, r);
-      place(center, r);
-      ++placed;
-      break;
-    }
-  }
-  return placed;
 }
 
 }  // namespace spall

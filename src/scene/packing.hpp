@@ -11,6 +11,8 @@
 
 #include "keys/section.hpp"
 #include "scene/case.hpp"
+#include "spall/comm.hpp"
+#include "state/period.hpp"
 
 namespace spall {
 
@@ -29,10 +31,22 @@ struct PackingRequest {
   const Packing& packing;
   std::uint64_t seed;  ///< of this group alone: changing one group leaves the others as they are
   std::string_view place;  ///< where the case asks for it, for messages
+  Period period = {};      ///< for those that keep clear: of images of their own spheres as well
+  Comm comm = {};          ///< for those that keep clear: ranks that share the work
   /// Whether a sphere (m) is clear of earlier groups and of planes.
   std::function<bool(const Vec3& center, double radius)> is_free;
   /// Makes a body.
   std::function<void(const PackedSphere&)> put;
+};
+
+/// m, radii of spheres in their order, the largest first: one, where all are equal.
+struct Radii {
+  std::int64_t count = 0;
+  std::vector<double> values = {};
+
+  double operator[](std::int64_t k) const { return values[values.size() == 1 ? 0 : k]; }
+  double largest() const { return values.front(); }
+  double smallest() const { return values.back(); }
 };
 
 /// A way to fill a volume, as a case sees it. Every rank runs through it, with the same result.
@@ -40,13 +54,13 @@ struct PackingType {
   std::string_view name;  ///< of `kind` in a packing
   bool sized = true;      ///< has the key `radius` or `diameter`
   bool turns = false;     ///< has the key `rotation`
-  /// It asks `is_free` for each body; bodies of others are checked afterwards.
+  /// It asks `is_free` for each body, whose images keep clear of each other; bodies of others are
+  /// checked afterwards.
   bool keeps_clear = false;
   /// Reads its own keys; `radius` is read.
   void (*read)(Section& in, Packing& packing);
-  /// m, radii of its spheres in their order, where they are known before they are placed; null:
-  /// placing them tells.
-  std::vector<double> (*radii)(const Packing& packing, std::uint64_t seed) = nullptr;
+  /// Radii of its spheres, where they are known before they are placed; null: placing them tells.
+  Radii (*radii)(const Packing& packing, std::uint64_t seed) = nullptr;
   /// The lattice of its spheres; null: none.
   Lattice (*lattice)(const Packing& packing) = nullptr;
   /// Puts all bodies, in an order that does not depend on the rank.
@@ -62,6 +76,7 @@ class SphereGrid {
   /// For about `expected` spheres of up to `radius` in the box `center` +- `half`.
   SphereGrid(const Vec3& center, const Vec3& half, double radius, std::int64_t expected);
   void add(const Vec3& center);
+  void remove_last();
   /// A sphere with `is_wanted(sphere)` of those in the cells within `distance` of `point`; -1
   /// without one.
   template <class Test>
@@ -127,6 +142,9 @@ class SphereSet {
   SphereSet(const Vec3& center, const Vec3& half, std::int64_t expected)
       : center_(center), half_(half), expected_(expected) {}
   void add(const Vec3& center, double radius);
+  std::int64_t size() const { return count_; }
+  /// Removes all but the first `count`.
+  void keep(std::int64_t count);
   struct Overlap {
     std::int64_t sphere;  ///< in the order in which they were added
     Vec3 center;
@@ -149,17 +167,36 @@ class SphereSet {
   std::map<int, Level> levels_;
 };
 
-/// Spheres of these radii (m, the largest first) at random, wholly inside the volume, clear of each
-/// other and where `is_free`: random sequential addition, which ends near 0.38 of the volume where
-/// all are equal. The same on every machine. Returns how many found a place before two million
-/// tries in a row failed.
-std::int64_t place_at_random(const Volume& volume, std::span<const double> radii,
-                             std::uint64_t seed,
+/// Calls `f(image, itself)` with each image of `x` inside the box `center` +- `half`, which is
+/// without end where space does not repeat itself.
+template <class F>
+void for_each_image(const Period& period, const Vec3& x, const Vec3& center, const Vec3& half,
+                    F&& f) {
+  Eigen::Array3i first = Eigen::Array3i::Zero(), last = first;
+  for (int k = 0; k < 3; ++k) {
+    if (period.size[k] == 0) continue;
+    first[k] = static_cast<int>(std::ceil((center[k] - half[k] - x[k]) / period.size[k]));
+    last[k] = static_cast<int>(std::floor((center[k] + half[k] - x[k]) / period.size[k]));
+  }
+  for (int l = first.z(); l <= last.z(); ++l)
+    for (int m = first.y(); m <= last.y(); ++m)
+      for (int n = first.x(); n <= last.x(); ++n)
+        f(Vec3(x + period.size.cwiseProduct(Vec3(n, m, l))), n == 0 && m == 0 && l == 0);
+}
+
+/// Spheres of these radii at random, wholly inside the volume, clear of each other, of each other's
+/// images and where `is_free`: random sequential addition, which ends near 0.38 of the volume where
+/// all are equal. The same on every machine and on any number of ranks. Every rank is told of every
+/// sphere, and returns how many found a place before two million tries in a row failed. Each rank
+/// looks for overlaps in its part of the volume alone and holds no spheres far from it.
+/// Collective.
+std::int64_t place_at_random(const Comm& comm, const Volume& volume, const Period& period,
+                             const Radii& radii, std::uint64_t seed,
                              const std::function<bool(const Vec3&, double radius)>& is_free,
                              const std::function<void(const Vec3&, double radius)>& place);
 
 /// Part of the volume, the most that random sequential addition of such radii can fill, for sure.
-double most_filled_at_random(const Volume& volume, std::span<const double> radii);
+double most_filled_at_random(const Volume& volume, const Radii& radii);
 
 /// Boulders that are fine around a site and coarse far from it. At x the largest have the radius
 ///   R(x) = growth |x - site|, not below `smallest` and not above the packing's radius,

@@ -52,8 +52,9 @@ double mass_of_body(const Case& scene, std::size_t g, BodyId k, double radius) {
 }
 
 /// Calls `place` with every body of group `g`; those that keep clear are where `is_free`.
-/// Masses are those before they are scaled to the group's total.
-void place_group(const Case& scene, std::size_t g, const IsFree& is_free, const Place& place) {
+/// Masses are those before they are scaled to the group's total. Collective, where `comm` is one.
+void place_group(const Case& scene, std::size_t g, const Comm& comm, const IsFree& is_free,
+                 const Place& place) {
   const Group& group = scene.groups[g];
   BodyId k = 0;
   group.packing.type->place(
@@ -61,6 +62,8 @@ void place_group(const Case& scene, std::size_t g, const IsFree& is_free, const 
        .packing = group.packing,
        .seed = stream_of(scene, g),
        .place = group.place,
+       .period = scene.period,
+       .comm = comm,
        .is_free = is_free,
        .put = [&](const PackedSphere& sphere) {
          place(sphere, sphere.mass ? *sphere.mass : mass_of_body(scene, g, k, sphere.radius));
@@ -119,23 +122,6 @@ struct Placed {
  private:
   std::int64_t bodies_ = 0;
 };
-
-/// Calls `f(image, itself)` with each image of `x` inside the box `center` +- `half`, which is
-/// without end where space does not repeat itself.
-template <class F>
-void for_each_image(const Period& period, const Vec3& x, const Vec3& center, const Vec3& half,
-                    F&& f) {
-  Eigen::Array3i first = Eigen::Array3i::Zero(), last = first;
-  for (int k = 0; k < 3; ++k) {
-    if (period.size[k] == 0) continue;
-    first[k] = static_cast<int>(std::ceil((center[k] - half[k] - x[k]) / period.size[k]));
-    last[k] = static_cast<int>(std::floor((center[k] + half[k] - x[k]) / period.size[k]));
-  }
-  for (int l = first.z(); l <= last.z(); ++l)
-    for (int m = first.y(); m <= last.y(); ++m)
-      for (int n = first.x(); n <= last.x(); ++n)
-        f(Vec3(x + period.size.cwiseProduct(Vec3(n, m, l))), n == 0 && m == 0 && l == 0);
-}
 
 /// An overlap of a sphere, of group `g`, and of its images with `others` of `earlier`.
 struct Overlap : SphereSet::Overlap {
@@ -258,10 +244,11 @@ std::vector<GroupContent> measure_groups(const Case& scene) {
       content.lightest = std::min(content.lightest, mass);
     };
     if (const auto radii_of = group.packing.type->radii) {
-      for (double radius : radii_of(group.packing, stream_of(scene, g)))
-        count(radius, mass_of_body(scene, g, content.count, radius), false);
+      const Radii radii = radii_of(group.packing, stream_of(scene, g));
+      for (std::int64_t k = 0; k < radii.count; ++k)
+        count(radii[k], mass_of_body(scene, g, k, radii[k]), false);
     } else {
-      place_group(scene, g, {}, [&](const PackedSphere& sphere, double mass) {
+      place_group(scene, g, {}, {}, [&](const PackedSphere& sphere, double mass) {
         count(sphere.radius, mass, sphere.fixed);
       });
     }
@@ -322,8 +309,10 @@ Bodies make_bodies(const Case& scene, const Comm& comm) {
     const double factor = contents[g].mass_factor(group);
     const BodyId first = id;
     const Index first_row = bodies.size();
+    const bool others_repeat =
+        scene.period.any() && (scene.groups.size() > 1 || !group.packing.type->keeps_clear);
     const bool keeps_spheres =
-        scene.period.any() || !scene.spheres.empty() ||
+        others_repeat || !scene.spheres.empty() ||
         std::any_of(scene.groups.begin() + g + 1, scene.groups.end(),
                     [&](const Group& later) { return may_touch(group, later); });
     if (keeps_spheres) placed.emplace_back(group, g, first, contents[g].count);
@@ -332,7 +321,8 @@ Bodies make_bodies(const Case& scene, const Comm& comm) {
       for (std::size_t w = 0; w < walls.size(); ++w)
         if (face_of(walls, w, center).height < radius) return false;
       for (const Placed& earlier : placed)
-        if (find_overlap(scene.period, earlier, earlier.spheres, g, center, radius, 0))
+        if (earlier.group != g &&
+            find_overlap(scene.period, earlier, earlier.spheres, g, center, radius, 0))
           return false;
       return true;
     };
@@ -368,7 +358,7 @@ Bodies make_bodies(const Case& scene, const Comm& comm) {
       }
       ++id;
     };
-    place_group(scene, g, is_free, place);
+    place_group(scene, g, comm, is_free, place);
     if (group.thermal) {
       require(contents[g].movable > 1,
               "{}.thermal_velocity: without a drift one body that moves has none", group.place);

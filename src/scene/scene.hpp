@@ -42,8 +42,8 @@ inline std::int32_t group_of_spheres(const Case& scene) {
 /// this rank gets a contiguous share of the ids. Random packings keep clear of earlier groups and
 /// of planes. Throws Error, the same on every rank, on no bodies, more ranks than bodies, bodies
 /// that overlap earlier ones or planes by more than allowed, and packings that do not fit.
-/// Every rank runs through the whole recipe, so nothing but sums of random velocities is sent.
-/// Collective.
+/// Every rank runs through the whole recipe, but for looking where random packings have room, which
+/// they share. Collective.
 Bodies make_bodies(const Case& scene, const Comm& comm);
 
 /// Bytes that a rank of so many needs at most, on top of what the program takes before it has
