@@ -101,6 +101,9 @@ Contacts find_shape_contacts(const Bodies& bodies, const BodyShapes& shapes,
   const auto bend = [&](Index b) {
     return h * h / 2 * bodies.angular_velocity[b].squaredNorm() * bodies.radius[b];
   };
+  const auto rim_speed = [&](Index b) {
+    return bodies.angular_velocity[b].norm() * bodies.radius[b];
+  };
   for (Index p = 0; p < pairs.size(); ++p) {
     const Index i = pairs.i[p], j = pairs.j[p];
     const auto first = remembered;
@@ -140,12 +143,22 @@ Contacts find_shape_contacts(const Bodies& bodies, const BodyShapes& shapes,
     }
     const auto of_j = placed.of(j);
     const Vec3 centres = bodies.position[j] - bodies.position[i];
-    for (std::size_t a = 0; a < of_i.size(); ++a)
+    // Most spheres of a pair are too far apart for a closer look.
+    const double closing =
+        (bodies.velocity[j] - bodies.velocity[i]).norm() + rim_speed(i) + rim_speed(j);
+    const double reach =
+        h * closing + bent + std::max(near_contact * smaller_radius(bodies, i, j), range);
+    const auto is_far = [&](const Vec3& apart, double radii) {
+      return apart.squaredNorm() > (radii + reach) * (radii + reach);
+    };
+    for (std::size_t a = 0; a < of_i.size(); ++a) {
+      if (is_far(centres - of_i[a].offset, of_i[a].radius + bodies.radius[j])) continue;
       for (std::size_t b = 0; b < of_j.size(); ++b) {
         const auto &one = of_i[a], &other = of_j[b];
         const double radii = one.radius + other.radius;
         const double small = std::min(one.radius, other.radius);
         const Vec3 apart = centres + other.offset - one.offset;
+        if (is_far(apart, radii)) continue;
         const Vec3 u = other.velocity - one.velocity;
         if (narrowest_gap(apart, u, radii, h) - bent > std::max(near_contact * small, range))
           continue;
@@ -155,6 +168,7 @@ Contacts find_shape_contacts(const Bodies& bodies, const BodyShapes& shapes,
         add(a, b, normal, distance - radii, kappa, small, one.offset + kappa * one.radius * normal,
             other.offset - kappa * other.radius * normal);
       }
+    }
   }
   return contacts;
 }

@@ -116,15 +116,18 @@ ProblemData pose(const World& world, const Contacts& contacts, double h,
     const double gap = contacts.gap[c];
     const Vec3 u = contact_velocity(bodies, contacts, c);
     const double closing = u.dot(n);
-    const double w = contacts.spheres.empty()
-                         ? data.inverse_mass[i] + (j == ground ? 0 : data.inverse_mass[j])
-                         : n.dot(delassus_block(data.view(contacts, 3), c) * n);
     double& cohesive = data.cohesive_impulse[c];
-    if (law.cohesion > 0) cohesive = cohesive_impulse(law, gap, closing, h);
+    double pulled = 0;  // m/s, what cohesion takes from the closing speed
+    if (law.cohesion > 0) {
+      cohesive = cohesive_impulse(law, gap, closing, h);
+      pulled = cohesive * (contacts.spheres.empty()
+                               ? data.inverse_mass[i] + (j == ground ? 0 : data.inverse_mass[j])
+                               : n.dot(delassus_block(data.view(contacts, 3), c) * n));
+    }
     const double open = std::max(gap, 0.0);
     double bias = open / h;
     const double driven = 2 * (by_gravity + std::max(driven_by(i), driven_by(j)));
-    const bool meets = gap + h * closing < 0 && -closing > driven + 2 * cohesive * w;
+    const bool meets = gap + h * closing < 0 && -closing > driven + 2 * pulled;
     data.impact |= meets;
     if (meets && law.restitution > 0) {
       Vec3 a = -bodies.acceleration[i];

@@ -27,22 +27,19 @@ void for_each_place(const ContactProblem& problem, F&& f) {
   }
 }
 
+/// 1/kg, about how much the contact gives way: 0 where neither of its bodies ever moves.
+double mobility(const ContactProblem& problem, Index c) {
+  if (problem.matrix) return problem.matrix->metric[c].a_n;
+  const Index j = problem.j[c];
+  return problem.inverse_mass[problem.i[c]] + (j == ground ? 0 : problem.inverse_mass[j]);
+}
+
 /// The contact's diagonal block of the Delassus operator, 1/kg.
 ContactMetric metric(const ContactProblem& problem, Index c) {
   if (problem.matrix) return problem.matrix->metric[c];
   if (problem.has_arms()) return bound_of(delassus_block(problem, c), problem.normal[c]);
-  const Index j = problem.j[c];
-  const double kappa = problem.kappa[c];
-  const double a_n =
-      problem.inverse_mass[problem.i[c]] + (j == ground ? 0 : problem.inverse_mass[j]);
+  const double kappa = problem.kappa[c], a_n = mobility(problem, c);
   return {a_n, (1 + 1 / sphere_inertia * kappa * kappa) * a_n};
-}
-
-/// Whether neither of its bodies ever moves.
-bool is_held(const ContactProblem& problem, Index c) {
-  if (!problem.has_arms()) return metric(problem, c).a_n == 0;
-  const Index j = problem.j[c];
-  return problem.inverse_mass[problem.i[c]] == 0 && (j == ground || problem.inverse_mass[j] == 0);
 }
 
 double inverse_or_zero(double a) {
@@ -58,7 +55,7 @@ double power_of_two_below(double a) {
 PackedUnits choose_units(const ContactProblem& problem, const Comm& comm) {
   std::array<double, 2> most{};  // speed, a
   for (Index c = 0; c < problem.contacts(); ++c) {
-    const double a = metric(problem, c).a_n;
+    const double a = mobility(problem, c);
     if (a == 0) continue;
     most = {std::max(most[0], problem.free_velocity[c].cwiseAbs().maxCoeff()),
             std::max(most[1], a)};
@@ -80,13 +77,15 @@ ContactBlocks<dimension, double> pack(const ContactProblem& problem, const Packe
     packed.inverse_mass.push_back(problem.inverse_mass[b] / unit_of_inverse_mass);
   if (problem.matrix) packed.matrix = pack(*problem.matrix, unit_of_inverse_mass);
   if constexpr (dimension == levers) {
-    const auto symmetric = [](const Mat3& m) -> Symmetric<double> {
-      return {{m(0, 0), m(1, 1), m(2, 2), m(1, 2), m(2, 0), m(0, 1)}};
+    const auto matrix = [](double c, const Mat3& m) -> RowMatrix<double> {
+      return {Lanes{c, c, c, 0, m(0, 0), m(1, 1), m(2, 2), 0},
+              Lanes{0, 0, 0, 0, m(0, 1), m(1, 2), m(2, 0), 0}};
     };
     for (Index b = 0; b < owned; ++b) {
+      const double w = packed.inverse_mass[b];
       const Mat3 factor = problem.turning[b] / unit_of_inverse_mass;
-      packed.turning.push_back({symmetric(factor), factor.isZero(0) ? Symmetric<double>{}
-                                                                    : symmetric(factor.inverse())});
+      const Mat3 inverse = factor.isZero(0) ? Mat3(Mat3::Zero()) : Mat3(factor.inverse());
+      packed.turning.push_back({matrix(w, factor), matrix(inverse_or_zero(w), inverse)});
     }
   }
 
@@ -145,13 +144,11 @@ ContactBlocks<dimension, float> round(const ContactBlocks<dimension, double>& co
   rounded.rows = contacts.rows;
   rounded.inverse_mass.assign(contacts.inverse_mass.begin(), contacts.inverse_mass.end());
   if (contacts.matrix) rounded.matrix = round(contacts.matrix);
-  rounded.turning.resize(contacts.turning.size());
-  for (std::size_t b = 0; b < contacts.turning.size(); ++b)
-    for (int k = 0; k < 6; ++k) {
-      const Turning<double>& from = contacts.turning[b];
-      rounded.turning[b].factor.at[k] = static_cast<float>(from.factor.at[k]);
-      rounded.turning[b].inverse.at[k] = static_cast<float>(from.inverse.at[k]);
-    }
+  const auto rounded_matrix = [](const RowMatrix<double>& m) -> RowMatrix<float> {
+    return {convert<float>(m.diagonal), convert<float>(m.beside)};
+  };
+  for (const Turning<double>& from : contacts.turning)
+    rounded.turning.push_back({rounded_matrix(from.factor), rounded_matrix(from.inverse)});
   rounded.blocks.resize(contacts.blocks.size());
   for (std::size_t at = 0; at < contacts.blocks.size(); ++at) {
     const ContactBlock<dimension, double>& from = contacts.blocks[at];
@@ -184,7 +181,7 @@ Impulses<dimension, double> pack_impulses(const ContactProblem& problem, const P
                                           const std::vector<Vec3>& impulse) {
   Impulses<dimension, double> packed(total_blocks(problem));
   for_each_place(problem, [&](Index c, std::size_t at, int l) {
-    if (is_held(problem, c)) return;
+    if (mobility(problem, c) == 0) return;
     if constexpr (dimension == 1)
       packed[at].at[0][l] = problem.normal[c].dot(impulse[c]) / units.impulse;
     else

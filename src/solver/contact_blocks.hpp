@@ -68,15 +68,17 @@ struct ContactBlock<levers, Real> : ContactBlock<3, Real> {
   LanesOf<Real> arm_i[3], arm_j[3];  ///< over the radius
 };
 
-/// A symmetric matrix: xx, yy, zz, yz, zx, xy.
+/// What a row is multiplied with, in the order of its numbers: the first half with one number, the
+/// second with a symmetric matrix.
 template <class Real>
-struct Symmetric {
-  Real at[6] = {};
+struct RowMatrix {
+  LanesOf<Real> diagonal;  ///< [c c c 0 | xx yy zz 0]
+  LanesOf<Real> beside;    ///< [0 0 0 0 | xy yz zx 0]
 };
-/// How a body turns: K and its inverse, or zeros where it never does.
+/// How a body moves: [1/m | K] and its inverse, or zeros where it never does.
 template <class Real>
 struct Turning {
-  Symmetric<Real> factor, inverse;
+  RowMatrix<Real> factor, inverse;
 };
 
 /// Boundary contacts first, then interior ones, each part filled up to whole blocks with contacts

@@ -94,7 +94,7 @@ ContactMetric bound_of(const Mat3& block, const Vec3& normal) {
   const Vec3 along = block * normal;
   const double nn = normal.dot(along), nt = (along - nn * normal).norm();
   const double a = t1.dot(block * t1), c = t2.dot(block * t2), ac = t1.dot(block * t2);
-  const double b = (a + c) / 2 + std::hypot((a - c) / 2, ac);
+  const double b = (a + c) / 2 + std::sqrt((a - c) * (a - c) / 4 + ac * ac);
   if (nn <= 0 || b <= 0) return {};  // neither body ever moves
   const double rho = nt / std::sqrt(nn * b);
   return {(1 + rho) * nn, (1 + rho) * b};

@@ -234,18 +234,11 @@ Row<dimension, Real> row_velocity(Real inverse_mass, const Row<dimension, Real>&
   return {inverse_mass * halves<dimension, Real>(-1 / sphere_inertia) * impulse.at};
 }
 
-/// M v of a symmetric matrix and what lies in the second half of a row; the first half is `low`.
 template <class Real>
-LanesOf<Real> times_second_half(const Symmetric<Real>& m, const LanesOf<Real>& row, Real low) {
-  const Real x = row[4], y = row[5], z = row[6];
-  return LanesOf<Real>{low * row[0],
-                       low * row[1],
-                       low * row[2],
-                       low * row[3],
-                       m.at[0] * x + m.at[5] * y + m.at[4] * z,
-                       m.at[5] * x + m.at[1] * y + m.at[3] * z,
-                       m.at[4] * x + m.at[3] * y + m.at[2] * z,
-                       0};
+LanesOf<Real> operator*(const RowMatrix<Real>& m, const LanesOf<Real>& row) {
+  const auto z_x_y = [](const LanesOf<Real>& v) { return shuffle<0, 1, 2, 3, 6, 4, 5, 7>(v, v); };
+  return m.diagonal * row + m.beside * shuffle<0, 1, 2, 3, 5, 6, 4, 7>(row, row) +
+         z_x_y(m.beside) * z_x_y(row);
 }
 
 /// Rows of a problem with a matrix: a contact enters its own row with -p, and reads -(row). In
@@ -265,8 +258,7 @@ void become_velocities(const ContactBlocks<dimension, Real>& contacts, Row<dimen
     }
   for (Index b = 0; b < contacts.owned; ++b)
     if constexpr (dimension == levers)
-      rows[b] = {
-          times_second_half(contacts.turning[b].factor, rows[b].at, contacts.inverse_mass[b])};
+      rows[b] = {contacts.turning[b].factor * rows[b].at};
     else
       rows[b] = row_velocity(contacts.inverse_mass[b], rows[b]);
 }
@@ -309,19 +301,18 @@ double extrapolate_rows(const ContactBlocks<dimension, Real>& contacts, Real mom
           [](Index, const Vector& change) -> Vector {  // [-W p | -p] of the change
             return halves<3, Real>(0) * change * exchange_halves(Row<3, Real>{change}).at;
           });
-  const Real* w = contacts.inverse_mass.data();
   if constexpr (dimension == levers) {
     const Turning<Real>* turning = contacts.turning.data();
     return extrapolate(
         contacts.owned, momentum, iterate, before, velocity,
         [=](Index b, const Row<levers, Real>& row) {
-          return Row<levers, Real>{times_second_half(turning[b].factor, row.at, w[b])};
+          return Row<levers, Real>{turning[b].factor * row.at};
         },
         [=](Index b, const Vector& change) -> Vector {
-          const Real mass = w[b] > 0 ? 1 / w[b] : 0;
-          return change * times_second_half(turning[b].inverse, change, mass);
+          return change * (turning[b].inverse * change);
         });
   } else {
+    const Real* w = contacts.inverse_mass.data();
     return extrapolate(
         contacts.owned, momentum, iterate, before, velocity,
         [w](Index b, const Row<dimension, Real>& row) { return row_velocity(w[b], row); },
