@@ -331,6 +331,7 @@ TEST(RandomPacking, is_that_of_one_sphere_after_another_on_any_ranks) {
                                     .spread = 0.5},
                                    count, 4)};
   };
+  // Less than the volumes: spheres meet images of each other.
   const Period along_x_and_z{.low = {-6, 0, -5}, .size = {12, 0, 10}};
   const Scene scenes[] = {
       {.volume = box({14, 13, 15}), .radii = {1500, {0.45}}},  // 0.21 of it
@@ -339,10 +340,10 @@ TEST(RandomPacking, is_that_of_one_sphere_after_another_on_any_ranks) {
        .radii = {1000, {0.5}},
        .floor = -2},
       {.volume = {.shape = Shape::cylinder, .extents = {3, 3, 90}}, .radii = {300, {0.5}}},
-      {.volume = box({12, 8, 10}), .radii = {450, {0.5}}, .period = along_x_and_z},
+      {.volume = box({15, 8, 12}), .radii = {400, {0.5}}, .period = along_x_and_z},
       {.volume = box({14, 13, 15}), .radii = drawn(SizeLaw::power, 2000, 0.2), .floor = -7},
       {.volume = ball(7), .radii = drawn(SizeLaw::lognormal, 300, 0.3)},
-      {.volume = box({12, 8, 10}),
+      {.volume = box({15, 8, 12}),
        .radii = drawn(SizeLaw::power, 600, 0.3),
        .period = along_x_and_z},
       {.volume = box({9, 9, 9}), .radii = {0, {}}},  // of a list, below
