@@ -332,6 +332,34 @@ TEST(Deflection, cones_hold_their_part_of_the_momentum) {
   EXPECT_NEAR(measured_ejecta.cone_most, 20, 0.4);
 }
 
+TEST(Deflection, counts_what_is_faster_than_round_speeds) {
+  const Vec3 back = -Vec3(2000, 1000, -500).normalized();
+  const std::vector<double> speeds = {0.025, 0.31, 0.41, 5.5, 1.7};
+  std::vector<Vec3> ejecta;
+  for (double speed : speeds) ejecta.push_back(speed * back);
+  const Ejecta of_all = measured(Impact(ejecta)).ejecta;
+  const std::vector<double> expected = {0.02, 0.03, 0.05, 0.07, 0.1, 0.15, 0.2, 0.3,
+                                        0.5,  0.7,  1,    1.5,  2,   3,    5};
+  ASSERT_EQ(of_all.faster.size(), expected.size());
+  for (std::size_t k = 0; k < expected.size(); ++k) {
+    EXPECT_EQ(of_all.faster[k].speed, expected[k]);
+    double count = 0, mass = 0;
+    for (std::size_t b = 0; b < speeds.size(); ++b)
+      if (speeds[b] > expected[k]) {
+        count += 1;
+        mass += 1045 + static_cast<double>(b);
+      }
+    EXPECT_EQ(of_all.faster[k].count, count);
+    EXPECT_EQ(of_all.faster[k].mass, mass);
+  }
+  // What is far slower than the fastest is in the first row alone.
+  const Ejecta wide = measured(Impact({4 * back, 1e-9 * back})).ejecta;
+  EXPECT_EQ(wide.faster.front().speed, 3e-6);
+  EXPECT_EQ(wide.faster.front().count, 1);
+  EXPECT_EQ(wide.faster.back().speed, 3);
+  EXPECT_TRUE(measured(Impact({})).ejecta.faster.empty());
+}
+
 TEST(Interior, shared_volume_matches_its_limits) {
   const double whole = 4 * pi / 3 * 8;
   EXPECT_EQ(shared_volume(2, 5, 3), shared_volume(5, 2, 3));

@@ -38,6 +38,45 @@ std::array<double, 2> cone_angles(const Comm& comm, std::span<const Vec3> veloci
   return {reached(0.5), reached(0.9)};
 }
 
+/// m/s: the k-th of these times powers of ten; the 0th is 1.
+double round_speed(int k) {
+  constexpr std::array steps{1.0, 1.5, 2.0, 3.0, 5.0, 7.0};
+  constexpr int n = steps.size();
+  const int decade = k >= 0 ? k / n : -((n - 1 - k) / n);
+  const double digit = steps[static_cast<std::size_t>(k - n * decade)];
+  // A quotient is the nearest double to its decimal, a product with 0.1 is not.
+  return decade < 0 ? digit / std::pow(10.0, -decade) : digit * std::pow(10.0, decade);
+}
+
+std::vector<FasterThan> sum_by_speed(const Comm& comm, std::span<const Vec3> velocity,
+                                     std::span<const double> mass, double fastest) {
+  std::vector<FasterThan> faster;
+  double slowest = infinity;
+  for (const Vec3& v : velocity) slowest = std::min(slowest, v.norm());
+  slowest = comm.min(slowest);
+  if (fastest == 0) return faster;
+  const double least = std::max(slowest, 1e-6 * fastest);
+  int k = 6 * static_cast<int>(std::floor(std::log10(least)));
+  while (round_speed(k) >= least) --k;
+  while (round_speed(k + 1) < least) ++k;
+  std::vector<double> sums;
+  for (; round_speed(k) < fastest; ++k) {
+    FasterThan& one = faster.emplace_back(FasterThan{round_speed(k), 0, 0});
+    for (std::size_t b = 0; b < velocity.size(); ++b) {
+      if (velocity[b].norm() <= one.speed) continue;
+      one.count += 1;
+      one.mass += mass[b];
+    }
+    sums.insert(sums.end(), {one.count, one.mass});
+  }
+  comm.sum(sums);
+  for (std::size_t at = 0; at < faster.size(); ++at) {
+    faster[at].count = sums[2 * at];
+    faster[at].mass = sums[2 * at + 1];
+  }
+  return faster;
+}
+
 Ejecta measure_ejecta(const Comm& comm, std::span<const Vec3> velocity,
                       std::span<const double> mass, const Vec3& flight) {
   std::array<double, 7> sums{};
@@ -59,6 +98,7 @@ Ejecta measure_ejecta(const Comm& comm, std::span<const Vec3> velocity,
   ejecta.v_ejecta = sums[5];
   ejecta.back_momentum = sums[6];
   ejecta.fastest = comm.max(fastest);
+  ejecta.faster = sum_by_speed(comm, velocity, mass, ejecta.fastest);
   const auto angles = cone_angles(comm, velocity, mass, ejecta.momentum.normalized());
   ejecta.cone_half = angles[0];
   ejecta.cone_most = angles[1];

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "analysis/clumps.hpp"
 #include "scene/case.hpp"
@@ -31,6 +32,11 @@ double rigid_share(const BeforeImpact& before, double restitution);
 /// `struck_mass` is left as it is made. Collective.
 BeforeImpact before_impact(const Comm& comm, const Bodies& bodies, BodyId impactor);
 
+/// What of the ejecta is faster than a speed (m/s): bodies and their mass (kg).
+struct FasterThan {
+  double speed, count, mass;
+};
+
 /// Bodies of the target that are not in the largest clump. Velocities are relative to the target's
 /// before the impact; `back` is against the impactor's direction of flight.
 struct Ejecta {
@@ -44,6 +50,9 @@ struct Ejecta {
   /// Half-aperture, degrees (upwards to 0.1), of the cone about the mean direction (that of
   /// `momentum`) that holds half or 90 % of sum m |v|. 0 without ejecta.
   double cone_half = 0, cone_most = 0;
+  /// At 1, 1.5, 2, 3, 5 and 7 m/s times powers of ten: from what all exceed, at most six decades
+  /// below the fastest, to what the fastest exceeds.
+  std::vector<FasterThan> faster = {};
 };
 
 struct Deflection {

@@ -84,6 +84,10 @@ def pictures_of(run):
                      "Velocity change of the largest clump along the flight of the impactor. It "
                      "goes on "
                      "changing while ejecta leave, so it is given with its time.", "Deflection")
+    if len(run.results.get("ejecta", {}).get("speeds", [])) > 1:
+        pictures.add("ejecta", figures.ejecta_speeds(run.results["ejecta"]),
+                     "Ejecta at the last read-out: what of them is faster than a speed, relative "
+                     "to the target before the impact.", "Ejecta")
     if inside := report_interior.interior(run):
         drawing, states = inside
         pictures.add("interior", drawing,

@@ -233,3 +233,14 @@ def read_outs(table, lines):
     axes.set(xlabel="time since the impact (s)", ylabel="dv of the largest clump (mm/s)",
              xlim=(0, time[-1] * 1.12), ylim=(min(0, dv.min() * 1e3), top * 1.2))
     return figure
+
+
+def ejecta_speeds(ejecta):
+    """Mass and number of bodies that are faster than a speed."""
+    figure, panels = plt.subplots(1, 2, figsize=(12, 3.4), layout="constrained")
+    for axes, key, name in ((panels[0], "mass_faster", "mass faster than v (kg)"),
+                            (panels[1], "count_faster", "bodies faster than v")):
+        axes.loglog(ejecta["speeds"], ejecta[key], "o-", color=BLUE)
+        axes.set(xlabel="speed v (m/s)", ylabel=name)
+        axes.grid(color="#e4e8ee")
+    return figure

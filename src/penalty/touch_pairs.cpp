@@ -155,6 +155,10 @@ void toggle_touched(unsigned pairs, const Index* places, WindowSprings& springs)
 
 ContactMemory remember(const Bodies& bodies, const TouchPairs& touch, bool once) {
   ContactMemory memory;
+  std::size_t most = touch.walls.size() + touch.carried.size();
+  for (const WindowSprings& springs : touch.springs)
+    for (std::uint8_t lanes : springs.touching) most += std::popcount(lanes);
+  memory.reserve(most);  // many: it does not grow by halves
   for_each_touching(touch, [&](Index a, Index b, const Vec3& sliding, const Vec3& rolling) {
     const BodyId i = bodies.id[a], j = bodies.id[b];
     if (i < j)

@@ -53,6 +53,7 @@ std::string Verdict::impactor_added(const PhaseEvents& events, double restitutio
   before_.struck_mass = flow_ ? 0 : struck_mass;
   restitution_ = restitution;
   rows_.clear();
+  faster_.clear();
   if (before_.struck_mass == 0) return "";
   return fmt::format(
       "a rigid hit leaves {:.2g} % of its energy in that body of {:.4g} kg; ejecta and beta follow "
@@ -81,6 +82,7 @@ std::string Verdict::read_out(const World& world, const Engine& engine, double s
                    .dv_rebound = d.dv_rebound,
                    .dv_ejecta = d.dv_ejecta,
                    .closure = d.closure});
+  faster_ = d.ejecta.faster;
   closure_ = std::max(closure_, d.closure);
   return fmt::format(
       "read-out at {:.4g} s after the impact: dv {:.5g} m/s (impactor {:.5g}, rebound {:.5g}, "
@@ -157,11 +159,19 @@ void Verdict::add_to(ResultTable& table, const std::optional<Binary>& binary) co
   table.add("ejecta", "cone_half_deg", last.cone_half, "deg",
             "half-aperture with half the momentum");
   table.add("ejecta", "cone_most_deg", last.cone_most, "deg", "half-aperture with 90 % of it");
-  auto column = [&](auto member) {
+  const auto column_of = [](const auto& rows, auto member) {
     std::vector<double> values;
-    for (const Row& row : rows_) values.push_back(row.*member);
+    for (const auto& row : rows) values.push_back(row.*member);
     return values;
   };
+  if (!faster_.empty()) {
+    table.add("ejecta", "speeds", column_of(faster_, &FasterThan::speed), "m/s");
+    table.add("ejecta", "count_faster", column_of(faster_, &FasterThan::count), "",
+              "bodies faster than each of speeds");
+    table.add("ejecta", "mass_faster", column_of(faster_, &FasterThan::mass), "kg",
+              "mass faster than each of speeds");
+  }
+  const auto column = [&](auto member) { return column_of(rows_, member); };
   table.add("read_out", "since_impact", column(&Row::since_impact), "s");
   table.add("read_out", "dv", column(&Row::dv), "m/s");
   table.add("read_out", "beta", column(&Row::beta));
@@ -190,6 +200,11 @@ void Verdict::for_each_scalar(Self& self, F&& f) {
   f("verdict.pile.mean_diameter", self.pile_.mean_diameter);
   vector("verdict.pile.axes", self.pile_.axes);
   if (self.flow_) HandOver::for_each_scalar(*self.flow_, f);
+  for (std::size_t k = 0; k < self.faster_.size(); ++k) {
+    f(fmt::format("verdict.faster.{}.speed", k), self.faster_[k].speed);
+    f(fmt::format("verdict.faster.{}.count", k), self.faster_[k].count);
+    f(fmt::format("verdict.faster.{}.mass", k), self.faster_[k].mass);
+  }
   for (std::size_t r = 0; r < self.rows_.size(); ++r) {
     auto& row = self.rows_[r];
     int k = 0;
@@ -205,6 +220,7 @@ void Verdict::save(Scalars& scalars) const {
   scalars["verdict.has_flow"] = flow_ ? 1 : 0;
   scalars["verdict.impactor"] = static_cast<double>(before_.impactor);
   scalars["verdict.read_outs"] = static_cast<double>(rows_.size());
+  scalars["verdict.speeds"] = static_cast<double>(faster_.size());
   save_scalars(*this, scalars);
 }
 
@@ -213,6 +229,8 @@ void Verdict::load(const Scalars& scalars) {
   rows_.resize(static_cast<std::size_t>(find_scalar(scalars, "verdict.read_outs")));
   const auto flow = scalars.find("verdict.has_flow");  // files of before know none
   if (flow != scalars.end() && flow->second != 0) flow_.emplace();
+  const auto speeds = scalars.find("verdict.speeds");  // the same
+  if (speeds != scalars.end()) faster_.resize(static_cast<std::size_t>(speeds->second));
   load_scalars(*this, scalars);
 }
 

@@ -58,6 +58,7 @@ class Verdict {
   double restitution_ = 0;
   double closure_ = 0;  // largest of the read-outs
   std::vector<Row> rows_;
+  std::vector<FasterThan> faster_;  // of the last read-out
 };
 
 }  // namespace spall
