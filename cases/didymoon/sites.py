@@ -1,9 +1,9 @@
 # How much dv depends on the pile and on the place that is hit: the same impact on many sites of
 # several piles.
 # SPDX-License-Identifier: BSD-3-Clause
-"""sites.py [--cohesions N,N,...] [--sites N] [--piles N] [--only-table]: runs what is missing in
+"""sites.py [--cohesions N,N,...] [--piles N] [--cores N] [--only-table]: runs what is missing in
 out/didymoon-sites/, each on one rank and as many at a time as there are cores; writes sites.md,
-sites.csv and sites.png beside this script."""
+sites.csv and sites.png beside this script. A cohesion takes an hour on two cores."""
 import argparse
 import concurrent.futures
 import csv
@@ -24,14 +24,15 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 
 OUT = pathlib.Path("out/didymoon-sites")
+SITES = 20
 COLUMNS = ["cohesion", "pile", "site", "dv", "dv_ejecta", "ejecta_count", "largest_part",
            "momentum_closure", "energy_unexplained", "not_converged", "commit"]
 
 
-def directions(count):
+def directions():
     """Of impactors, evenly over all: the first is the case's, others follow a golden spiral."""
-    x = 1 - 2 * np.arange(count) / max(count - 1, 1)
-    turn = np.pi * (3 - np.sqrt(5)) * np.arange(count)
+    x = 1 - 2 * np.arange(SITES) / (SITES - 1)
+    turn = np.pi * (3 - np.sqrt(5)) * np.arange(SITES)
     across = np.sqrt(np.maximum(0, 1 - x ** 2))
     return np.stack([x, across * np.cos(turn), across * np.sin(turn)], axis=1)
 
@@ -60,9 +61,13 @@ def hit(cohesion, pile, site, direction):
     print(folder, flush=True)
 
 
-def read(cohesion, pile, site):
+def results_of(cohesion, pile, site):
     with open(folder_of(cohesion, pile, site) / "results.toml", "rb") as file:
-        r = tomllib.load(file)
+        return tomllib.load(file)
+
+
+def read(cohesion, pile, site):
+    r = results_of(cohesion, pile, site)
     return {"cohesion": cohesion, "pile": pile, "site": site, "dv": r["deflection"]["dv"],
             "dv_ejecta": r["deflection"]["dv_ejecta"], "ejecta_count": r["ejecta"]["count"],
             "largest_part": r["clump"]["mass"] / r["pile"]["mass"],
@@ -108,7 +113,7 @@ def table(rows):
               f"{min(row['largest_part'] for row in some):.4f} |")
 
 
-def picture(rows):
+def picture(rows, deflection):
     cohesions = sorted({row["cohesion"] for row in rows})
     figure, panel = plt.subplots(figsize=(7.5, 4.4), layout="constrained")
     for at, c in enumerate(cohesions):
@@ -119,9 +124,9 @@ def picture(rows):
                        label="a site" if at == k == 0 else None)
             panel.plot(x, 1e3 * sites.mean(), "_", color="#1d2733", ms=12, mew=2,
                        label="mean of a pile" if at == k == 0 else None)
-    for value, name in ((1.072, "m v / M"), (1.394, "m v (1 + e) / M")):
-        panel.axhline(value, color="#8a94a3", ls=":", lw=1)
-        panel.text(-0.45, value, name, fontsize=8, va="bottom", color="#5b6472")
+    for key, name in (("dv_plastic", "m v / M"), ("dv_elastic", "m v (1 + e) / M")):
+        panel.axhline(1e3 * deflection[key], color="#8a94a3", ls=":", lw=1)
+        panel.text(-0.45, 1e3 * deflection[key], name, fontsize=8, va="bottom", color="#5b6472")
     panel.set(xlabel="cohesion c (N), piles side by side", ylabel="dv at 90 s (mm/s)",
               xlim=(-0.5, len(cohesions) - 0.5), ylim=(1, None))
     panel.set_xticks(range(len(cohesions)), [f"{c:g}" for c in cohesions])
@@ -133,17 +138,16 @@ def picture(rows):
 def main():
     options = argparse.ArgumentParser(description=__doc__)
     options.add_argument("--cohesions", default="500", help="N")
-    options.add_argument("--sites", type=int, default=20)
     options.add_argument("--piles", type=int, default=5)
     options.add_argument("--cores", type=int, default=os.cpu_count())
     options.add_argument("--only-table", action="store_true")
     asked = options.parse_args()
     runs = [(float(c), pile, site) for c in asked.cohesions.split(",")
-            for site in range(asked.sites) for pile in range(1, asked.piles + 1)]
+            for site in range(SITES) for pile in range(1, asked.piles + 1)]
     if not asked.only_table:
         with concurrent.futures.ThreadPoolExecutor(asked.cores) as pool:
             list(pool.map(settle, range(1, asked.piles + 1)))
-            towards = directions(asked.sites)
+            towards = directions()
             list(pool.map(lambda run: hit(*run, towards[run[2]]),
                           [run for run in runs
                            if not (folder_of(*run) / "results.toml").exists()]))
@@ -152,7 +156,7 @@ def main():
         writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
         writer.writeheader()
         writer.writerows(rows)
-    picture(rows)
+    picture(rows, results_of(*runs[0])["deflection"])
     page = HERE / "sites.md"
     with open(page, "w") as file:
         sys.stdout, console = file, sys.stdout
