@@ -322,15 +322,14 @@ TEST(RandomPacking, is_that_of_one_sphere_after_another_on_any_ranks) {
     Period period = {};
     double floor = -infinity;  // m, along z
   };
-  const auto drawn = [](SizeLaw law, std::int64_t count, double smallest) {
-    return Radii{count, draw_radii({.law = law,
-                                    .smallest = smallest,
-                                    .largest = 1,
-                                    .exponent = 2,
-                                    .median = 0.7,
-                                    .spread = 0.5},
-                                   count, 4)};
+  const auto drawn = [](const Sizes& sizes, std::int64_t count) {
+    return Radii{count, draw_radii(sizes, count, 4)};
   };
+  const Sizes power{.law = SizeLaw::power, .smallest = 0.2, .largest = 1, .exponent = 2};
+  const Sizes narrow{.law = SizeLaw::power, .smallest = 0.3, .largest = 1, .exponent = 2};
+  const Sizes lognormal{
+      .law = SizeLaw::lognormal, .smallest = 0.3, .largest = 1, .median = 0.7, .spread = 0.5};
+  const Sizes list{.law = SizeLaw::list, .radii = {1, 0.3}, .shares = {0.1, 0.9}};
   // Less than the volumes: spheres meet images of each other.
   const Period along_x_and_z{.low = {-6, 0, -5}, .size = {12, 0, 10}};
   const Scene scenes[] = {
@@ -341,18 +340,12 @@ TEST(RandomPacking, is_that_of_one_sphere_after_another_on_any_ranks) {
        .floor = -2},
       {.volume = {.shape = Shape::cylinder, .extents = {3, 3, 90}}, .radii = {300, {0.5}}},
       {.volume = box({15, 8, 12}), .radii = {400, {0.5}}, .period = along_x_and_z},
-      {.volume = box({14, 13, 15}), .radii = drawn(SizeLaw::power, 2000, 0.2), .floor = -7},
-      {.volume = ball(7), .radii = drawn(SizeLaw::lognormal, 300, 0.3)},
-      {.volume = box({15, 8, 12}),
-       .radii = drawn(SizeLaw::power, 600, 0.3),
-       .period = along_x_and_z},
-      {.volume = box({9, 9, 9}), .radii = {0, {}}},  // of a list, below
+      {.volume = box({14, 13, 15}), .radii = drawn(power, 2000), .floor = -7},
+      {.volume = ball(7), .radii = drawn(lognormal, 300)},
+      {.volume = box({15, 8, 12}), .radii = drawn(narrow, 600), .period = along_x_and_z},
+      {.volume = box({9, 9, 9}), .radii = drawn(list, 300)},
   };
-  for (Scene scene : scenes) {
-    if (scene.radii.count == 0) {
-      const Sizes list{.law = SizeLaw::list, .radii = {1, 0.3}, .shares = {0.1, 0.9}};
-      scene.radii = {300, draw_radii(list, 300, 4)};
-    }
+  for (const Scene& scene : scenes) {
     const auto above = [&](const Vec3& x, double r) { return x.z() - r > scene.floor; };
     const auto expected = added_one_by_one(scene.volume, scene.period, scene.radii, 7, above);
     std::vector<Boulder> boulders;

@@ -6,19 +6,20 @@ out/didymoon-sites/, each on one rank and as many at a time as there are cores; 
 sites.csv and sites.png beside this script. A cohesion takes an hour on two cores."""
 import argparse
 import concurrent.futures
+import contextlib
 import csv
 import os
 import pathlib
 import subprocess
 import sys
-import tomllib
 
 import matplotlib
 import numpy as np
 
 HERE = pathlib.Path(__file__).parent
-sys.path.insert(0, str(HERE.parent))
-from remnants import commits  # noqa: E402
+sys.path[:0] = [str(HERE), str(HERE.parent)]
+from remnants import commits, results  # noqa: E402
+from table import print_table  # noqa: E402
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
@@ -61,13 +62,8 @@ def hit(cohesion, pile, site, direction):
     print(folder, flush=True)
 
 
-def results_of(cohesion, pile, site):
-    with open(folder_of(cohesion, pile, site) / "results.toml", "rb") as file:
-        return tomllib.load(file)
-
-
 def read(cohesion, pile, site):
-    r = results_of(cohesion, pile, site)
+    r = results(folder_of(cohesion, pile, site))
     return {"cohesion": cohesion, "pile": pile, "site": site, "dv": r["deflection"]["dv"],
             "dv_ejecta": r["deflection"]["dv_ejecta"], "ejecta_count": r["ejecta"]["count"],
             "largest_part": r["clump"]["mass"] / r["pile"]["mass"],
@@ -83,8 +79,8 @@ def by_pile(rows, key="dv"):
 
 
 def spread(piles):
-    """Mean, its standard error with piles as clusters, standard deviations of sites on a pile and
-    of piles: analysis of variance of one factor, by random effects."""
+    """Mean, its standard error with piles as clusters, standard deviation of sites on a pile,
+    variance of piles: analysis of variance of one factor, by random effects."""
     means = np.array([sites.mean() for sites in piles])
     within = np.sum([np.sum((sites - sites.mean()) ** 2) for sites in piles])
     within /= sum(len(sites) - 1 for sites in piles)
@@ -94,23 +90,25 @@ def spread(piles):
 
 
 def table(rows):
-    print("| c, N | piles | sites on each | dv, mm/s | of it the ejecta, mm/s | standard deviation "
-          "of sites on a pile, mm/s | of piles, mm/s | least and most dv, mm/s | bodies lost | "
-          "largest remnant, of the mass |")
-    print("|--:" * 10 + "|")
+    lines = []
     for c in sorted({row["cohesion"] for row in rows}):
         some = [row for row in rows if row["cohesion"] == c]
         piles = by_pile(some)
         mean, error, sites, between = spread(piles)
         ejecta, ejecta_error, *_ = spread(by_pile(some, "dv_ejecta"))
         lost = [row["ejecta_count"] for row in some]
-        dv = np.concatenate(piles)
+        dv = 1e3 * np.concatenate(piles)
         # A variance below nothing: less than the sites' scatter can tell from none.
         of_piles = f"{1e3 * np.sqrt(between):.3f}" if between > 0 else "none seen"
-        print(f"| {c:g} | {len(piles)} | {len(piles[0])} | {1e3 * mean:.3f} ± {1e3 * error:.3f} | "
-              f"{1e3 * ejecta:.3f} ± {1e3 * ejecta_error:.3f} | {1e3 * sites:.3f} | {of_piles} | "
-              f"{1e3 * dv.min():.3f}, {1e3 * dv.max():.3f} | {min(lost)} to {max(lost)} | "
-              f"{min(row['largest_part'] for row in some):.4f} |")
+        lines.append([f"{c:g}", str(len(piles)), str(len(piles[0])),
+                      f"{1e3 * mean:.3f} ± {1e3 * error:.3f}",
+                      f"{1e3 * ejecta:.3f} ± {1e3 * ejecta_error:.3f}", f"{1e3 * sites:.3f}",
+                      of_piles, f"{dv.min():.3f}, {dv.max():.3f}", f"{min(lost)} to {max(lost)}",
+                      f"{min(row['largest_part'] for row in some):.4f}"])
+    print_table(["c, N", "piles", "sites on each", "dv, mm/s", "of it the ejecta, mm/s",
+                 "standard deviation of sites on a pile, mm/s", "of piles, mm/s",
+                 "least and most dv, mm/s", "bodies lost", "largest remnant, of the mass"],
+                lines, 0)
 
 
 def picture(rows, deflection):
@@ -156,10 +154,9 @@ def main():
         writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
         writer.writeheader()
         writer.writerows(rows)
-    picture(rows, results_of(*runs[0])["deflection"])
+    picture(rows, results(folder_of(*runs[0]))["deflection"])
     page = HERE / "sites.md"
-    with open(page, "w") as file:
-        sys.stdout, console = file, sys.stdout
+    with open(page, "w") as file, contextlib.redirect_stdout(file):
         print("# Didymoon: sites and piles\n"
               "Written by `cases/didymoon/sites.py`. Runs by commit "
               f"{commits([folder_of(*run) for run in runs])}, each on one rank.\n\n"
@@ -171,7 +168,6 @@ def main():
               f"all {len(rows)} runs; energy that no entry explains is at most "
               f"{max(abs(row['energy_unexplained']) for row in rows):.1e} of the dissipated; "
               f"{sum(row['not_converged'] for row in rows)} steps did not converge.")
-        sys.stdout = console
     print(page.read_text())
 
 

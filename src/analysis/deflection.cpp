@@ -38,36 +38,38 @@ std::array<double, 2> cone_angles(const Comm& comm, std::span<const Vec3> veloci
   return {reached(0.5), reached(0.9)};
 }
 
+constexpr std::array round_steps{1.0, 1.5, 2.0, 3.0, 5.0, 7.0};
+
 /// m/s: the k-th of these times powers of ten; the 0th is 1.
 double round_speed(int k) {
-  constexpr std::array steps{1.0, 1.5, 2.0, 3.0, 5.0, 7.0};
-  constexpr int n = steps.size();
+  constexpr int n = round_steps.size();
   const int decade = k >= 0 ? k / n : -((n - 1 - k) / n);
-  const double digit = steps[static_cast<std::size_t>(k - n * decade)];
+  const double digit = round_steps[static_cast<std::size_t>(k - n * decade)];
   // A quotient is the nearest double to its decimal, a product with 0.1 is not.
   return decade < 0 ? digit / std::pow(10.0, -decade) : digit * std::pow(10.0, decade);
 }
 
-std::vector<FasterThan> sum_by_speed(const Comm& comm, std::span<const Vec3> velocity,
+std::vector<FasterThan> sum_by_speed(const Comm& comm, std::span<const double> speed,
                                      std::span<const double> mass, double fastest) {
-  std::vector<FasterThan> faster;
   double slowest = infinity;
-  for (const Vec3& v : velocity) slowest = std::min(slowest, v.norm());
+  for (double v : speed) slowest = std::min(slowest, v);
   slowest = comm.min(slowest);
-  if (fastest == 0) return faster;
+  if (fastest == 0) return {};
   const double least = std::max(slowest, 1e-6 * fastest);
-  int k = 6 * static_cast<int>(std::floor(std::log10(least)));
+  int k = static_cast<int>(round_steps.size()) * static_cast<int>(std::floor(std::log10(least)));
   while (round_speed(k) >= least) --k;
   while (round_speed(k + 1) < least) ++k;
+  std::vector<FasterThan> faster;
   std::vector<double> sums;
   for (; round_speed(k) < fastest; ++k) {
-    FasterThan& one = faster.emplace_back(FasterThan{round_speed(k), 0, 0});
-    for (std::size_t b = 0; b < velocity.size(); ++b) {
-      if (velocity[b].norm() <= one.speed) continue;
-      one.count += 1;
-      one.mass += mass[b];
+    faster.push_back({round_speed(k), 0, 0});
+    double count = 0, above = 0;
+    for (std::size_t b = 0; b < speed.size(); ++b) {
+      if (speed[b] <= faster.back().speed) continue;
+      count += 1;
+      above += mass[b];
     }
-    sums.insert(sums.end(), {one.count, one.mass});
+    sums.insert(sums.end(), {count, above});
   }
   comm.sum(sums);
   for (std::size_t at = 0; at < faster.size(); ++at) {
@@ -80,6 +82,7 @@ std::vector<FasterThan> sum_by_speed(const Comm& comm, std::span<const Vec3> vel
 Ejecta measure_ejecta(const Comm& comm, std::span<const Vec3> velocity,
                       std::span<const double> mass, const Vec3& flight) {
   std::array<double, 7> sums{};
+  std::vector<double> speed;
   double fastest = 0;
   for (std::size_t k = 0; k < velocity.size(); ++k) {
     const double back = std::max(0.0, -velocity[k].dot(flight));
@@ -88,7 +91,8 @@ Ejecta measure_ejecta(const Comm& comm, std::span<const Vec3> velocity,
     for (int d = 0; d < 3; ++d) sums[2 + d] += mass[k] * velocity[k][d];
     sums[5] += back;
     sums[6] += mass[k] * back;
-    fastest = std::max(fastest, velocity[k].norm());
+    speed.push_back(velocity[k].norm());
+    fastest = std::max(fastest, speed.back());
   }
   comm.sum(sums);
   Ejecta ejecta;
@@ -98,7 +102,7 @@ Ejecta measure_ejecta(const Comm& comm, std::span<const Vec3> velocity,
   ejecta.v_ejecta = sums[5];
   ejecta.back_momentum = sums[6];
   ejecta.fastest = comm.max(fastest);
-  ejecta.faster = sum_by_speed(comm, velocity, mass, ejecta.fastest);
+  ejecta.faster = sum_by_speed(comm, speed, mass, ejecta.fastest);
   const auto angles = cone_angles(comm, velocity, mass, ejecta.momentum.normalized());
   ejecta.cone_half = angles[0];
   ejecta.cone_most = angles[1];

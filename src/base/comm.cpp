@@ -35,12 +35,17 @@ template <>
 MPI_Datatype mpi_type<std::int64_t>() {
   return MPI_INT64_T;
 }
+template <>
+MPI_Datatype mpi_type<std::uint64_t>() {
+  return MPI_UINT64_T;
+}
 
-void reduce(MPI_Comm comm, std::span<double> values, MPI_Op op) {
+template <class T>
+void reduce(MPI_Comm comm, std::span<T> values, MPI_Op op) {
   ++traffic().collectives;
   traffic().reduced += static_cast<std::int64_t>(values.size_bytes());
-  check_mpi(MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_DOUBLE,
-                          op, comm),
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()),
+                          mpi_type<T>(), op, comm),
             "MPI_Allreduce");
 }
 
@@ -202,11 +207,7 @@ bool Comm::any(bool value) const {
   return reduce<std::int64_t>(raw, value, MPI_MAX) != 0;
 }
 void Comm::any(std::span<std::uint64_t> bits) const {
-  ++traffic().collectives;
-  traffic().reduced += static_cast<std::int64_t>(bits.size_bytes());
-  check_mpi(MPI_Allreduce(MPI_IN_PLACE, bits.data(), static_cast<int>(bits.size()), MPI_UINT64_T,
-                          MPI_BOR, raw),
-            "MPI_Allreduce");
+  reduce(raw, bits, MPI_BOR);
 }
 
 Vec3 Comm::sum(const Vec3& value) const {

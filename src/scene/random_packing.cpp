@@ -91,10 +91,7 @@ class Part {
   Part(const Comm& comm, const Volume& volume, double largest) {
     const Vec3 half = half_widths(volume);
     std::array<int, 3> along{}, axes{0, 1, 2};
-    if (comm.size > 1)
-      check_mpi(MPI_Dims_create(comm.size, 3, along.data()), "MPI_Dims_create");
-    else
-      along = {1, 1, 1};
+    check_mpi(MPI_Dims_create(comm.size, 3, along.data()), "MPI_Dims_create");
     // The most parts lie along the longest side.
     std::ranges::stable_sort(axes, [&](int a, int b) { return half[a] > half[b]; });
     for (int k = 0, rank = comm.rank; k < 3; rank /= along[k++]) {
@@ -197,6 +194,9 @@ class Addition {
   /// Every time at least one try more is right for good, and most often all are after two.
   void decide() {
     const std::int64_t settled = spheres_.size();
+    const std::int64_t last = std::min(placed_ + std::ssize(points_), radii_.count) - 1;
+    // What a gap may change by until the block's last radius: its sphere moves with it, too.
+    const double slack = (1 + std::sqrt(3.0)) * (radii_[placed_] - radii_[last]);
     taken_.clear(points_.size());
     for (;;) {
       Bits own;
@@ -207,7 +207,7 @@ class Addition {
         const double r = radii_[k];
         const Vec3 x = center(t, r);
         if (open_.has(t)) {
-          if (!is_clear(t, x, r, settled)) return true;
+          if (!is_clear(t, x, r, settled, slack)) return true;
           own.add(t);
         }
         add(x, r);
@@ -222,16 +222,12 @@ class Addition {
 
   /// Whether the sphere is wholly inside and meets nothing. A try of which that can never be, with
   /// whatever radius of those that are left and whatever else this block places, is closed.
-  bool is_clear(std::int64_t t, const Vec3& x, double r, std::int64_t settled) {
-    const std::int64_t last =
-        std::min(placed_ + std::ssize(points_), radii_.count) - 1;  // radius of the block's end
-    const double shrinks = radii_[placed_] - radii_[last];
-    const double slack = (1 + std::sqrt(3.0)) * shrinks;  // it moves with its radius, too
+  bool is_clear(std::int64_t t, const Vec3& x, double r, std::int64_t settled, double slack) {
     const double deep = depth(volume_, x) - r;
     const auto hit = deep < 0 ? std::nullopt : spheres_.find_overlap(x, r, 0);
     const bool free = deep >= 0 && !hit && is_free_(x, r);
     if (deep < -slack || (hit && hit->sphere < settled && hit->depth > slack) ||
-        (deep >= 0 && !hit && !free && shrinks == 0))
+        (deep >= 0 && !hit && !free && slack == 0))
       open_.remove(t);
     return free;
   }
