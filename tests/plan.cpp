@@ -121,8 +121,10 @@ std::vector<Counts> of_plan(int ranks, const std::string& text) {
     of_rank.bodies = static_cast<double>(share.bodies);
     of_rank.ghosts = static_cast<double>(share.halo.ghosts);
     of_rank.sources = static_cast<double>(share.halo.sources);
-    of_rank.tree_messages = static_cast<double>(share.tree.traffic.messages);
-    of_rank.tree_bytes = static_cast<double>(share.tree.traffic.bytes);
+    Traffic tree = share.tree.traffic;
+    tree.add(share.near_clumps);
+    of_rank.tree_messages = static_cast<double>(tree.messages);
+    of_rank.tree_bytes = static_cast<double>(tree.bytes);
     for (const StageCost& cost : foretell_step(one, share, ranks, {})) {
       // An evaluation whose step is this one is the sample's only one.
       if (cost.stage == "gravity" && one.tree && one.evaluations == 1)
@@ -174,6 +176,20 @@ TEST(Plan, counts_in_a_periodic_box_are_those_of_a_run) {
 TEST(Plan, counts_of_the_tree_of_gravity_are_those_of_a_run) {
   // Bodies hardly move, or other cells would be opened at the run's next evaluation.
   expect_plan_as_run(cloud("nonsmooth", "[gravity]\nmethod = \"tree\"\naccuracy = 1e-2\n", 1e-9));
+}
+
+TEST(Plan, counts_of_clumps_that_attract_by_their_spheres_are_those_of_a_run) {
+  std::string text = cloud("nonsmooth", R"([gravity]
+method = "tree"
+accuracy = 1e-2
+near_clumps = 1.5
+[shapes.twin]
+spheres = [{at = [0, 0, 0], radius = 1}, {at = [1, 0, 0], radius = 0.7}]
+)",
+                           1e-9);
+  const std::string count = "count = 2000";
+  text.insert(text.find(count), "shape = \"twin\", ");
+  expect_plan_as_run(text);
 }
 
 OneRank one_rank(const std::string& text) {

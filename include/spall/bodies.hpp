@@ -43,6 +43,8 @@ inline constexpr unsigned kept = migrated | restarted;
     "x, y, z, w; turns the principal axes of the shape into the world's")                          \
   X(Vec3, acceleration, Vec3::Zero(), "m s-2", kept | ghosted | refreshed | written,               \
     "by gravity when its field was last evaluated")                                                \
+  X(Vec3, angular_acceleration, Vec3::Zero(), "rad s-2", kept | ghosted | refreshed | written,     \
+    "of clumps, by the gravity of those that are near")                                            \
   X(Vec3, anchor, Vec3::Zero(), "m", kept, "at the start, of bodies that move as prescribed")      \
   X(double, heat, 0, "J", kept | written, "left by damping, less the work of its pressure")        \
   X(Vec3, kick, Vec3::Zero(), "m s-1", kept | ghosted | written, "by potentials in the last step") \

@@ -8,6 +8,7 @@
 
 #include "base/reduce.hpp"
 #include "gravity/field.hpp"
+#include "gravity/near_clumps.hpp"
 #include "spall/error.hpp"
 
 namespace spall {
@@ -19,8 +20,11 @@ constexpr double longest_fall = 1e-3;
 
 void kick_bodies(World& world) {
   Bodies& bodies = world.bodies;
+  const double load = world.kick.load;
+  for (Index b = 0; b < bodies.owned; ++b) bodies.velocity[b] += load * bodies.acceleration[b];
+  if (!world.has_near_clumps()) return;
   for (Index b = 0; b < bodies.owned; ++b)
-    bodies.velocity[b] += world.kick.load * bodies.acceleration[b];
+    bodies.angular_velocity[b] += load * bodies.angular_acceleration[b];
 }
 
 }  // namespace
@@ -32,13 +36,16 @@ void evaluate_field(World& world) {
   if (!world.has_gravity()) return;
   StageTimer timer(world.stages, "gravity");
   Bodies& bodies = world.bodies;
-  require(bodies.has(Field::acceleration),
+  require(bodies.has(Field::acceleration) &&
+              (!world.has_near_clumps() || bodies.has(Field::angular_acceleration)),
           "gravity needs a field that the bodies were made without");
   const auto owned = static_cast<std::size_t>(bodies.owned);
   const auto mass = std::span(bodies.mass).first(owned);
   const auto velocity = std::span(bodies.velocity).first(kick.may_hold ? owned : 0);
-  const GravityField field = evaluate_gravity(world.comm, world.gravity, mass,
-                                              std::span(bodies.position).first(owned), velocity);
+  GravityField field = evaluate_gravity(world.comm, world.gravity, mass,
+                                        std::span(bodies.position).first(owned), velocity);
+  if (world.has_near_clumps())
+    std::ranges::copy(attract_near_clumps(world, field), bodies.angular_acceleration.begin());
   const ForceChange own = kick.may_hold ? force_change(mass, field) : ForceChange{};
   std::array<double, 3> most{0, 0, own.fastest};  // acceleration, and over a radius
   double potential = 0;
@@ -113,6 +120,10 @@ double work_of_kick(const World& world) {
     if (!std::isfinite(bodies.mass[b])) continue;
     const Vec3 kick = world.kick.load * bodies.acceleration[b];
     work += bodies.mass[b] * kick.dot(bodies.velocity[b] - kick / 2);
+    if (!world.has_near_clumps()) continue;
+    const Vec3 turn = world.kick.load * bodies.angular_acceleration[b];
+    work +=
+        momentum_of_spin(world.shapes, bodies, b, turn).dot(bodies.angular_velocity[b] - turn / 2);
   }
   return work;
 }

@@ -42,6 +42,17 @@ Vec3 contact_velocity(const Bodies& bodies, const Contacts& contacts, Index c) {
   return u - kappa * surface.cross(normal);
 }
 
+Vec3 contact_acceleration(const Bodies& bodies, const Contacts& contacts, Index c) {
+  const Index i = contacts.i[c], j = contacts.j[c];
+  Vec3 between = -bodies.acceleration[i];
+  if (j != ground) between += bodies.acceleration[j];
+  if (contacts.spheres.empty() || !bodies.has(Field::angular_acceleration)) return between;
+  const SphereContact& at = contacts.spheres[c];
+  between -= bodies.angular_acceleration[i].cross(at.arm_i);
+  if (j != ground) between += bodies.angular_acceleration[j].cross(at.arm_j);
+  return between;
+}
+
 namespace {
 
 /// The narrowest gap of the pair in a step `h` of free flight. What flies past at some distance is

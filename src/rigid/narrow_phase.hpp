@@ -35,6 +35,8 @@ inline double smaller_radius(const Bodies& bodies, Index i, Index j) {
 /// Relative velocity of j against i at the contact, m/s: u = v_j - v_i - kappa (r_i omega_i + r_j
 /// omega_j) x n between spheres, with lever arms u = v_j + omega_j x a_j - v_i - omega_i x a_i.
 Vec3 contact_velocity(const Bodies& bodies, const Contacts& contacts, Index c);
+/// Relative acceleration of j against i by gravity, there, m/s^2.
+Vec3 contact_acceleration(const Bodies& bodies, const Contacts& contacts, Index c);
 
 /// m: of the smaller one of the two spheres that touch; a plane has none.
 inline double smaller_radius(const Bodies& bodies, const Contacts& contacts, Index c) {

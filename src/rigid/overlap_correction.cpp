@@ -225,10 +225,7 @@ void keep_angular_momentum(World& world, const Contacts& contacts, const Correct
   for (Index b = 0; b < bodies.owned; ++b) {
     if (!moves(b)) continue;
     const Vec3 dv = impulse[b] / bodies.mass[b];
-    const double r = bodies.radius[b];
-    const Vec3 dw = world.shapes.empty() ? Vec3(turn[b] / moment_of_inertia(bodies.mass[b], r))
-                                         : Vec3(inverse_inertia_factor(world.shapes, bodies, b) *
-                                                turn[b] / (bodies.mass[b] * r * r));
+    const Vec3 dw = spin_of_momentum(world.shapes, bodies, b, turn[b]);
     gained += impulse[b].dot(bodies.velocity[b] + dv / 2) +
               turn[b].dot(bodies.angular_velocity[b] + dw / 2);
     bodies.velocity[b] += dv;
@@ -249,11 +246,13 @@ void turn_apart(World& world, const Correction& correction, double h) {
     const Vec3 momentum = spin_momentum(world.shapes, bodies, b);
     bodies.orientation[b] = turned_by(turn, bodies.orientation[b]);
     if (round) continue;
-    const double r = bodies.radius[b];
-    const Vec3 omega =
-        inverse_inertia_factor(world.shapes, bodies, b) * momentum / (bodies.mass[b] * r * r);
-    if (b < bodies.owned)
+    const Vec3 omega = spin_of_momentum(world.shapes, bodies, b, momentum);
+    if (b < bodies.owned) {
       world.ledger.corrections += momentum.dot(omega - bodies.angular_velocity[b]) / 2;
+      if (bodies.has(Field::angular_acceleration))
+        world.ledger.corrections -=
+            turn.dot(momentum_of_spin(world.shapes, bodies, b, bodies.angular_acceleration[b]));
+    }
     bodies.angular_velocity[b] = omega;
   }
 }

@@ -130,9 +130,7 @@ ProblemData pose(const World& world, const Contacts& contacts, double h,
     const bool meets = gap + h * closing < 0 && -closing > driven + 2 * pulled;
     data.impact |= meets;
     if (meets && law.restitution > 0) {
-      Vec3 a = -bodies.acceleration[i];
-      if (j != ground) a += bodies.acceleration[j];
-      const double a_n = a.dot(n);
+      const double a_n = contact_acceleration(bodies, contacts, c).dot(n);
       const double leaves = rebound(closing - ahead * a_n, open, a_n, law.restitution);
       bias = std::min(bias, -(leaves + ahead * a_n));
     }
@@ -181,11 +179,9 @@ void book_gain(World& world, const Contacts& contacts, double gain, double excha
   const double interval =
       world.has_gravity() ? std::max(world.kick.interval, world.kick.load) : 0;  // s
   for (Index c = 0; c < contacts.size(); ++c) {
-    const Index i = contacts.i[c], j = contacts.j[c];
-    if (i >= bodies.owned) continue;
-    Vec3 a = -bodies.acceleration[i];
-    if (j != ground) a += bodies.acceleration[j];
-    open += interval * a.norm() * contacts.impulse[c].norm();
+    if (contacts.i[c] >= bodies.owned) continue;
+    open +=
+        interval * contact_acceleration(bodies, contacts, c).norm() * contacts.impulse[c].norm();
   }
   std::array<double, 2> sums{gain, open};
   world.comm.sum(sums);
@@ -221,6 +217,7 @@ void kick_by_impulses(World& world, const Contacts& contacts, const ProblemData&
                       const std::vector<VelocityChange>& change, bool met, StepReport& report) {
   Bodies& bodies = world.bodies;
   const double load = world.has_gravity() ? world.kick.load : 0;
+  const bool turned = world.has_near_clumps();
   std::vector<double> closing_before;
   const bool cohesive = has_cohesion(world);
   auto closing = [&](Index c) {
@@ -232,12 +229,9 @@ void kick_by_impulses(World& world, const Contacts& contacts, const ProblemData&
     return contacts.normal[c].dot(v);
   };
   if (cohesive)
-    for (Index c = 0; c < contacts.size(); ++c) {
-      const Index i = contacts.i[c], j = contacts.j[c];
-      Vec3 a = -bodies.acceleration[i];
-      if (j != ground) a += bodies.acceleration[j];
-      closing_before.push_back(closing(c) - load * contacts.normal[c].dot(a));
-    }
+    for (Index c = 0; c < contacts.size(); ++c)
+      closing_before.push_back(
+          closing(c) - load * contacts.normal[c].dot(contact_acceleration(bodies, contacts, c)));
 
   double by_impulses = 0, by_gravity = 0, exchanged = 0;
   for (Index b = 0; b < bodies.size(); ++b) {
@@ -246,10 +240,15 @@ void kick_by_impulses(World& world, const Contacts& contacts, const ProblemData&
       const Vec3 s = bodies.radius[b] * bodies.angular_velocity[b];
       const Vec3 kick = load * bodies.acceleration[b];
       const Vec3 mean = bodies.velocity[b] + (dv - kick) / 2;
-      double by_turn = sphere_inertia * ds.dot(s + ds / 2);
+      Vec3 turn = Vec3::Zero();  // gravity's, times the radius as ds
+      if (turned) turn = load * bodies.radius[b] * bodies.angular_acceleration[b];
+      const Vec3 mean_turn = s + (ds - turn) / 2;
+      double by_turn = sphere_inertia * ds.dot(mean_turn);
       if (!world.shapes.empty()) {
-        by_turn = (inertia_factor(world.shapes, bodies, b) * ds).dot(s + ds / 2);
+        const Mat3 inertia = inertia_factor(world.shapes, bodies, b);
+        by_turn = (inertia * ds).dot(mean_turn);
         exchanged += bodies.mass[b] * (dv.norm() * mean.norm() + std::abs(by_turn));
+        by_gravity += bodies.mass[b] * (inertia * turn).dot(mean_turn);
       }
       by_impulses += bodies.mass[b] * (dv.dot(mean) + by_turn);
       by_gravity += bodies.mass[b] * kick.dot(mean);

@@ -122,6 +122,7 @@ std::vector<StageCost> foretell_step(const OneRank& one, const RankShare& share,
       gathered *= ranks;  // each rank brings as much as the one of the sample
     }
     if (stage == "neighbours") add(one.searches, halo.search);
+    if (stage == "gravity") add(one.evaluations, share.near_clumps);
     cost.messages = out.messages;
     cost.bytes = out.bytes;
     if (ranks == 1) continue;

@@ -8,6 +8,7 @@
 
 #include "domain/bisection.hpp"
 #include "engine/type.hpp"
+#include "gravity/near_clumps.hpp"
 #include "gravity/tree.hpp"
 #include "pairs/search.hpp"
 #include "spall/error.hpp"
@@ -59,7 +60,8 @@ SharedState shared_state(const World& world, const Engine& engine) {
                     .period = world.period,
                     .reach = std::move(found->reach),
                     .work = std::move(found->work),
-                    .pairs = std::move(found->pairs)};
+                    .pairs = std::move(found->pairs),
+                    .near_clumps = world.has_near_clumps() ? world.gravity.near_clumps : 0};
   resize(state.bodies, state.bodies.owned);
   state.bodies.position = found->search->found_at;
   // Two bodies that meet across a period do so twice: as either one's image.
@@ -107,6 +109,11 @@ RankShares share_out(const SharedState& state, int ranks, int most) {
   for (std::size_t k = 0; k < sample.size(); ++k) {
     shares.sample.push_back(all[sample[k]]);
     shares.sample.back().halo = halos[k];
+  }
+  if (state.near_clumps > 0) {
+    const NearSearch near = search_for_near_clumps(bodies, state.near_clumps);
+    const auto found = foretell_halo(near.bodies, near.reach, owner, ranks, {}, sample);
+    for (std::size_t k = 0; k < sample.size(); ++k) shares.sample[k].near_clumps = found[k].search;
   }
   shares.owner = std::move(owner);
   return shares;

@@ -19,6 +19,7 @@ struct SharedState {
   std::vector<double> reach;  ///< m, beyond its sphere, up to which a body was to meet others
   std::vector<double> work;   ///< of a body, as the domain is cut by
   Links pairs;                ///< each once, of bodies; an image stands for its body
+  double near_clumps = 0;     ///< of gravity; 0: clumps attract by their centres alone
 };
 
 /// Throws Error where the engine finds no pairs. `world` is on one rank; a step has been made.
@@ -31,7 +32,8 @@ struct RankShare {
   std::int64_t pairs = 0;     ///< with one of its bodies, at least
   std::int64_t boundary = 0;  ///< of them, with another rank's
   HaloShare halo;
-  TreeShare tree;  ///< of one evaluation; empty without a tree of gravity
+  TreeShare tree;       ///< of one evaluation; empty without a tree of gravity
+  Traffic near_clumps;  ///< of its search for clumps that are near
 };
 
 struct RankShares {

@@ -188,6 +188,11 @@ void read_case_keys(Section& in, Case& scene) {
            positive(number));
     s.take("refresh", "change of force, relative, up to which the field is held",
            scene.gravity.refresh, not_negative(number));
+    s.take("near_clumps",
+           "sums of their radii, up to which clumps attract by their parts; 0: by centres alone",
+           scene.gravity.near_clumps, not_negative(number));
+    s.check("near_clumps", scene.gravity.near_clumps == 0 || scene.gravity.near_clumps >= 1,
+            "must be 0, or 1 and more");
     s.take("constant", "of gravity", scene.gravity.constant, positive(gravitational_constant));
     s.take("uniform", "field beside self-gravity", scene.uniform_gravity, any(acceleration));
     scene.gravity_map = read_gravity_map(s);
@@ -342,9 +347,11 @@ std::vector<std::string> unused_parts(const toml::table& root, const Case& scene
         }))
       unused.push_back(
           fmt::format("[shapes.{}] is not used: no packing of a group names it", shape.name));
-  for (const char* key : {"accuracy", "refresh"})
+  for (const char* key : {"accuracy", "refresh", "near_clumps"})
     if (root["gravity"][key] && scene.gravity.method == GravityMethod::none)
       unused.push_back(fmt::format("gravity.{} is not used: no gravity.method is named", key));
+  if (root["gravity"]["near_clumps"] && scene.shapes.empty())
+    unused.push_back("gravity.near_clumps is not used: no group has a shape");
   return unused;
 }
 

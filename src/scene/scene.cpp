@@ -272,6 +272,8 @@ FieldSet fields_of(const Case& scene) {
     fields |= {Field::angular_velocity};
   if (!scene.motions.empty()) fields |= {Field::anchor};
   if (scene.has_gravity()) fields |= {Field::acceleration};
+  if (scene.has_near_clumps())
+    fields |= {Field::angular_acceleration, Field::angular_velocity, Field::orientation};
   for (const Phase& phase : scene.phases) fields |= phase.engine->fields(scene, phase.settings);
   return fields;
 }

@@ -24,67 +24,107 @@ struct Moments {
     const Mat3 about = second - volume * centre() * centre().transpose();
     return about.trace() * Mat3::Identity() - about;
   }
+  /// Of the part of a line along z at (x, y).
+  void add_line(double x, double y, double low, double high) {
+    const double l = high - low, z = (high * high - low * low) / 2;
+    const double zz = (high * high * high - low * low * low) / 3;
+    volume += l;
+    first += Vec3(l * x, l * y, z);
+    second(0, 0) += l * x * x;
+    second(0, 1) += l * x * y;
+    second(1, 1) += l * y * y;
+    second(0, 2) += z * x;
+    second(1, 2) += z * y;
+    second(2, 2) += zz;
+  }
 };
 
-/// Of the union, by lines along z through the middles of n x n squares over all of it.
-Moments moments_by_lines(std::span<const ShapeSphere> spheres, int n) {
+/// A sphere where a line along z runs through it.
+struct Chord {
+  std::size_t sphere;
+  double z, half2;  // of its middle; of its half, squared
+};
+
+/// The part of chord `own` of a line that is the sphere's own: of points in several spheres, those
+/// for which |x - c|^2 - r^2 is least. The spheres' parts add up to the union.
+std::array<double, 2> own_part(const std::vector<Chord>& chords, std::size_t own) {
+  const auto& [sphere, z, half2] = chords[own];
+  const double half = std::sqrt(half2);
+  double low = z - half, high = z + half;
+  for (std::size_t k = 0; k < chords.size(); ++k) {
+    if (k == own) continue;
+    const double apart = z - chords[k].z;
+    const double over = (z * z - chords[k].z * chords[k].z - half2 + chords[k].half2) / 2;
+    if (apart > 0)
+      low = std::max(low, over / apart);
+    else if (apart < 0)
+      high = std::min(high, over / apart);
+    else if (over > 0 || (over == 0 && k < own))
+      return {z, z};
+  }
+  return {low, std::max(low, high)};
+}
+
+/// Of each sphere's part of the union, by lines along z through the middles of n x n squares over
+/// all of it.
+std::vector<Moments> moments_by_lines(std::span<const ShapeSphere> spheres, int n) {
   Eigen::AlignedBox2d box;
   for (const ShapeSphere& s : spheres) {
     box.extend(Eigen::Vector2d(s.at.head<2>().array() - s.radius));
     box.extend(Eigen::Vector2d(s.at.head<2>().array() + s.radius));
   }
   const Eigen::Vector2d d = box.sizes() / n;
-  Moments sum;
-  std::vector<std::array<double, 2>> cuts;
-  std::vector<ShapeSphere> of_row;
+  std::vector<Moments> parts(spheres.size());
+  std::vector<Chord> chords;
+  std::vector<std::size_t> of_row;
   for (int j = 0; j < n; ++j) {
     const double y = box.min().y() + (j + 0.5) * d.y();
     of_row.clear();
-    for (const ShapeSphere& s : spheres)
-      if (std::abs(y - s.at.y()) < s.radius) of_row.push_back(s);
+    for (std::size_t s = 0; s < spheres.size(); ++s)
+      if (std::abs(y - spheres[s].at.y()) < spheres[s].radius) of_row.push_back(s);
     for (int i = 0; i < n; ++i) {
       const double x = box.min().x() + (i + 0.5) * d.x();
-      cuts.clear();
-      for (const ShapeSphere& s : of_row) {
-        const double dx = x - s.at.x(), dy = y - s.at.y();
-        const double left = s.radius * s.radius - dx * dx - dy * dy;
-        if (left <= 0) continue;
-        const double half = std::sqrt(left);
-        cuts.push_back({s.at.z() - half, s.at.z() + half});
+      chords.clear();
+      for (std::size_t s : of_row) {
+        const Vec3& at = spheres[s].at;
+        const double dx = x - at.x(), dy = y - at.y();
+        const double half2 = spheres[s].radius * spheres[s].radius - dx * dx - dy * dy;
+        if (half2 > 0) chords.push_back({s, at.z(), half2});
       }
-      std::sort(cuts.begin(), cuts.end());
-      for (std::size_t k = 0; k < cuts.size();) {
-        const double low = cuts[k][0];
-        double high = cuts[k][1];
-        for (++k; k < cuts.size() && cuts[k][0] <= high; ++k) high = std::max(high, cuts[k][1]);
-        const double l = high - low, z = (high * high - low * low) / 2;
-        const double zz = (high * high * high - low * low * low) / 3;
-        sum.volume += l;
-        sum.first += Vec3(l * x, l * y, z);
-        sum.second(0, 0) += l * x * x;
-        sum.second(0, 1) += l * x * y;
-        sum.second(1, 1) += l * y * y;
-        sum.second(0, 2) += z * x;
-        sum.second(1, 2) += z * y;
-        sum.second(2, 2) += zz;
+      for (std::size_t k = 0; k < chords.size(); ++k) {
+        const auto [low, high] = own_part(chords, k);
+        if (low < high) parts[chords[k].sphere].add_line(x, y, low, high);
       }
     }
   }
-  sum.second.triangularView<Eigen::StrictlyLower>() = sum.second.transpose();
   const double area = d.prod();
-  sum.volume *= area;
-  sum.first *= area;
-  sum.second *= area;
+  for (Moments& part : parts) {
+    part.second.triangularView<Eigen::StrictlyLower>() = part.second.transpose();
+    part.volume *= area;
+    part.first *= area;
+    part.second *= area;
+  }
+  return parts;
+}
+
+Moments sum_of(const std::vector<Moments>& parts) {
+  Moments sum;
+  for (const Moments& part : parts) {
+    sum.volume += part.volume;
+    sum.first += part.first;
+    sum.second += part.second;
+  }
   return sum;
 }
 
 /// With twice the lines until that changes nothing any more. Halving the spacing lowers the error
 /// by more than two, so the last change is more than what is left.
-Moments moments_of(std::span<const ShapeSphere> spheres) {
+std::vector<Moments> moments_of(std::span<const ShapeSphere> spheres) {
   constexpr int fewest = 128, most = 8192;
-  Moments coarse = moments_by_lines(spheres, fewest);
+  Moments coarse = sum_of(moments_by_lines(spheres, fewest));
   for (int n = 2 * fewest;; n *= 2) {
-    const Moments fine = moments_by_lines(spheres, n);
+    std::vector<Moments> parts = moments_by_lines(spheres, n);
+    const Moments fine = sum_of(parts);
     const double least = Eigen::SelfAdjointEigenSolver<Mat3>(fine.inertia(), Eigen::EigenvaluesOnly)
                              .eigenvalues()
                              .minCoeff();
@@ -92,7 +132,7 @@ Moments moments_of(std::span<const ShapeSphere> spheres) {
         std::max(std::abs(fine.volume - coarse.volume) / fine.volume,
                  (fine.inertia() / fine.volume - coarse.inertia() / coarse.volume).norm() *
                      fine.volume / least);
-    if (change < shape_error || n == most) return fine;
+    if (change < shape_error || n == most) return parts;
     coarse = fine;
   }
 }
@@ -129,7 +169,8 @@ BodyShape make_shape(std::string name, std::span<const ShapeSphere> spheres) {
   require(hangs_together(spheres), "shape {}: its spheres do not hang together", shape.name);
   if (spheres.size() == 1) return shape;
 
-  const Moments moments = moments_of(spheres);
+  const std::vector<Moments> parts = moments_of(spheres);
+  const Moments moments = sum_of(parts);
   const Eigen::SelfAdjointEigenSolver<Mat3> principal(moments.inertia());
   Mat3 axes = principal.eigenvectors();
   if (axes.determinant() < 0) axes.col(0) = -axes.col(0);
@@ -143,6 +184,11 @@ BodyShape make_shape(std::string name, std::span<const ShapeSphere> spheres) {
     shape.spheres.push_back(
         {turn.transpose() * (s.at - moments.centre()) / radius, s.radius / radius});
   for (const ShapeSphere& s : shape.spheres) shape.arm = std::max(shape.arm, s.at.norm());
+  shape.parts.clear();
+  for (const Moments& part : parts)
+    if (part.volume > 0)
+      shape.parts.push_back({turn.transpose() * (part.centre() - moments.centre()) / radius,
+                             part.volume / moments.volume});
   shape.volume = moments.volume / (radius * radius * radius);
   shape.inertia = principal.eigenvalues() / (moments.volume * radius * radius);
   return shape;

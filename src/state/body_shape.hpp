@@ -16,14 +16,22 @@ struct ShapeSphere {
   double radius;
 };
 
+/// What is a sphere's own of a shape: of an overlap, what is on its side of the plane through the
+/// circle in which both meet.
+struct ShapePart {
+  Vec3 centre;   ///< of mass
+  double share;  ///< of the mass
+};
+
 /// A union of spheres in units of its own radius: that of the sphere around it about its centre of
 /// mass. Body axes are the principal ones, from the centre of mass. Overlaps count once.
 struct BodyShape {
   std::string name;
   std::vector<ShapeSphere> spheres = {{Vec3::Zero(), 1}};
-  double volume = 4 * pi / 3;                     ///< over the radius cubed
-  double arm = 0;                                 ///< from its centre to a sphere's, at most
-  Vec3 inertia = Vec3::Constant(sphere_inertia);  ///< principal moments over m r^2
+  std::vector<ShapePart> parts = {{Vec3::Zero(), 1}};  ///< their masses and first moments add up
+  double volume = 4 * pi / 3;                          ///< over the radius cubed
+  double arm = 0;                                      ///< from its centre to a sphere's, at most
+  Vec3 inertia = Vec3::Constant(sphere_inertia);       ///< principal moments over m r^2
   Quaternion as_listed = Quaternion::Identity();  ///< turns body axes into those it was listed in
 
   bool is_sphere() const { return spheres.size() == 1; }
@@ -79,12 +87,24 @@ inline double turning_speed(const BodyShapes& shapes, const Bodies& bodies, Inde
   return bodies.radius[b] * shape_of(shapes, bodies, b).arm * bodies.angular_velocity[b].norm();
 }
 
-/// kg m^2/s: angular momentum of body `b`, of finite mass, about its centre.
-inline Vec3 spin_momentum(const BodyShapes& shapes, const Bodies& bodies, Index b) {
+/// kg m^2/s: angular momentum about its centre of body `b`, of finite mass, with this angular
+/// velocity (rad/s).
+inline Vec3 momentum_of_spin(const BodyShapes& shapes, const Bodies& bodies, Index b,
+                             const Vec3& spin) {
   const double mass = bodies.mass[b], radius = bodies.radius[b];
-  const Vec3& omega = bodies.angular_velocity[b];
-  if (shapes.empty() || bodies.shape[b] == 0) return moment_of_inertia(mass, radius) * omega;
-  return mass * radius * radius * (inertia_factor(shapes, bodies, b) * omega);
+  if (shapes.empty() || bodies.shape[b] == 0) return moment_of_inertia(mass, radius) * spin;
+  return mass * radius * radius * (inertia_factor(shapes, bodies, b) * spin);
+}
+/// The same with the one that it has.
+inline Vec3 spin_momentum(const BodyShapes& shapes, const Bodies& bodies, Index b) {
+  return momentum_of_spin(shapes, bodies, b, bodies.angular_velocity[b]);
+}
+/// rad/s: the angular velocity with which it has this angular momentum (kg m^2/s).
+inline Vec3 spin_of_momentum(const BodyShapes& shapes, const Bodies& bodies, Index b,
+                             const Vec3& momentum) {
+  const double mass = bodies.mass[b], radius = bodies.radius[b];
+  if (shapes.empty() || bodies.shape[b] == 0) return momentum / moment_of_inertia(mass, radius);
+  return inverse_inertia_factor(shapes, bodies, b) * momentum / (mass * radius * radius);
 }
 
 }  // namespace spall

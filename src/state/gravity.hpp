@@ -14,6 +14,7 @@ struct GravitySettings {
   double accuracy = 1e-4;         ///< rms relative force error asked of the tree
   double refresh = 1e-2;  ///< the field is held until a force may have changed by this, relative to
                           ///< the rms force
+  double near_clumps = 2;  ///< sums of the radii, up to which clumps attract by their parts; 0: not
 };
 
 /// Gravity acts in kicks at the instants when its field is evaluated (leapfrog; r-RESPA where

@@ -48,6 +48,10 @@ struct Surroundings {
   bool has_gravity() const {
     return gravity.method != GravityMethod::none || !uniform_gravity.isZero(0);
   }
+  /// Gravity turns bodies, too.
+  bool has_near_clumps() const {
+    return gravity.method != GravityMethod::none && gravity.near_clumps > 0 && !shapes.empty();
+  }
 };
 
 /// Energy that went somewhere since the start, J; sums over this rank's part.
