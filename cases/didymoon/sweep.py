@@ -8,7 +8,6 @@ import csv
 import io
 import pathlib
 import re
-import subprocess
 import sys
 import tomllib
 
@@ -17,8 +16,9 @@ import matplotlib
 import numpy as np
 
 HERE = pathlib.Path(__file__).parent
-sys.path.insert(0, str(HERE))
+sys.path[:0] = [str(HERE), str(HERE.parent)]
 import table  # noqa: E402
+from remnants import commits  # noqa: E402
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
@@ -199,11 +199,10 @@ def main(folder):
         print()
         table.main(
             [str(path.parent) for path in paths if path.parent.name.startswith("force-seed1-")])
-    commit = subprocess.run(["git", "describe", "--always", "--dirty"], capture_output=True,
-                            text=True, check=False).stdout.strip()
     (HERE / "results.md").write_text("# Didymoon: the impacts, beside the thesis\n"
-                                     f"Written by `jobs/didymoon_sweep.sh`, drawn at commit "
-                                     f"{commit}; the tables of single runs are seed 1.\n\n"
+                                     "Written by `jobs/didymoon_sweep.sh`. Runs by commit "
+                                     f"{commits([path.parent for path in paths])}; the tables of "
+                                     "single runs are seed 1.\n\n"
                                      + text_of_tables.getvalue())
 
 
