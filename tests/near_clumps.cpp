@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <numeric>
 
+#include "clump_cases.hpp"
 #include "clump_worlds.hpp"
 #include "gravity/kick.hpp"
 #include "testing.hpp"
@@ -259,6 +260,41 @@ TEST(NearClumps, that_fly_past_each_other_keep_energy_and_momenta) {
   }
   EXPECT_NEAR(errors[0] / errors[1], 4, 0.3) << errors[0] << " " << errors[1];
   EXPECT_LE(std::abs(errors[1]), 1e-5 * std::abs(before.energy));
+}
+
+TEST(NearClumps, that_fall_together_close_their_books) {
+  const BodyShapes shapes = with_sphere({dumbbell(), boulder()});
+  std::vector<double> open;
+  for (const int parts : {1, 2}) {
+    Lab world = attracting(testing_world(), shapes, cloud_of_clumps(40, 9, 2.1, 0.1), 2);
+    world.contact = ContactLaw{.friction = 0.5, .restitution = 0.3};
+    evaluate_field(world);
+    const double before = kinetic_energy(world) + world.kick.potential;
+    advance(world, 2e-3 / parts, 1500 * parts);
+    close_kick(world);
+    const Diagnostics sums = diagnose(world);
+    EXPECT_GT(sums.dissipated, 0.5 * std::abs(before));
+    open.push_back(std::abs(kinetic_energy(world) + world.kick.potential + sums.dissipated -
+                            sums.corrections - before) /
+                   sums.dissipated);
+  }
+  for (const double share : open) EXPECT_LT(share, 1e-4);
+}
+
+TEST(NearClumps, go_on_with_the_same_bits) {
+  for (const bool springs : {false, true}) {
+    std::string text =
+        springs ? heap_of_clumps({.material = "youngs_modulus = \"2 GPa\"\npoisson_ratio = 0.25\n",
+                                  .restitution = "0.5",
+                                  .tables = "[penalty]\nmodel = \"hertz\"\n",
+                                  .phase = "method = \"penalty\"\n",
+                                  .step = "50 us"})
+                : heap_of_clumps({.restitution = "0", .step = "3 ms"});
+    const std::size_t first = text.find("[gravity]"), end = text.find("[[groups]]");
+    text.replace(first, end - first, "[gravity]\nmethod = \"direct\"\nconstant = 1e-4\n");
+    expect_the_same_bits_after_a_stop(text, springs ? "near_springs" : "near_clumps",
+                                      springs ? 0.3 : 0.9, springs ? 0.35 : 1.05);
+  }
 }
 
 TEST(NearClumps, moon_librates_about_its_planet_as_the_closed_form_says) {

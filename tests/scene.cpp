@@ -287,6 +287,17 @@ TEST(Case, tables_and_keys_that_nothing_reads_are_told) {
             (std::vector<std::string>{"[penalty] is not used: no phase has method = \"penalty\"",
                                       "gravity.accuracy is not used: no gravity.method is named"}));
   EXPECT_NE(describe_phases(scene).find(scene.unused[0]), std::string::npos);
+  for (const bool shaped : {false, true}) {
+    const Case other = parse(
+        std::string("[gravity]\nmethod = \"direct\"\nnear_clumps = 3\n[shapes.egg]\naxes = [2, 1, "
+                    "1]\ncount = 3\n[[groups]]\nname = \"a\"\nmaterial = \"rock\"\nvolume = "
+                    "{radius = 2}\n") +
+        (shaped ? "packing = {kind = \"single\", shape = \"egg\"}\n" : ""));
+    EXPECT_EQ(other.unused.size(), shaped ? 0u : 2u);
+    if (!shaped) {
+      EXPECT_EQ(other.unused[1], "gravity.near_clumps is not used: no group has a shape");
+    }
+  }
 }
 
 TEST(Case, a_read_out_needs_what_can_be_deflected) {

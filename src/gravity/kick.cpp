@@ -52,7 +52,9 @@ void evaluate_field(World& world) {
   for (Index b = 0; b < bodies.owned; ++b) {
     if (!std::isfinite(bodies.mass[b])) continue;
     bodies.acceleration[b] = field.acceleration[b] + world.uniform_gravity;
-    const double size = bodies.acceleration[b].norm();
+    double size = bodies.acceleration[b].norm();
+    // A clump's surface is driven by more than its centre.
+    if (world.has_near_clumps()) size += bodies.radius[b] * bodies.angular_acceleration[b].norm();
     most[0] = std::max(most[0], size);
     most[1] = std::max(most[1], size / bodies.radius[b]);
     potential +=

@@ -128,34 +128,40 @@ NearSearch search_for_near_clumps(const Bodies& bodies, double near_clumps) {
 SPALL_KERNEL(std::vector<Vec3>, attract_near_clumps, (const World& world, GravityField& field),
              (world, field)) {
   const double near = world.gravity.near_clumps, constant = world.gravity.constant;
-  auto [bodies, reach] = search_for_near_clumps(world.bodies, near);
-  make_halo(world.comm, bodies, reach);
+  NearSearch search = search_for_near_clumps(world.bodies, near);
+  Bodies& bodies = search.bodies;
+  make_halo(world.comm, bodies, search.reach);
   const Parts parts(world.shapes, bodies);
 
   std::vector<Vec3> torque(bodies.owned, Vec3::Zero());
   std::vector<Index> partners;
-  find_partners(bodies, {.of_rows = reach}, ListedWith::lower_row, partners, [&](Index i, Index) {
-    for (const Index j : partners) {
-      if (bodies.shape[i] == 0 && bodies.shape[j] == 0) continue;
+  const auto attract = [&](Index row, Index) {
+    for (const Index partner : partners) {
+      if (bodies.shape[row] == 0 && bodies.shape[partner] == 0) continue;
+      // The same bits on both ranks of a pair: their forces are opposite then.
+      const bool in_order = bodies.id[row] < bodies.id[partner];
+      const Index i = in_order ? row : partner, j = in_order ? partner : row;
       const Vec3 x = bodies.position[j] - bodies.position[i];
       const double r = x.norm(), furthest = near * (bodies.radius[i] + bodies.radius[j]);
       if (r == 0 || r >= furthest) continue;
       const PartsPull pull = pull_of_parts(parts.of(i), parts.eights_of(j), x);
       const double product = bodies.mass[i] * bodies.mass[j];
       const double energy = pull.energy + product / r;
-      const auto [share, slope] = fading(r, furthest);
-      const Vec3 force = share * (pull.force - product / (r * r * r) * x) + slope * energy / r * x;
+      const Fading fade = fading(r, furthest);
+      const Vec3 force =
+          fade.share * (pull.force - product / (r * r * r) * x) + fade.slope * energy / r * x;
       const auto add = [&](Index b, double sign, const Vec3& turns) {
         if (b >= bodies.owned) return;
         field.acceleration[b] += sign * constant / bodies.mass[b] * force;
-        field.potential[b] += constant / bodies.mass[b] * share * energy;
-        torque[b] += constant * share * turns;
+        field.potential[b] += constant / bodies.mass[b] * fade.share * energy;
+        torque[b] += constant * fade.share * turns;
       };
       add(i, 1, pull.torque_i);
       add(j, -1, pull.torque_j);
     }
     partners.clear();
-  });
+  };
+  find_partners(bodies, {.of_rows = search.reach}, ListedWith::lower_row, partners, attract);
 
   for (Index b = 0; b < bodies.owned; ++b)
     torque[b] = spin_of_momentum(world.shapes, bodies, b, torque[b]);

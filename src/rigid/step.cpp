@@ -352,6 +352,7 @@ StepReport nonsmooth_step(World& world, Rigid& rigid, const StepRequest& request
     report.correction_products = drifted.products;
   }
   kick.load = 0;
+  kick.evaluated = false;
   --kick.steps_left;
   return report;
 }

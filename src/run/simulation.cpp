@@ -170,6 +170,9 @@ Simulation::Simulation(const Comm& comm, const Scene& scene, const RestartState&
   world.time = clock.time;
   check_held(world, this->scene().file);
   load_scalars(world, from.scalars);
+  // The field that was kept is of the settings then.
+  const bool turns = from.bodies.has(Field::angular_acceleration);
+  if (from.overridden || world.has_near_clumps() != turns) world.kick.evaluated = false;
   if (comm.rank > 0) {
     world.ledger = {};
     for (auto* all : {&world.reactions.of_walls, &world.reactions.of_groups})

@@ -390,9 +390,9 @@ Case parse_case(const std::string& text, const std::string& file,
   insert_filled_shapes(root, file, scene.constants, files);
   Section::read_all(
       root, file, [&](Section& in) { read_case_keys(in, scene); }, all_keys());
-  scene.unused = unused_parts(root, scene);
   draw_orientations(scene);
   gather_shapes(scene);
+  scene.unused = unused_parts(root, scene);
   const auto hit =
       std::ranges::find_if(scene.phases, [](const Phase& p) { return p.impactor.has_value(); });
   if (hit != scene.phases.end()) find_material_of(*hit->impactor, scene.materials);
