@@ -1,7 +1,5 @@
 // Gravity of clumps by their parts: shapes' parts, forces and torques, and what a world keeps.
 // SPDX-License-Identifier: BSD-3-Clause
-#include <numeric>
-
 #include "clump_cases.hpp"
 #include "clump_worlds.hpp"
 #include "gravity/kick.hpp"
@@ -83,10 +81,24 @@ std::vector<Felt> by_brute_force(const BodyShapes& shapes, const std::vector<Sha
   return sums;
 }
 
-double rms(const std::vector<Felt>& some, auto&& value) {
-  double sum = 0;
-  for (std::size_t b = 0; b < some.size(); ++b) sum += value(b).squaredNorm();
-  return std::sqrt(sum / static_cast<double>(some.size()));
+std::vector<Felt> differences(const std::vector<Felt>& some, const std::vector<Felt>& others) {
+  std::vector<Felt> less;
+  for (std::size_t b = 0; b < some.size(); ++b)
+    less.push_back({some[b].force - others[b].force, some[b].torque - others[b].torque});
+  return less;
+}
+
+struct Size {
+  double force, torque;  ///< rms
+};
+Size size_of(const std::vector<Felt>& some) {
+  Size squares{};
+  for (const Felt& one : some) {
+    squares.force += one.force.squaredNorm();
+    squares.torque += one.torque.squaredNorm();
+  }
+  const auto count = static_cast<double>(some.size());
+  return {std::sqrt(squares.force / count), std::sqrt(squares.torque / count)};
 }
 
 TEST(ShapeParts, add_up_to_the_clump_and_are_cut_where_spheres_meet) {
@@ -131,15 +143,13 @@ TEST(NearClumps, attract_as_their_spheres_do) {
   const BodyShapes shapes = with_sphere({bead_pair(), bead_tripod()});
   const std::vector<ShapedBody> clumps = cloud_of_clumps(60, 12, 2, 0);
   const std::vector<Felt> exact = by_brute_force(shapes, clumps);
-  const double force = rms(exact, [&](std::size_t b) { return exact[b].force; });
-  const double torque = rms(exact, [&](std::size_t b) { return exact[b].torque; });
+  const Size size = size_of(exact);
   for (const GravityMethod method : {GravityMethod::direct, GravityMethod::tree}) {
     Lab world = attracting(testing_world(), shapes, clumps, 1e3, method);
-    const std::vector<Felt> got = felt(world);
-    for (std::size_t b = 0; b < clumps.size(); ++b) {
+    for (const Felt& error : differences(felt(world), exact)) {
       // Of the shape's volume and places, beside the tree's error.
-      EXPECT_LE((got[b].force - exact[b].force).norm(), 2e-5 * force) << b;
-      EXPECT_LE((got[b].torque - exact[b].torque).norm(), 1e-4 * torque) << b;
+      EXPECT_LE(error.force.norm(), 2e-5 * size.force);
+      EXPECT_LE(error.torque.norm(), 1e-4 * size.torque);
     }
   }
 }
@@ -148,21 +158,20 @@ TEST(NearClumps, forces_that_are_left_out_fall_with_the_reach) {
   const BodyShapes shapes = with_sphere({bead_pair(), bead_tripod()});
   const std::vector<ShapedBody> clumps = cloud_of_clumps(200, 18, 2, 0);
   const std::vector<Felt> exact = by_brute_force(shapes, clumps);
-  const double force = rms(exact, [&](std::size_t b) { return exact[b].force; });
-  const double torque = rms(exact, [&](std::size_t b) { return exact[b].torque; });
-  std::vector<std::array<double, 2>> errors;
+  const Size size = size_of(exact);
+  std::vector<Size> errors;  // relative
   for (const double near : {0.0, 1.0, 2.0, 4.0}) {
     Lab world = attracting(testing_world(), shapes, clumps, near);
-    const std::vector<Felt> got = felt(world);
-    errors.push_back(
-        {rms(exact, [&](std::size_t b) { return got[b].force - exact[b].force; }) / force,
-         rms(exact, [&](std::size_t b) { return got[b].torque - exact[b].torque; }) / torque});
+    const Size error = size_of(differences(felt(world), exact));
+    errors.push_back({error.force / size.force, error.torque / size.torque});
   }
-  EXPECT_GT(errors[0][0], 0.01);
-  EXPECT_NEAR(errors[0][1], 1, 1e-12);  // centres make no torque
-  for (int k = 0; k < 2; ++k)
-    for (std::size_t n = 1; n < errors.size(); ++n) EXPECT_LT(errors[n][k], errors[n - 1][k]);
-  EXPECT_LT(errors[2][0], errors[0][0] / 5);
+  EXPECT_GT(errors[0].force, 0.01);
+  EXPECT_NEAR(errors[0].torque, 1, 1e-12);  // centres make no torque
+  for (std::size_t n = 1; n < errors.size(); ++n) {
+    EXPECT_LT(errors[n].force, errors[n - 1].force);
+    EXPECT_LT(errors[n].torque, errors[n - 1].torque);
+  }
+  EXPECT_LT(errors[2].force, errors[0].force / 5);
 }
 
 TEST(NearClumps, force_and_torque_are_the_slope_of_the_energy_where_they_fade_out) {
@@ -214,37 +223,19 @@ struct Kept {
   double unbooked;  ///< J: what bodies gained beyond the work that is told of kicks
 };
 
-double kinetic_energy(const Lab& world) {
-  const Bodies& bodies = world.bodies;
-  double sum = 0;
-  for (Index b = 0; b < bodies.owned; ++b)
-    sum += bodies.mass[b] * bodies.velocity[b].squaredNorm() / 2 +
-           spin_momentum(world.shapes, bodies, b).dot(bodies.angular_velocity[b]) / 2;
-  return world.comm.sum(sum);
-}
-
 /// Of a cloud after it has flown for `lasts` in so many steps.
 Kept flown(const std::vector<ShapedBody>& clumps, double lasts, int steps) {
   const BodyShapes shapes = with_sphere({dumbbell(), boulder()});
   Lab world = attracting(testing_world(), shapes, clumps, 2);
-  const double before = kinetic_energy(world);
+  const double before = diagnose(world).kinetic;
   double work = 0;
   for (int k = 0; k < steps; ++k)
     work += nonsmooth_step(world, lasts / steps, solved_exactly(), 1).gravity_work;
   close_kick(world);
   work = world.comm.sum(work + work_of_kick(world));
-  const double kinetic = kinetic_energy(world);
-  std::array<double, 6> sums{};
-  const Bodies& bodies = world.bodies;
-  for (Index b = 0; b < bodies.owned; ++b) {
-    const double m = bodies.mass[b];
-    const Vec3 spin = spin_momentum(world.shapes, bodies, b);
-    Vec3::Map(&sums[0]) += m * bodies.velocity[b];
-    Vec3::Map(&sums[3]) += m * bodies.position[b].cross(bodies.velocity[b]) + spin;
-  }
-  world.comm.sum(sums);
-  return {kinetic + world.kick.potential, Vec3::Map(&sums[0]), Vec3::Map(&sums[3]),
-          kinetic - before - work};
+  const Diagnostics sums = diagnose(world);
+  return {sums.kinetic + world.kick.potential, sums.momentum, sums.angular_momentum,
+          sums.kinetic - before - work};
 }
 
 TEST(NearClumps, that_fly_past_each_other_keep_energy_and_momenta) {
@@ -269,12 +260,12 @@ TEST(NearClumps, that_fall_together_close_their_books) {
     Lab world = attracting(testing_world(), shapes, cloud_of_clumps(40, 9, 2.1, 0.1), 2);
     world.contact = ContactLaw{.friction = 0.5, .restitution = 0.3};
     evaluate_field(world);
-    const double before = kinetic_energy(world) + world.kick.potential;
+    const double before = diagnose(world).kinetic + world.kick.potential;
     advance(world, 2e-3 / parts, 1500 * parts);
     close_kick(world);
     const Diagnostics sums = diagnose(world);
     EXPECT_GT(sums.dissipated, 0.5 * std::abs(before));
-    open.push_back(std::abs(kinetic_energy(world) + world.kick.potential + sums.dissipated -
+    open.push_back(std::abs(sums.kinetic + world.kick.potential + sums.dissipated -
                             sums.corrections - before) /
                    sums.dissipated);
   }

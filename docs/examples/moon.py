@@ -31,11 +31,10 @@ def measure(sim):
 
 
 sim.run_until(2 * np.pi / mean_motion, each=measure)
-rises = [np.interp(0, angles[k:k + 2], times[k:k + 2])
-         for k in range(len(angles) - 1) if angles[k] < 0 <= angles[k + 1]]
-falls = [np.interp(0, angles[k:k + 2][::-1], times[k:k + 2][::-1])
-         for k in range(len(angles) - 1) if angles[k] > 0 >= angles[k + 1]]
-period = 2 * (rises[0] - falls[0])
+angles, times = np.array(angles), np.array(times)
+k = np.flatnonzero(angles[:-1] * angles[1:] < 0)         # it points to the planet soon after
+zeros = times[k] - angles[k] * (times[k + 1] - times[k]) / (angles[k + 1] - angles[k])
+period = 2 * (zeros[1] - zeros[0])
 # A and C are the moon's least and largest moments: omega = n sqrt(3 (B - A)/C).
 expected = 2 * np.pi / (mean_motion * np.sqrt(3 * 8 / (3 * 0.4 + 8)))
 print(f"swings in {period:.0f} s, in the closed form {expected:.0f} s")
