@@ -14,6 +14,7 @@ import sys
 import termios
 import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 spall, mpiexec = sys.argv[1:]
@@ -35,12 +36,12 @@ series_every = "1000 s"
 """
 
 
-def shown(words, terminal):
+def shown(words, terminal, folder):
     """All that a run writes in its first seconds, until it is told to stop."""
     ours, theirs = pty.openpty() if terminal else os.pipe()
     if terminal:
         fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 24, COLUMNS, 0, 0))
-    run = subprocess.Popen([*words, spall, "run", "flight.toml", "--out", "out", "--overwrite"],
+    run = subprocess.Popen([*words, spall, "run", "flight.toml", "--out", folder, "--overwrite"],
                            stdout=theirs,
                            env={**os.environ, "TERM": "xterm"})
     os.close(theirs)
@@ -68,12 +69,17 @@ work = Path("progress")
 work.mkdir(exist_ok=True)
 os.chdir(work)
 Path("flight.toml").write_text(CASE)
-for words in ([], [mpiexec, "-n", "1"]):
-    text = shown(words, terminal=True)
-    lines = re.findall(r"\r([^\r\n]+)\x1b\[K", text)
-    assert lines and all(line.startswith("flight ") and len(line) < COLUMNS for line in lines), text
-    assert "\r\x1b[Kstopped by a signal" in text, text
-    text = shown(words, terminal=False)
-    assert "\x1b" not in text and "\r" not in text, text
-    assert re.search(r"^flight  .* steps/s .*$", text, re.M), text
+# At once: what takes long is to wait for lines.
+ways = [(words, terminal) for words in ([], [mpiexec, "-n", "1"]) for terminal in (True, False)]
+with ThreadPoolExecutor(len(ways)) as pool:
+    texts = list(pool.map(lambda k: shown(*ways[k], f"out_{k}"), range(len(ways))))
+for (_, terminal), text in zip(ways, texts):
+    if terminal:
+        lines = re.findall(r"\r([^\r\n]+)\x1b\[K", text)
+        assert lines and all(line.startswith("flight ") and len(line) < COLUMNS
+                             for line in lines), text
+        assert "\r\x1b[Kstopped by a signal" in text, text
+    else:
+        assert "\x1b" not in text and "\r" not in text, text
+        assert re.search(r"^flight  .* steps/s .*$", text, re.M), text
 print("all passed")
