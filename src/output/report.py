@@ -11,6 +11,7 @@ from system_python import need
 
 need("spall report", "h5py", "numpy", "matplotlib")
 
+import numpy as np  # noqa: E402
 from PIL import Image  # noqa: E402  (matplotlib needs it, too)
 from report_bodies import Bodies  # noqa: E402
 from report_page import data_of, name_of, page, rows_of_text  # noqa: E402
@@ -27,13 +28,12 @@ class Pictures:
 
     def add(self, name, drawing, caption, heading="", more=""):
         import report_figures as figures
-        data = io.BytesIO()
-        drawing.savefig(data, dpi=150, facecolor=drawing.get_facecolor())
+        drawing.canvas.draw()  # once: savefig would draw it first to see how wide its texts are
+        image = Image.fromarray(np.asarray(drawing.canvas.buffer_rgba())).convert("RGB")
         figures.plt.close(drawing)
-        with open(os.path.join(self.folder, name + ".png"), "wb") as file:
-            file.write(data.getvalue())
+        image.save(os.path.join(self.folder, name + ".png"), compress_level=3)
         small = io.BytesIO()  # a tenth of the size, and no eye tells them apart
-        Image.open(data).convert("RGB").save(small, "webp", quality=85)
+        image.save(small, "webp", quality=85, method=2)
         text = base64.b64encode(small.getvalue()).decode()
         heading = f"<h2>{heading}</h2>" if heading else ""
         self.text += (f"{heading}<figure><div class=scroll tabindex=0 role=group "

@@ -19,7 +19,7 @@ plt.rcParams.update({
     "axes.spines.top": False, "axes.spines.right": False, "axes.titlesize": 11,
     "axes.titleweight": "bold", "axes.titlelocation": "left", "xtick.color": INK,
     "ytick.color": INK, "axes.grid": True, "grid.color": "#e4e8ee", "grid.linewidth": 0.7,
-    "axes.axisbelow": True, "legend.frameon": False, "lines.linewidth": 1.4, "figure.dpi": 110,
+    "axes.axisbelow": True, "legend.frameon": False, "lines.linewidth": 1.4, "figure.dpi": 150,
 })
 
 
