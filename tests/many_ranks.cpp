@@ -210,8 +210,12 @@ TEST(ManyRanks, what_gravity_tells_grows_with_the_logarithm_of_the_ranks) {
   EXPECT_EQ(told[2].gathered, 0);
 }
 
+constexpr double solved = 1e-10;
+/// Where nothing is asked of impulses: 64 ranks on few cores wait long for each iteration.
+constexpr double hardly_solved = 1e-3;
+
 /// A gas of grains in a cube of so many, with `more` keys.
-Simulation gas(const Comm& comm, const std::string& method, double step,
+Simulation gas(const Comm& comm, const std::string& method, double step, double tolerance,
                const std::string& more = "", int side = 10) {
   return Simulation(comm, Scene::from_text(fmt::format(R"(
 [materials.rock]
@@ -220,7 +224,7 @@ density = 2000
 friction = 0.3
 restitution = 0.8
 [solver]
-tolerance = 1e-10
+tolerance = {4}
 max_iterations = 5000
 [penalty]
 model = "hooke"
@@ -238,12 +242,12 @@ step = {2}
 duration = 1
 {3}
 )",
-                                                       0.2 * side, method, step, more)));
+                                                       0.2 * side, method, step, more, tolerance)));
 }
 
 /// J: the kinetic energy after some steps.
 double energy_after(const Comm& comm, const std::string& method, double step) {
-  Simulation simulation = gas(comm, method, step);
+  Simulation simulation = gas(comm, method, step, solved);
   simulation.run_until(20 * step);
   return simulation.energies().kinetic;
 }
@@ -251,7 +255,7 @@ double energy_after(const Comm& comm, const std::string& method, double step) {
 /// Calls that all ranks take part in, of a step between searches: the median of some, without those
 /// of the contact solver.
 std::int64_t collectives_of_a_step(const std::string& method, const std::string& more = "") {
-  Simulation simulation = gas(testing_world(), method, 1e-6, more);
+  Simulation simulation = gas(testing_world(), method, 1e-6, hardly_solved, more);
   simulation.step();
   std::vector<std::int64_t> calls;
   for (int step = 0; step < 9; ++step) {
@@ -276,7 +280,7 @@ TEST(ManyRanks, memory_of_a_rank_is_that_of_its_bodies_and_ghosts) {
     for (int k = 0; k < 2; ++k)
       on_ranks(k == 0 ? 8 : 64, [&](const Comm& comm) {
         const std::int64_t before = most_held = bytes_held;
-        Simulation simulation = gas(comm, method, 1e-4, more, k == 0 ? 10 : 20);
+        Simulation simulation = gas(comm, method, 1e-4, solved, more, k == 0 ? 10 : 20);
         simulation.advance(1, false);
         const Bodies& bodies = simulation.world().bodies;
         bytes_a_row[k] = comm.sum(static_cast<double>(most_held - before)) /
