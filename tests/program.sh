@@ -17,9 +17,10 @@ fail() {
 }
 
 on_ranks() {  # ranks, arguments of the program
-  local n=$1
+  local launcher=("$mpiexec" --oversubscribe -n "$1")
+  [ "$1" -gt 1 ] || launcher=()  # which would wait for a second after each refusal
   shift
-  timeout -k 2 60 "$mpiexec" --oversubscribe -n "$n" "$spall" "$@" >stdout 2>stderr
+  timeout -k 2 60 "${launcher[@]}" "$spall" "$@" >stdout 2>stderr
 }
 
 # A case with some lines changed: s/what/by what/ for sed.
