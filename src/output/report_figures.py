@@ -80,8 +80,8 @@ def before_and_after(run):
             x, y, _ = camera.project(center - run.flight * size * np.array([[0.95], [0.62]]))
             panel.annotate("", (x[1], y[1]), (x[0], y[0]),
                            arrowprops={"arrowstyle": "-|>", "color": "#ffb454", "lw": 2})
-            panel.text(-0.69 * size, y[1] + 0.05 * size, run.impactor_text, color="#ffb454",
-                       va="bottom", fontsize=9)
+            panel.text(-0.69 * size, min(y) - 0.03 * size, run.impactor_text, color="#ffb454",
+                       va="top", fontsize=9)
     figure.subplots_adjust(0.005, 0.01, 0.995, 0.93, wspace=0.01)
     return figure
 
@@ -96,7 +96,7 @@ def velocities(run):
     side, up = run.side_view()
     figure = plt.figure(figsize=(12, 6.2))
     grid = figure.add_gridspec(2, 2, width_ratios=[1.25, 1], hspace=0.38, wspace=0.22, left=0.01,
-                               right=0.985, top=0.94, bottom=0.09)
+                               right=0.985, top=0.93, bottom=0.09)
     if len(moving) == 0:
         figure.text(0.5, 0.5, "nothing moves", ha="center")
         return figure
@@ -142,13 +142,12 @@ def velocities(run):
     _, _, patches = panel.hist(moving, bins)
     for patch, edge in zip(patches, bins):
         patch.set_facecolor(colors(float(norm(edge))))
-    panel.set(xscale="log", yscale="log", xlabel="speed (m/s)", ylabel="bodies",
-              title="Speeds")
+    panel.set(xscale="log", yscale="log", xlabel="speed (m/s)", ylabel="bodies")
+    panel.set_title("Speeds", pad=16)  # above the names of marks
     for value, name, color in run.marked_speeds():
         panel.axvline(value, color=color, lw=1.2, ls="--")
         panel.text(value, 1.01, name, color=color, fontsize=8, ha="center", va="bottom",
                    transform=panel.get_xaxis_transform())
-    panel.title.set_position((0, 1.06))
 
     panel = figure.add_subplot(grid[1, 1])
     along = (frame.position - center) @ run.flight

@@ -29,22 +29,41 @@ def depth_buffer(camera, position, radius):
     x, y, z = camera.project(position)
     column, row, size = (x + camera.width / 2) * scale, (camera.height / 2
                                                          - y) * scale, radius * scale
-    depth = np.full((camera.rows, camera.columns), -np.inf)
-    owner = np.full(depth.shape, -1)
+    depth = np.full(camera.rows * camera.columns, -np.inf)
+    owner = np.full(len(depth), -1)
     seen = (column + size > 0) & (column - size < camera.columns)
     seen &= (row + size > 0) & (row - size < camera.rows)
-    for k in np.flatnonzero(seen):
-        left, right = max(int(column[k] - size[k]), 0), int(column[k] + size[k]) + 2
-        top, bottom = max(int(row[k] - size[k]), 0), int(row[k] + size[k]) + 2
-        window = depth[top:bottom, left:right]
-        dx = np.arange(left, left + window.shape[1]) + 0.5 - column[k]
-        dy = np.arange(top, top + window.shape[0]) + 0.5 - row[k]
-        height = size[k] ** 2 - dx[None, :] ** 2 - dy[:, None] ** 2
-        surface = z[k] + np.sqrt(np.maximum(height, 0)) / scale
-        nearer = (height > 0) & (surface > window)
-        window[nearer] = surface[nearer]
-        owner[top:bottom, left:right][nearer] = k
-    return depth, owner
+    # Squares of equal width, as many at once as stay in the processor's cache.
+    width = 2 * np.ceil(size).astype(int) + 1
+    seen = np.flatnonzero(seen)
+    seen = seen[np.lexsort((-z[seen], width[seen]))]  # the nearest first
+    batch = np.cumsum(width[seen] ** 2) // 20_000
+    for some in np.split(seen, np.flatnonzero(np.diff(batch)) + 1):
+        if not len(some):
+            break  # nothing is seen
+        places = np.arange(width[some[-1]])
+        i, dy = pixels_beside(row[some], size[some], places, camera.rows)
+        j, dx = pixels_beside(column[some], size[some], places, camera.columns)
+        with np.errstate(invalid="ignore"):  # no number beside the sphere, which is never nearer
+            surface = np.sqrt(size[some, None, None] ** 2 - dx[:, None, :] ** 2
+                              - dy[:, :, None] ** 2)
+        surface = (z[some, None, None] + surface / scale).ravel()
+        pixel = (i[:, :, None] * camera.columns + j[:, None, :]).ravel()
+        nearer = np.flatnonzero(surface > depth[pixel])
+        while len(nearer):  # of a pixel's spheres the last one stays, until none is nearer
+            depth[pixel[nearer]] = surface[nearer]
+            owner[pixel[nearer]] = some[nearer // len(places) ** 2]
+            nearer = nearer[surface[nearer] > depth[pixel[nearer]]]
+    return depth.reshape(camera.rows, -1), owner.reshape(camera.rows, -1)
+
+
+def pixels_beside(center, size, places, count):
+    """Numbers of the pixels that spheres reach along an axis, and how far they are from `center`;
+    infinitely far if they lie outside."""
+    first = np.floor(center - size).astype(int)
+    pixels = first[:, None] + places
+    inside = (pixels >= 0) & (pixels < count)
+    return np.where(inside, pixels, 0), np.where(inside, pixels + 0.5 - center[:, None], np.inf)
 
 
 def blurred(values, size):
