@@ -30,13 +30,12 @@ class CellMeasures {
 
   std::vector<Outline> outlines;  ///< of own cells and those above
 
-  template <bool rates>
   void measure_own_cells() {
     for (auto c = static_cast<Index>(tree_.octree.cells.size()); c-- > 0;)
       if (tree_.octree.cells[c].inner())
         measure_inner(c);
       else
-        measure_leaf<rates>(c);
+        measure_leaf(c);
   }
 
   /// From the two halves.
@@ -85,7 +84,6 @@ class CellMeasures {
   }
 
  private:
-  template <bool rates>
   void measure_leaf(Index c) {
     Cell& cell = tree_.octree.cells[c];
     Row& row = tree_.moments[c];
@@ -111,7 +109,7 @@ class CellMeasures {
       const Lanes r2 = x * x + (y * y + z * z);
       for (std::size_t k = 0; k < lane_count; ++k) squared_radius = std::max(squared_radius, r2[k]);
     }
-    measure_bodies<P, rates>(tree_.eights(cell), row);
+    measure_bodies(tree_.eights(cell), tree_.octree.rates, row);
     cell.radius = std::sqrt(squared_radius);
     outline.largest_leaf = cell.radius;
     outline.bodies = cell.bodies;

@@ -10,14 +10,14 @@
 namespace spall {
 namespace {
 
-template <int P, bool rates>
+template <int P>
 class Completion {
  public:
   Completion(const Comm& comm, EssentialTree<P>& tree)
       : comm_(comm), tree_(tree), measures_(tree), tops_(tree, measures_) {}
 
   void run() {
-    measures_.template measure_own_cells<rates>();
+    measures_.measure_own_cells();
     unopened_ = tops_.climb(comm_);
     const Askers askers = askers_of(tree_, measures_, tops_, tree_.octree.parts[0].roots);
     keep_needed(askers);
@@ -27,7 +27,7 @@ class Completion {
 
   /// What each of the ranks `sample` would send, where this one has the parts of all.
   std::vector<Traffic> foretell(std::span<const int> sample) {
-    measures_.template measure_own_cells<rates>();
+    measures_.measure_own_cells();
     const auto ranks = static_cast<int>(tree_.octree.parts.size());
     std::vector<Traffic> sent(ranks);
     tops_.climb_for_all(sent);
@@ -145,8 +145,8 @@ class Completion {
       row.push_back(cell.count);
       row[1] += cell.count;
       for (const Eight& e : tree_.eights(cell))
-        for (const Lanes* field : sent_fields(e))
-          for (std::size_t k = 0; k < lane_count; ++k) row.push_back((*field)[k]);
+        for (Lanes Eight::*field : sent_fields())
+          for (std::size_t k = 0; k < lane_count; ++k) row.push_back((e.*field)[k]);
     }
   }
 
@@ -169,19 +169,17 @@ class Completion {
       cell.count = row.index();
       for (Index n = 0; n < cell.count; ++n) {
         Eight& e = tree_.others.emplace_back();
-        for (Lanes* field : sent_fields(e))
-          for (std::size_t k = 0; k < lane_count; ++k) (*field)[k] = row.number();
+        for (Lanes Eight::*field : sent_fields())
+          for (std::size_t k = 0; k < lane_count; ++k) (e.*field)[k] = row.number();
       }
     }
   }
 
   /// Lanes of bodies that other ranks are told.
-  template <class E>
-  static auto sent_fields(E& e) {
-    if constexpr (rates)
-      return std::array{&e.x, &e.y, &e.z, &e.mass, &e.vx, &e.vy, &e.vz};
-    else
-      return std::array{&e.x, &e.y, &e.z, &e.mass};
+  std::span<Lanes Eight::*const> sent_fields() const {
+    static constexpr std::array all{&Eight::x,  &Eight::y,  &Eight::z, &Eight::mass,
+                                    &Eight::vx, &Eight::vy, &Eight::vz};
+    return std::span(all).first(body_width(tree_.octree.rates));
   }
 
   const Comm& comm_;
@@ -203,18 +201,14 @@ EssentialTree<P>::EssentialTree(Octree grown, const TreeSettings& settings)
 template <int P>
 EssentialTree<P>::EssentialTree(const Comm& comm, Octree grown, const TreeSettings& settings)
     : EssentialTree(std::move(grown), settings) {
-  if (octree.rates)
-    Completion<P, true>(comm, *this).run();
-  else
-    Completion<P, false>(comm, *this).run();
+  Completion<P>(comm, *this).run();
 }
 
 template <int P>
 std::vector<Traffic> foretell_messages(const Comm& alone, Octree grown,
                                        const TreeSettings& settings, std::span<const int> sample) {
   EssentialTree<P> tree(std::move(grown), settings);
-  return tree.octree.rates ? Completion<P, true>(alone, tree).foretell(sample)
-                           : Completion<P, false>(alone, tree).foretell(sample);
+  return Completion<P>(alone, tree).foretell(sample);
 }
 
 template struct EssentialTree<4>;

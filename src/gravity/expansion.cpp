@@ -14,15 +14,14 @@ template <int P>
     row.row[k] += moments[harmonic_indices<P - 1>[k].place()];
 }
 
-template <int P, bool rates>
-[[gnu::flatten]] void measure_bodies(std::span<const Eight> leaf, Moments<P>& row) {
+template <int P>
+[[gnu::flatten]] void measure_bodies(std::span<const Eight> leaf, bool rates, Moments<P>& row) {
   const Vec3 center = row.center(), v = row.mean_velocity();
   double spread = 0;
   std::array<Lanes, term_count(P - 1)> sums{};
   for (const Eight& e : leaf) {
     const Lanes dx = e.vx - v.x(), dy = e.vy - v.y(), dz = e.vz - v.z();
-    if constexpr (rates)
-      spread += sum_of_lanes(e.mass * estimate_sqrt(dx * dx + (dy * dy + dz * dz)));
+    if (rates) spread += sum_of_lanes(e.mass * estimate_sqrt(dx * dx + (dy * dy + dz * dz)));
     const auto s = powers<P - 1>(e.x - center.x(), e.y - center.y(), e.z - center.z());
     unroll<term_count(P - 1)>([&](auto k) { sums[k] += e.mass * s[k]; });
   }
@@ -50,9 +49,9 @@ template <int P>
       part.row[0] * (part.mean_velocity() - whole.mean_velocity()).norm();
 }
 
-template <int P, bool rates>
+template <int P>
 [[gnu::flatten]] void attract_by_far(std::span<const Moments<P>* const> far,
-                                     const Moments<P>& target, double radius,
+                                     const Moments<P>& target, double radius, bool rates,
                                      LocalField<P>& field) {
   using Row = Moments<P>;
   Row nothing;  // at the target itself, where derivatives are 0
@@ -81,7 +80,7 @@ template <int P, bool rates>
             add(Product{to.harmonic_place(), from.harmonic_place(), (to + from).place()});
     };
     add_products<list>(sums.data(), m, d.data());
-    if constexpr (rates) {
+    if (rates) {
       const Lanes vx = m[Row::velocity] - target.row[Row::velocity];
       const Lanes vy = m[Row::velocity + 1] - target.row[Row::velocity + 1];
       const Lanes vz = m[Row::velocity + 2] - target.row[Row::velocity + 2];
@@ -119,9 +118,9 @@ template <int P>
   return result;
 }
 
-template <int P, bool rates>
+template <int P>
 [[gnu::flatten]] void attract_by_field(const LocalField<P>& field, const Moments<P>& row,
-                                       std::span<Eight> leaf) {
+                                       bool rates, std::span<Eight> leaf) {
   const Vec3 center = row.center(), v = row.mean_velocity();
   for (Eight& e : leaf) {
     const auto s = powers<P>(e.x - center.x(), e.y - center.y(), e.z - center.z());
@@ -134,7 +133,7 @@ template <int P, bool rates>
         e.pull.z += field.terms[(n + unit_index(2)).place()] * s[k];
       }
     });
-    if constexpr (rates) {
+    if (rates) {
       const Lanes dx = e.vx - v.x(), dy = e.vy - v.y(), dz = e.vz - v.z();
       e.pull.rate +=
           field.rate + field.rate_by_speed * estimate_sqrt(dx * dx + (dy * dy + dz * dz));
@@ -142,17 +141,14 @@ template <int P, bool rates>
   }
 }
 
-#define SPALL_FOR_RATES(P, rates)                                                               \
-  template void measure_bodies<P, rates>(std::span<const Eight>, Moments<P>&);                  \
-  template void attract_by_far<P, rates>(std::span<const Moments<P>* const>, const Moments<P>&, \
-                                         double, LocalField<P>&);                               \
-  template void attract_by_field<P, rates>(const LocalField<P>&, const Moments<P>&,             \
-                                           std::span<Eight>);
-#define SPALL_FOR_ORDER(P)                                                      \
-  template void add_moments<P>(Moments<P>&, const Moments<P>&);                 \
-  template LocalField<P> shifted<P>(const LocalField<P>&, const Vec3&, double); \
-  SPALL_FOR_RATES(P, false)                                                     \
-  SPALL_FOR_RATES(P, true)
+#define SPALL_FOR_ORDER(P)                                                                       \
+  template void measure_bodies<P>(std::span<const Eight>, bool, Moments<P>&);                    \
+  template void add_moments<P>(Moments<P>&, const Moments<P>&);                                  \
+  template void attract_by_far<P>(std::span<const Moments<P>* const>, const Moments<P>&, double, \
+                                  bool, LocalField<P>&);                                         \
+  template LocalField<P> shifted<P>(const LocalField<P>&, const Vec3&, double);                  \
+  template void attract_by_field<P>(const LocalField<P>&, const Moments<P>&, bool,               \
+                                    std::span<Eight>);
 SPALL_FOR_ORDER(4)
 SPALL_FOR_ORDER(6)
 SPALL_FOR_ORDER(8)

@@ -11,8 +11,8 @@ namespace spall {
 
 /// Moments of a leaf from its bodies; `row` has its mass, centre and velocity already. `rates`
 /// false leaves the sum of m |v - mean| out.
-template <int P, bool rates>
-void measure_bodies(std::span<const Eight> leaf, Moments<P>& row);
+template <int P>
+void measure_bodies(std::span<const Eight> leaf, bool rates, Moments<P>& row);
 
 /// Adds the moments of a part of the cell; `whole` has its mass, centre and velocity already.
 template <int P>
@@ -20,16 +20,17 @@ void add_moments(Moments<P>& whole, const Moments<P>& part);
 
 /// Adds the field of the cells `far` to that of the cell `target`, whose bodies lie within
 /// `radius`.
-template <int P, bool rates>
+template <int P>
 void attract_by_far(std::span<const Moments<P>* const> far, const Moments<P>& target, double radius,
-                    LocalField<P>& field);
+                    bool rates, LocalField<P>& field);
 
 /// The field of a cell, seen from the centre of a part of it, `s` away.
 template <int P>
 LocalField<P> shifted(const LocalField<P>& field, const Vec3& s, double velocity_change);
 
 /// The bodies of a leaf feel the field about its centre.
-template <int P, bool rates>
-void attract_by_field(const LocalField<P>& field, const Moments<P>& row, std::span<Eight> leaf);
+template <int P>
+void attract_by_field(const LocalField<P>& field, const Moments<P>& row, bool rates,
+                      std::span<Eight> leaf);
 
 }  // namespace spall

@@ -146,9 +146,14 @@ struct Builder {
     cell.pull = field.pull;
     // Where the field may change by half, its smallest value counts.
     if (radius * field.gradient > field.pull / 2)
-      for (std::size_t k = begin; k < end; ++k)
-        cell.pull =
-            std::min(cell.pull, rough.at(Vec3::Map(bodies.data() + width * rows[k].row)).pull);
+      for (std::size_t k = begin; k < end; k += lane_count) {
+        Lanes place[3];
+        for (std::size_t lane = 0; lane < lane_count; ++lane) {
+          const double* body = bodies.data() + width * rows[std::min(k + lane, end - 1)].row;
+          for (int axis = 0; axis < 3; ++axis) place[axis][lane] = body[axis];
+        }
+        cell.pull = std::min(cell.pull, rough.least_pull(place[0], place[1], place[2]));
+      }
     return true;
   }
 

@@ -64,7 +64,7 @@ void RoughField::find_groups() {
 }
 
 void RoughField::collect(Index s) {
-  constexpr double opening = 0.5;  // radius over distance
+  constexpr double opening = 0.7;  // radius over distance
   const Point &from = points_[seen_from_], &point = points_[s];
   const double apart = point.radius / opening + from.radius;
   const bool halved = stretches_[s].children[0] != Cell::none;
@@ -100,6 +100,13 @@ void RoughField::look_from(std::uint64_t key) {
   own_ = std::ranges::find(pulling_, present_) - pulling_.begin();
 }
 
+namespace {
+/// Where pulls cancel, their sum itself would have all cells opened.
+double pull_of(double total, double sum_of_all) {
+  return std::max(total, 0.1 * sum_of_all);
+}
+}  // namespace
+
 RoughField::Sample RoughField::at(const Vec3& place) const {
   Lanes x{}, y{}, z{}, sum{}, trace{}, xx{}, xy{}, xz{}, yy{}, yz{}, zz{};
   for (std::size_t k = 0; k < pullers_.size(); ++k) {
@@ -128,8 +135,29 @@ RoughField::Sample RoughField::at(const Vec3& place) const {
   const auto tide = [&](const Lanes& v) { return 3 * sum_of_lanes(v); };
   const Vec3 diagonal = Vec3(tide(xx), tide(yy), tide(zz)) - Vec3::Constant(sum_of_lanes(trace));
   const Vec3 beside(tide(xy), tide(xz), tide(yz));
-  return {std::max(total.norm(), 0.1 * sum_of_lanes(sum)),
+  return {pull_of(total.norm(), sum_of_lanes(sum)),
           std::sqrt(diagonal.squaredNorm() + 2 * beside.squaredNorm())};
+}
+
+double RoughField::least_pull(const Lanes& x, const Lanes& y, const Lanes& z) const {
+  Lanes pull_x{}, pull_y{}, pull_z{}, sum{};
+  for (std::size_t k = 0; k < pulling_.size(); ++k) {
+    const Puller& p = pullers_[k / lane_count];
+    const std::size_t lane = k % lane_count;
+    if (k == own_) continue;
+    const Lanes dx = p.x[lane] - x, dy = p.y[lane] - y, dz = p.z[lane] - z;
+    const Lanes inverse = inverse_sqrt(dx * dx + (dy * dy + (dz * dz + p.softening[lane])));
+    const Lanes weight = p.mass[lane] * (inverse * inverse), cubed = weight * inverse;
+    sum += weight;
+    pull_x += cubed * dx;
+    pull_y += cubed * dy;
+    pull_z += cubed * dz;
+  }
+  const Lanes squared = pull_x * pull_x + (pull_y * pull_y + pull_z * pull_z);
+  double least = infinity;
+  for (std::size_t k = 0; k < lane_count; ++k)
+    least = std::min(least, pull_of(std::sqrt(squared[k]), sum[k]));
+  return least;
 }
 
 }  // namespace spall

@@ -17,13 +17,14 @@ class RoughField {
              std::span<const double> mass, std::span<const Vec3> position, const Vec3& origin);
 
   struct Sample {
-    double pull;      ///< at least a tenth of the sum of all pulls: where they cancel, a smaller
-                      ///< one would have all cells opened
+    double pull;      ///< at least a tenth of the sum of all pulls
     double gradient;  ///< of the field: Frobenius norm
   };
   /// Places are from now on within the stretch that has this key; it pulls no longer.
   void look_from(std::uint64_t key);
   Sample at(const Vec3& place) const;
+  /// The smallest pull at eight places.
+  double least_pull(const Lanes& x, const Lanes& y, const Lanes& z) const;
 
  private:
   struct Point {

@@ -14,7 +14,7 @@
 namespace spall {
 namespace {
 
-template <int P, bool rates>
+template <int P>
 class Walk {
  public:
   explicit Walk(EssentialTree<P>& tree) : tree_(tree) {}
@@ -39,7 +39,7 @@ class Walk {
     const Vec3 velocity = tree_.moments[c].mean_velocity();
     LocalField<P> field =
         shifted(parent, cell.center - parent_center, (velocity - parent_velocity).norm());
-    attract_by_far<P, rates>(far_, tree_.moments[c], cell.radius, field);
+    attract_by_far<P>(far_, tree_.moments[c], cell.radius, tree_.octree.rates, field);
     if (cell.inner()) {
       for (int k = 0; k < 2; ++k) {
         if (tree_.octree.cells[cell.children[k]].holder == Cell::Holder::elsewhere) continue;
@@ -49,7 +49,7 @@ class Walk {
       }
     } else {
       attract_by_near(c, end);
-      attract_by_field<P, rates>(field, tree_.moments[c], tree_.eights(cell));
+      attract_by_field(field, tree_.moments[c], tree_.octree.rates, tree_.eights(cell));
     }
     stack_.resize(end);
   }
@@ -78,8 +78,13 @@ class Walk {
       else if (source.first > leaf.first)
         mutual_.push_back(tree_.eights(source));
     }
-    attract<false, rates>(tree_.eights(leaf), one_sided_);
-    attract<true, rates>(tree_.eights(leaf), mutual_);
+    if (tree_.octree.rates) {
+      attract<false, true>(tree_.eights(leaf), one_sided_);
+      attract<true, true>(tree_.eights(leaf), mutual_);
+    } else {
+      attract<false, false>(tree_.eights(leaf), one_sided_);
+      attract<true, false>(tree_.eights(leaf), mutual_);
+    }
   }
 
   EssentialTree<P>& tree_;
@@ -93,10 +98,7 @@ GravityField evaluate(const Comm& comm, double constant, const TreeSettings& set
                       Octree octree) {
   EssentialTree<P> tree(comm, std::move(octree), settings);
   const bool rates = tree.octree.rates;
-  if (rates)
-    Walk<P, true>(tree).run();
-  else
-    Walk<P, false>(tree).run();
+  Walk<P>(tree).run();
   tree.moments = {};
   tree.others = {};
 
