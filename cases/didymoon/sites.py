@@ -89,9 +89,17 @@ def spread(piles):
     return means.mean(), np.sqrt(means.var(ddof=1) / len(piles)), np.sqrt(within), between
 
 
+def change(rows, c, other):
+    """Of dv from cohesion `other` to `c`, by pile, each site against itself."""
+    dv = {(row["cohesion"], row["pile"], row["site"]): row["dv"] for row in rows}
+    return [np.array([dv[c, pile, site] - dv[other, pile, site] for site in range(SITES)])
+            for pile in sorted({row["pile"] for row in rows})]
+
+
 def table(rows):
     lines = []
-    for c in sorted({row["cohesion"] for row in rows}):
+    cohesions = sorted({row["cohesion"] for row in rows})
+    for c in cohesions:
         some = [row for row in rows if row["cohesion"] == c]
         piles = by_pile(some)
         mean, error, sites, between = spread(piles)
@@ -100,12 +108,15 @@ def table(rows):
         dv = 1e3 * np.concatenate(piles)
         # A variance below nothing: less than the sites' scatter can tell from none.
         of_piles = f"{1e3 * np.sqrt(between):.3f}" if between > 0 else "none seen"
+        by, by_error, *_ = spread(change(rows, c, cohesions[0]))
         lines.append([f"{c:g}", str(len(piles)), str(len(piles[0])),
                       f"{1e3 * mean:.3f} ± {1e3 * error:.3f}",
+                      f"{1e3 * by:.3f} ± {1e3 * by_error:.3f}" if c > cohesions[0] else "",
                       f"{1e3 * ejecta:.3f} ± {1e3 * ejecta_error:.3f}", f"{1e3 * sites:.3f}",
                       of_piles, f"{dv.min():.3f}, {dv.max():.3f}", f"{min(lost)} to {max(lost)}",
                       f"{min(row['largest_part'] for row in some):.4f}"])
-    print_table(["c, N", "piles", "sites on each", "dv, mm/s", "of it the ejecta, mm/s",
+    print_table(["c, N", "piles", "sites on each", "dv, mm/s",
+                 f"against {cohesions[0]:g} N, site by site, mm/s", "of it the ejecta, mm/s",
                  "standard deviation of sites on a pile, mm/s", "of piles, mm/s",
                  "least and most dv, mm/s", "bodies lost", "largest remnant, of the mass"],
                 lines, 0)
