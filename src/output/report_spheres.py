@@ -32,37 +32,45 @@ def depth_buffer(camera, position, radius):
     depth = np.full(camera.rows * camera.columns, -np.inf)
     owner = np.full(len(depth), -1)
     seen = (column + size > 0) & (column - size < camera.columns)
-    seen &= (row + size > 0) & (row - size < camera.rows)
-    # Squares of equal width, as many at once as stay in the processor's cache.
-    width = 2 * np.ceil(size).astype(int) + 1
-    seen = np.flatnonzero(seen)
-    seen = seen[np.lexsort((-z[seen], width[seen]))]  # the nearest first
-    batch = np.cumsum(width[seen] ** 2) // 20_000
-    for some in np.split(seen, np.flatnonzero(np.diff(batch)) + 1):
+    seen = np.flatnonzero(seen & (row + size > 0) & (row - size < camera.rows))
+    top, height = pixels_across(row, size, camera.rows)
+    left, width = pixels_across(column, size, camera.columns)
+    # Squares of about equal width, as many at once as stay in the processor's cache.
+    wide = np.maximum(width, height)
+    seen = seen[np.lexsort((-z[seen], wide[seen]))]  # the nearest first
+    batch = np.cumsum(wide[seen] ** 2) // 20_000
+    other_width = np.diff(np.floor(4 * np.log2(wide[seen]))) > 0
+    for some in np.split(seen, np.flatnonzero((np.diff(batch) > 0) | other_width) + 1):
         if not len(some):
             break  # nothing is seen
-        places = np.arange(width[some[-1]])
-        i, dy = pixels_beside(row[some], size[some], places, camera.rows)
-        j, dx = pixels_beside(column[some], size[some], places, camera.columns)
+        some = some[::-1]
+        i, dy = pixels_beside(row[some], top[some], height[some].max(), camera.rows)
+        j, dx = pixels_beside(column[some], left[some], width[some].max(), camera.columns)
         with np.errstate(invalid="ignore"):  # no number beside the sphere, which is never nearer
             surface = np.sqrt(size[some, None, None] ** 2 - dx[:, None, :] ** 2
                               - dy[:, :, None] ** 2)
         surface = (z[some, None, None] + surface / scale).ravel()
         pixel = (i[:, :, None] * camera.columns + j[:, None, :]).ravel()
+        of = len(surface) // len(some)  # pixels of each
         nearer = np.flatnonzero(surface > depth[pixel])
         while len(nearer):  # of a pixel's spheres the last one stays, until none is nearer
             depth[pixel[nearer]] = surface[nearer]
-            owner[pixel[nearer]] = some[nearer // len(places) ** 2]
+            owner[pixel[nearer]] = some[nearer // of]
             nearer = nearer[surface[nearer] > depth[pixel[nearer]]]
-    return depth.reshape(camera.rows, -1), owner.reshape(camera.rows, -1)
+    return (depth.reshape(camera.rows, camera.columns), owner.reshape(camera.rows, camera.columns))
 
 
-def pixels_beside(center, size, places, count):
-    """Numbers of the pixels that spheres reach along an axis, and how far they are from `center`;
-    infinitely far if they lie outside."""
-    first = np.floor(center - size).astype(int)
-    pixels = first[:, None] + places
-    inside = (pixels >= 0) & (pixels < count)
+def pixels_across(center, size, count):
+    """The first pixel along an axis that a sphere in sight reaches, and how many it reaches."""
+    first = np.maximum(np.floor(center - size), 0).astype(int)
+    return first, np.minimum(np.floor(center + size), count - 1).astype(int) + 1 - first
+
+
+def pixels_beside(center, first, number, count):
+    """So many pixels from `first` on, and how far they are from `center`; infinitely far if they
+    lie outside."""
+    pixels = first[:, None] + np.arange(number)
+    inside = pixels < count
     return np.where(inside, pixels, 0), np.where(inside, pixels + 0.5 - center[:, None], np.inf)
 
 
