@@ -184,6 +184,9 @@ def interior(run):
     axes[-1][2].set(xscale="log", yscale="log", xlabel="normal force (N)", ylabel="contacts",
                     title="Forces")
     for panel in axes[-1]:
+        low, high = panel.get_ylim()  # and room above for what the lines are
+        room = (high / low) ** 0.3 if panel.get_yscale() == "log" else 1.3
+        panel.set_ylim(low, room * high)
         panel.legend(fontsize=8)
     return figure, rows
 
