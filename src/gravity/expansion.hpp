@@ -19,7 +19,7 @@ template <int P>
 void add_moments(Moments<P>& whole, const Moments<P>& part);
 
 /// Adds the field of the cells `far` to that of the cell `target`, whose bodies lie within
-/// `radius`.
+/// `radius`. The bound on its rate is worked out only where `rates` are asked for.
 template <int P>
 void attract_by_far(std::span<const Moments<P>* const> far, const Moments<P>& target, double radius,
                     bool rates, LocalField<P>& field);
@@ -28,7 +28,7 @@ void attract_by_far(std::span<const Moments<P>* const> far, const Moments<P>& ta
 template <int P>
 LocalField<P> shifted(const LocalField<P>& field, const Vec3& s, double velocity_change);
 
-/// The bodies of a leaf feel the field about its centre.
+/// The bodies of a leaf feel the field about its centre, and the bound on its rate if `rates`.
 template <int P>
 void attract_by_field(const LocalField<P>& field, const Moments<P>& row, bool rates,
                       std::span<Eight> leaf);

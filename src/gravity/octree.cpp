@@ -147,12 +147,14 @@ struct Builder {
     // Where the field may change by half, its smallest value counts.
     if (radius * field.gradient > field.pull / 2)
       for (std::size_t k = begin; k < end; k += lane_count) {
-        Lanes place[3];
+        LaneVectors places;  // lanes that are left hold the last body again
         for (std::size_t lane = 0; lane < lane_count; ++lane) {
           const double* body = bodies.data() + width * rows[std::min(k + lane, end - 1)].row;
-          for (int axis = 0; axis < 3; ++axis) place[axis][lane] = body[axis];
+          places.x[lane] = body[0];
+          places.y[lane] = body[1];
+          places.z[lane] = body[2];
         }
-        cell.pull = std::min(cell.pull, rough.least_pull(place[0], place[1], place[2]));
+        cell.pull = std::min(cell.pull, rough.least_pull(places));
       }
     return true;
   }

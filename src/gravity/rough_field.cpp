@@ -139,13 +139,13 @@ RoughField::Sample RoughField::at(const Vec3& place) const {
           std::sqrt(diagonal.squaredNorm() + 2 * beside.squaredNorm())};
 }
 
-double RoughField::least_pull(const Lanes& x, const Lanes& y, const Lanes& z) const {
+double RoughField::least_pull(const LaneVectors& places) const {
   Lanes pull_x{}, pull_y{}, pull_z{}, sum{};
   for (std::size_t k = 0; k < pulling_.size(); ++k) {
     const Puller& p = pullers_[k / lane_count];
     const std::size_t lane = k % lane_count;
     if (k == own_) continue;
-    const Lanes dx = p.x[lane] - x, dy = p.y[lane] - y, dz = p.z[lane] - z;
+    const Lanes dx = p.x[lane] - places.x, dy = p.y[lane] - places.y, dz = p.z[lane] - places.z;
     const Lanes inverse = inverse_sqrt(dx * dx + (dy * dy + (dz * dz + p.softening[lane])));
     const Lanes weight = p.mass[lane] * (inverse * inverse), cubed = weight * inverse;
     sum += weight;

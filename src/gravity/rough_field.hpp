@@ -24,7 +24,7 @@ class RoughField {
   void look_from(std::uint64_t key);
   Sample at(const Vec3& place) const;
   /// The smallest pull at eight places.
-  double least_pull(const Lanes& x, const Lanes& y, const Lanes& z) const;
+  double least_pull(const LaneVectors& places) const;
 
  private:
   struct Point {
