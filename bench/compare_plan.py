@@ -4,6 +4,7 @@ SPDX-License-Identifier: BSD-3-Clause
 usage: compare_plan.py SPALL CSV RANKS ...
 """
 import csv
+import os
 import pathlib
 import re
 import subprocess
@@ -21,7 +22,7 @@ METHODS = {"nonsmooth": [], "penalty": [], "potential": [],
 STAGES = ("gravity", "neighbours", "forces", "solver")
 COUNTS = ("messages", "bytes", "collectives")
 SECONDS = {"us": 1e-6, "ms": 1e-3, "s": 1}
-TIMED = 2  # ranks, at most, that have a core each
+TIMED = os.cpu_count()  # ranks, at most, that have a core each
 
 
 def call(*words):

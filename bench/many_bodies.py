@@ -1,18 +1,19 @@
-"""Time and memory a body from a hundred thousand bodies on: one rank, two, and two runs at once.
+"""Time and memory a body from a hundred thousand bodies on: one rank, more, and as many runs.
 
 SPDX-License-Identifier: BSD-3-Clause
-usage: many_bodies.py SPALL [--turns 3] [--methods 'nonsmooth;...'] [--steps 100] [--whole]
-                     [RADIUS_IN_M ...]
+usage: many_bodies.py SPALL [--turns 3] [--methods 'nonsmooth;...'] [--steps 100] [--ranks 2]
+                     [--iterations N] [--whole] [--section 'many bodies'] [RADIUS_IN_M ...]
 
-A twentieth of the STEPS where contacts are solved for: each of them has many iterations. The
-first step cuts the domain and finds the pairs; so few steps of smooth forces would not tell what a
-step costs.
+A twentieth of the STEPS where contacts are solved for: each of them has many iterations, or as
+many as are given. The first step cuts the domain and finds the pairs; so few steps of smooth forces
+would not tell what a step costs.
 
 RADIUS is that of the ball of plan.toml: 0.255 has 100,000 bodies, 0.55 a million, 1.5 twenty
-million. In each turn a ball is run by one rank, by two, and by two runs of one rank each that know
-nothing of each other. These two have a core each and share memory, as ranks do, so what they reach
-together is what a second rank can bring on this machine. With --whole two ranks alone, which then
-have all the memory. Writes bench/README.md.
+million. In each turn a ball is run by one rank, by each of RANKS (as in 2,4,16), and by as many
+runs of one rank each as the last of these, which know nothing of each other. They have a core each
+and share memory, as ranks do, so what they reach together is what more ranks can bring on this
+machine. With --whole the last number of ranks alone, which then has all the memory. Writes a
+section of bench/README.md.
 """
 import argparse
 import os
@@ -45,14 +46,17 @@ class Run:
             stdout=subprocess.DEVNULL)
 
     def end(self, steps):
-        """Seconds of a step, seconds of all else, and the most bytes of one rank."""
+        """Seconds of a step, of all else, of a product or 0, and the most bytes of one rank."""
         _, status, used = os.wait4(self.process.pid, 0)
         whole = time.monotonic() - self.begin
         if status != 0:
             sys.exit(f"{self.folder}: {status}")
-        spent = tomllib.loads(pathlib.Path(self.folder, "results.toml").read_text())["time"]
+        results = tomllib.loads(pathlib.Path(self.folder, "results.toml").read_text())
+        spent = results["time"]
         stepping = sum(spent.get(f"{stage}_s", 0) for stage in STAGES)
-        return stepping / steps, whole - stepping, 1024 * used.ru_maxrss
+        products = results.get("solver", {}).get("products", 0)
+        product = spent["solver_s"] / products if products else 0
+        return stepping / steps, whole - stepping, product, 1024 * used.ru_maxrss
 
 
 def main():
@@ -61,7 +65,10 @@ def main():
     parser.add_argument("--turns", type=int, default=3)
     parser.add_argument("--methods", default=";".join(METHODS), help="separated by ;")
     parser.add_argument("--steps", type=int, default=100)
-    parser.add_argument("--whole", action="store_true", help="two ranks alone")
+    parser.add_argument("--ranks", default="2", help="more than one, separated by commas")
+    parser.add_argument("--iterations", help="most of a step's solve")
+    parser.add_argument("--whole", action="store_true", help="the last number of ranks alone")
+    parser.add_argument("--section", default="many bodies", help="of bench/README.md")
     parser.add_argument("radii", nargs="*", default=RADII)
     given = parser.parse_intermixed_args()
     kept = tempfile.TemporaryDirectory()
@@ -75,43 +82,53 @@ def main():
                    f"groups.ball.volume.radius={radius}m",
                    f"phases.only.duration={steps_of(name)} us", "output.snapshot_every=0",
                    "output.series_every=1 s"]  # a row of each step costs as much as the step
+        if given.iterations:
+            changes.append(f"solver.max_iterations={given.iterations}")
         words = [word for change in changes for word in ("--set", change)] + METHODS[name]
         return Run(f"{folder}/{at}", ranks, words, cores, given.spall), words
 
+    ranks = [int(count) for count in given.ranks.split(",")]
+    most = ranks[-1]
+    counts = [most] if given.whole else [1, *ranks]
     lines = []
     for name in given.methods.split(";"):
         steps = steps_of(name)
-        empty = {ranks: run(name, SMALL, ranks)[0].end(steps)[2] for ranks in (1, 2)}
+        empty = {count: run(name, SMALL, count)[0].end(steps)[-1] for count in counts}
         for radius in given.radii:
-            taken = {ranks: [] for ranks in ((2,) if given.whole else (1, 2))}
+            taken = {count: [] for count in counts}
             shared = []
             for _ in range(given.turns):
-                for ranks, ends in taken.items():
-                    one, words = run(name, radius, ranks)
+                for count, ends in taken.items():
+                    one, words = run(name, radius, count)
                     ends.append(one.end(steps))
                 if given.whole:
                     continue
-                pair = [run(name, radius, 1, str(core), f"beside_{core}")[0] for core in (0, 1)]
-                shared.append(statistics.mean(other.end(steps)[0] for other in pair))
+                others = [run(name, radius, 1, str(core), f"beside_{core}")[0]
+                          for core in range(most)]
+                shared.append(statistics.mean(other.end(steps)[0] for other in others))
             bodies = bodies_of(given.spall, words)
-            speed_up = [a[0] / b[0] for a, b in zip(taken.get(1, []), taken[2])]
-            beside = [both / (2 * b[0]) for both, b in zip(shared, taken[2])]
-            for ranks, rows in taken.items():
-                step, rest, most = (statistics.median(column) for column in zip(*rows))
-                row = [name, f"{bodies:,}", ranks, f"{1e9 * step / bodies:.0f}",
+            for count, rows in taken.items():
+                step, rest, product, memory = (statistics.median(column) for column in zip(*rows))
+                row = [name, f"{bodies:,}", count, f"{1e9 * step / bodies:.0f}",
+                       f"{1e9 * product / bodies:.0f}" if product else "",
                        f"{1e9 * rest / bodies:.0f}",
-                       f"{ranks * (most - empty[ranks]) / bodies:.0f}"]
-                row += [f"{statistics.median(speed_up):.2f}",
-                        f"{statistics.median(beside):.2f} ({min(beside):.2f}–{max(beside):.2f})",
-                        ] if ranks > 1 and beside else ["", ""]
-                lines.append("| " + " | ".join(map(str, row)) + " |")
+                       f"{count * (memory - empty[count]) / bodies:.0f}"]
+                more = ["", ""]
+                if count > 1 and not given.whole:
+                    faster = [one[0] / end[0] for one, end in zip(taken[1], rows)]
+                    more[0] = f"{statistics.median(faster):.2f}"
+                if count == most and shared:
+                    beside = [each / (most * end[0]) for each, end in zip(shared, rows)]
+                    more[1] = (f"{statistics.median(beside):.2f} "
+                               f"({min(beside):.2f}–{max(beside):.2f})")
+                lines.append("| " + " | ".join(map(str, row + more)) + " |")
                 print(lines[-1], flush=True)
-    head = [f"{origin(2)}; medians of {given.turns} turns of "
-            f"{given.steps} steps, a twentieth where contacts are solved for.", "",
-            "| method | bodies | ranks | a body and step, ns | all else, ns a body | bytes a body "
-            "| speed-up | beside two runs at once |", "|---|--:|--:|--:|--:|--:|--:|--:|"]
-    replace_section(HERE / "README.md", "most bodies" if given.whole else "many bodies",
-                    "\n".join(head + lines))
+    head = [f"{origin(most)}; medians of {given.turns} turns of {given.steps} steps, "
+            "a twentieth where contacts are solved for.", "",
+            "| method | bodies | ranks | a body and step, ns | a body and product, ns "
+            "| all else, ns a body | bytes a body | speed-up | beside as many runs at once |",
+            "|---|--:|--:|--:|--:|--:|--:|--:|--:|"]
+    replace_section(HERE / "README.md", given.section, "\n".join(head + lines))
 
 
 if __name__ == "__main__":

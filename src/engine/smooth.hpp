@@ -68,8 +68,11 @@ StepReport smooth_steps(World& world, Forces&& forces, const Splitting& scheme,
                         const StepRequest& request) {
   const double h = request.h;
   StepReport report = begin_smooth_steps(world, h, request.most_steps);
-  forces.begin(h);
-  forces.drift(scheme.first_drift * h);
+  {
+    StageTimer timer(world.stages, "motion");
+    forces.begin(h);
+    forces.drift(scheme.first_drift * h);
+  }
   for (int step = 1; step <= report.steps; ++step)
     for (std::size_t k = 0; k < scheme.stages.size(); ++k) {
       const auto& [kick, drift] = scheme.stages[k];
@@ -81,6 +84,7 @@ StepReport smooth_steps(World& world, Forces&& forces, const Splitting& scheme,
       forces.kick(kick * h, drift * h, goes_on ? scheme.first_drift * h : 0);
       if (half) report.energy += half->energy(world, kick * h);
     }
+  StageTimer timer(world.stages, "motion");
   forces.end();
   end_smooth_steps(world, report.steps);
   return report;

@@ -38,7 +38,6 @@ struct Box {
   double diagonal() const { return vector_of(high - low).norm(); }
 };
 
-Box velocities_of(const Bodies& bodies);
 /// Of all bodies, the spheres of clumps included, and of what stands still where there are walls.
 Box velocities_with_walls(const World& world);
 
