@@ -4,11 +4,11 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <charconv>
 #include <cmath>
-#include <map>
-#include <numeric>
-#include <sstream>
+#include <string_view>
 
+#include "base/sort_by_key.hpp"
 #include "spall/error.hpp"
 
 namespace spall {
@@ -18,16 +18,41 @@ std::string words(const Vec3& v) {
   return fmt::format("({:.6g}, {:.6g}, {:.6g})", v.x(), v.y(), v.z());
 }
 
+/// The words of a line, one after another; "" at its end.
+class Words {
+ public:
+  explicit Words(std::string_view line) : rest_(line) {}
+  std::string_view next() {
+    constexpr std::string_view blanks = " \t\r\v\f";
+    rest_.remove_prefix(std::min(rest_.find_first_not_of(blanks), rest_.size()));
+    const std::string_view word = rest_.substr(0, rest_.find_first_of(blanks));
+    rest_.remove_prefix(word.size());
+    return word;
+  }
+
+ private:
+  std::string_view rest_;
+};
+
+/// Whether the word begins with a number; what is behind it.
+template <class T>
+bool read_number(std::string_view word, T& number, std::string_view& behind) {
+  if (word.starts_with('+')) word.remove_prefix(1);
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
+  behind = word.substr(static_cast<std::size_t>(end - word.data()));
+  return error == std::errc();
+}
+
 /// The vertex of a face's corner, "7", "7/1" or "7//3"; negative ones count from the last vertex.
-std::int32_t vertex_of(const std::string& corner, std::size_t vertices, const std::string& place) {
-  char* end = nullptr;
-  const long number = std::strtol(corner.c_str(), &end, 10);
-  const bool is_number = end != corner.c_str() && (*end == '\0' || *end == '/');
-  const auto count = static_cast<long>(vertices);
-  const long index = number < 0 ? count + number : number - 1;
-  require(is_number && index >= 0 && index < count,
-          "{}: the face's corner \"{}\" is none of the {} vertices above it", place, corner, count);
-  return static_cast<std::int32_t>(index);
+/// -1: none of so many vertices.
+std::int32_t vertex_of(std::string_view corner, std::size_t vertices) {
+  std::int64_t number = 0;
+  std::string_view behind;
+  const bool is_number =
+      read_number(corner, number, behind) && (behind.empty() || behind.starts_with('/'));
+  const auto count = static_cast<std::int64_t>(vertices);
+  const std::int64_t index = number < 0 ? count + number : number - 1;
+  return is_number && index >= 0 && index < count ? static_cast<std::int32_t>(index) : -1;
 }
 
 double squared_distance_to_box(const Vec3& low, const Vec3& high, const Vec3& point) {
@@ -38,6 +63,10 @@ double squared_distance_to_box(const Vec3& low, const Vec3& high, const Vec3& po
 
 SurfaceMesh::SurfaceMesh(std::vector<Vec3> vertices, std::vector<Triangle> triangles,
                          const std::string& name)
+    : SurfaceMesh(std::move(vertices), std::move(triangles), name, false) {}
+
+SurfaceMesh::SurfaceMesh(std::vector<Vec3> vertices, std::vector<Triangle> triangles,
+                         const std::string& name, bool centred)
     : vertices_(std::move(vertices)), triangles_(std::move(triangles)) {
   require(!triangles_.empty(), "{}: no faces", name);
   measure();
@@ -45,51 +74,57 @@ SurfaceMesh::SurfaceMesh(std::vector<Vec3> vertices, std::vector<Triangle> trian
     for (Triangle& t : triangles_) std::swap(t[1], t[2]);
     measure();
   }
-  weigh_normals(name);
+  match_edges(name);
   require(volume_ > 0, "{}: the surface encloses no volume", name);
-  order_.resize(triangles_.size());
-  std::iota(order_.begin(), order_.end(), 0);
-  build(0, static_cast<std::int32_t>(order_.size()));
+  if (centred) {
+    const Vec3 middle = center_;
+    for (Vec3& vertex : vertices_) vertex -= middle;
+    measure();
+  }
+  weigh_normals();
+  const auto count = static_cast<std::int32_t>(triangles_.size());
+  faces_.reserve(triangles_.size());
+  for (std::int32_t f = 0; f < count; ++f) {
+    const auto& [a, b, c] = triangles_[f];
+    faces_.push_back({{vertices_[a], vertices_[b], vertices_[c]}, f});
+  }
+  build(0, count);
 }
 
 SurfaceMesh SurfaceMesh::from_obj(const std::string& text, const std::string& file, double unit) {
-  std::istringstream in(text);
   std::vector<Vec3> vertices;
   std::vector<Triangle> triangles;
-  std::string line;
-  for (std::int64_t number = 1; std::getline(in, line); ++number) {
-    std::istringstream words_of_line(line);
-    std::string kind;
-    words_of_line >> kind;
+  std::vector<std::int32_t> corners;
+  std::string_view rest = text, behind;
+  for (std::int64_t number = 1; !rest.empty(); ++number) {
+    const std::string_view line = rest.substr(0, rest.find('\n'));
+    rest.remove_prefix(std::min(line.size() + 1, rest.size()));
+    Words words_of_line(line);
+    const std::string_view kind = words_of_line.next();
     const auto place = [&] { return fmt::format("{}:{}", file, number); };
     if (kind == "v") {
-      Vec3 vertex;
-      words_of_line >> vertex.x() >> vertex.y() >> vertex.z();
+      Vec3 vertex = Vec3::Zero();
       constexpr double most = 1e50;  // as of the numbers of a case
-      require(!words_of_line.fail() && vertex.cwiseAbs().maxCoeff() <= most,
-              "{}: three coordinates up to {} are wanted", place(), most);
+      for (double& x : vertex)
+        if (!read_number(words_of_line.next(), x, behind) || !behind.empty() ||
+            !(std::abs(x) <= most))
+          throw Error(fmt::format("{}: three coordinates up to {} are wanted", place(), most));
       vertices.push_back(unit * vertex);
     } else if (kind == "f") {
-      std::vector<std::int32_t> corners;
-      for (std::string corner; words_of_line >> corner;)
-        corners.push_back(vertex_of(corner, vertices.size(), place()));
-      require(corners.size() >= 3, "{}: a face needs three corners", place());
+      corners.clear();
+      for (std::string_view corner; !(corner = words_of_line.next()).empty();) {
+        corners.push_back(vertex_of(corner, vertices.size()));
+        if (corners.back() < 0)
+          throw Error(
+              fmt::format("{}: the face's corner \"{}\" is none of the {} vertices above it",
+                          place(), corner, vertices.size()));
+      }
+      if (corners.size() < 3) throw Error(fmt::format("{}: a face needs three corners", place()));
       for (std::size_t k = 2; k < corners.size(); ++k)
         triangles.push_back({corners[0], corners[k - 1], corners[k]});
     }
   }
-  SurfaceMesh mesh(std::move(vertices), std::move(triangles), file);
-  mesh.move(-mesh.center_);
-  return mesh;
-}
-
-void SurfaceMesh::move(const Vec3& by) {
-  for (Vec3& vertex : vertices_) vertex += by;
-  for (Node& node : nodes_) {
-    node.low += by;
-    node.high += by;
-  }
-  measure();
+  return {std::move(vertices), std::move(triangles), file, true};
 }
 
 /// Sums over the tetrahedra between the triangles and a point (Gauss's theorem).
@@ -109,48 +144,79 @@ void SurfaceMesh::measure() {
   center_ = origin + moment / volume_;
 }
 
-void SurfaceMesh::weigh_normals(const std::string& name) {
-  face_normal_.resize(triangles_.size());
-  vertex_normal_.assign(vertices_.size(), Vec3::Zero());
-  edge_normal_.resize(triangles_.size());
-  std::map<std::pair<std::int32_t, std::int32_t>, std::int32_t> triangle_of;  // by directed edge
+/// Finds the triangle beyond each edge: edges that join the same vertices follow each other once
+/// they are sorted.
+void SurfaceMesh::match_edges(const std::string& name) {
+  KeyOrder order;
+  order.key.reserve(3 * triangles_.size());
+  order.row.reserve(3 * triangles_.size());
   for (std::size_t f = 0; f < triangles_.size(); ++f) {
     const Triangle& t = triangles_[f];
-    const Vec3 &a = vertices_[t[0]], &b = vertices_[t[1]], &c = vertices_[t[2]];
-    const Vec3 normal = (b - a).cross(c - a);
-    require(normal.squaredNorm() > 0, "{}: the triangle at {} has no area", name, words(a));
-    face_normal_[f] = normal.normalized();
+    if (!normal_of_triangle(static_cast<std::int32_t>(f)).allFinite())
+      throw Error(fmt::format("{}: the triangle at {} has no area", name, words(vertices_[t[0]])));
     for (int k = 0; k < 3; ++k) {
-      const auto from = t[k], to = t[(k + 1) % 3], other = t[(k + 2) % 3];
-      const Vec3 u = vertices_[to] - vertices_[from], w = vertices_[other] - vertices_[from];
-      vertex_normal_[from] += std::atan2(u.cross(w).norm(), u.dot(w)) * face_normal_[f];
-      const bool fresh =
-          triangle_of.emplace(std::pair(from, to), static_cast<std::int32_t>(f)).second;
-      require(fresh,
-              "{}: two triangles run the same way through the edge from {} to {}: the surface is "
-              "folded, or some of its faces are turned",
-              name, words(vertices_[from]), words(vertices_[to]));
+      const auto [least, most] = std::minmax(t[k], t[(k + 1) % 3]);
+      order.key.push_back(static_cast<std::uint64_t>(least) << 32 |
+                          static_cast<std::uint64_t>(most));
+      order.row.push_back(static_cast<Index>(3 * f + k));
     }
   }
-  for (std::size_t f = 0; f < triangles_.size(); ++f)
+  order = sort_by_key(std::move(order));
+  const auto from = [&](Index row) { return triangles_[row / 3][row % 3]; };
+  const auto to = [&](Index row) { return triangles_[row / 3][(row + 1) % 3]; };
+  const auto edge = [&](Index row) {
+    return fmt::format("the edge from {} to {}", words(vertices_[from(row)]),
+                       words(vertices_[to(row)]));
+  };
+  beyond_.resize(triangles_.size());
+  for (std::size_t first = 0, last; first < order.row.size(); first = last) {
+    const Index one = order.row[first];
+    last = first + 1;
+    while (last < order.row.size() && order.key[last] == order.key[first]) ++last;
+    if (last == first + 1)
+      throw Error(
+          fmt::format("{}: the surface is open: only one triangle has {}; an inside needs "
+                      "a closed one",
+                      name, edge(one)));
+    // Of three that join the same vertices two run the same way.
+    const Index other = order.row[first + 1];
+    if (last > first + 2 || from(one) == from(other))
+      throw Error(
+          fmt::format("{}: two triangles run the same way through {}: the surface is "
+                      "folded, or some of its faces are turned",
+                      name, edge(one)));
+    beyond_[one / 3][one % 3] = other / 3;
+    beyond_[other / 3][other % 3] = one / 3;
+  }
+}
+
+/// Not finite without an area.
+Vec3 SurfaceMesh::normal_of_triangle(std::int32_t triangle) const {
+  const auto& [a, b, c] = triangles_[triangle];
+  const Vec3 normal = (vertices_[b] - vertices_[a]).cross(vertices_[c] - vertices_[a]);
+  return normal / normal.norm();
+}
+
+void SurfaceMesh::weigh_normals() {
+  vertex_normal_.assign(vertices_.size(), Vec3::Zero());
+  for (std::size_t f = 0; f < triangles_.size(); ++f) {
+    const Triangle& t = triangles_[f];
+    const Vec3 normal = normal_of_triangle(static_cast<std::int32_t>(f));
     for (int k = 0; k < 3; ++k) {
-      const auto from = triangles_[f][k], to = triangles_[f][(k + 1) % 3];
-      const auto beyond = triangle_of.find({to, from});
-      require(beyond != triangle_of.end(),
-              "{}: the surface is open: only one triangle has the edge from {} to {}; an inside "
-              "needs a closed one",
-              name, words(vertices_[from]), words(vertices_[to]));
-      edge_normal_[f][k] = face_normal_[f] + face_normal_[beyond->second];
+      const Vec3& at = vertices_[t[k]];
+      const Vec3 u = vertices_[t[(k + 1) % 3]] - at, w = vertices_[t[(k + 2) % 3]] - at;
+      vertex_normal_[t[k]] += std::atan2(u.cross(w).norm(), u.dot(w)) * normal;
     }
+  }
 }
 
 std::int32_t SurfaceMesh::build(std::int32_t first, std::int32_t last) {
   const auto place = static_cast<std::int32_t>(nodes_.size());
   Node node{Vec3::Constant(infinity), Vec3::Constant(-infinity), first, last, -1};
   for (std::int32_t k = first; k < last; ++k)
-    for (std::int32_t v : triangles_[order_[k]]) {
-      node.low = node.low.cwiseMin(vertices_[v]);
-      node.high = node.high.cwiseMax(vertices_[v]);
+    for (const Vec3& corner : faces_[k].corner) {
+      node.low = node.low.cwiseMin(corner);
+      node.high = node.high.cwiseMax(corner);
     }
   nodes_.push_back(node);
   constexpr std::int32_t leaf = 4;
@@ -158,12 +224,11 @@ std::int32_t SurfaceMesh::build(std::int32_t first, std::int32_t last) {
   int axis = 0;
   (node.high - node.low).maxCoeff(&axis);
   const auto middle = (first + last) / 2;
-  const auto center = [&](std::int32_t f) {
-    const Triangle& t = triangles_[f];
-    return vertices_[t[0]][axis] + vertices_[t[1]][axis] + vertices_[t[2]][axis];
+  const auto center = [&](const Face& face) {
+    return face.corner[0][axis] + face.corner[1][axis] + face.corner[2][axis];
   };
-  std::nth_element(order_.begin() + first, order_.begin() + middle, order_.begin() + last,
-                   [&](std::int32_t f, std::int32_t g) { return center(f) < center(g); });
+  std::nth_element(faces_.begin() + first, faces_.begin() + middle, faces_.begin() + last,
+                   [&](const Face& f, const Face& g) { return center(f) < center(g); });
   build(first, middle);
   const std::int32_t right = build(middle, last);
   nodes_[place].right = right;
@@ -174,13 +239,13 @@ double SurfaceMesh::depth(const Vec3& point) const {
   Nearest nearest;
   search(0, point, nearest);
   const double distance = std::sqrt(nearest.distance2);
-  return (point - nearest.point).dot(nearest.normal) > 0 ? -distance : distance;
+  return (point - nearest.point).dot(normal_of(nearest.part)) > 0 ? -distance : distance;
 }
 
 void SurfaceMesh::search(std::int32_t place, const Vec3& point, Nearest& nearest) const {
   const Node& node = nodes_[place];
   if (node.right < 0) {
-    for (std::int32_t k = node.first; k < node.last; ++k) visit(order_[k], point, nearest);
+    for (std::int32_t k = node.first; k < node.last; ++k) visit(faces_[k], point, nearest);
     return;
   }
   const auto distance2 = [&](std::int32_t half) {
@@ -193,31 +258,36 @@ void SurfaceMesh::search(std::int32_t place, const Vec3& point, Nearest& nearest
 }
 
 /// The nearest point of a triangle by the region of its plane that `point` lies over: a corner, an
-/// edge or the face (Ericson 2005, Real-Time Collision Detection, 5.1.5).
-void SurfaceMesh::visit(std::int32_t f, const Vec3& point, Nearest& nearest) const {
-  const Triangle& t = triangles_[f];
-  const auto offer = [&](const Vec3& q, const Vec3& normal) {
+/// edge or the inside (Ericson 2005, Real-Time Collision Detection, 5.1.5).
+void SurfaceMesh::visit(const Face& face, const Vec3& point, Nearest& nearest) {
+  const auto& [a, b, c] = face.corner;
+  const auto offer = [&](const Vec3& q, decltype(Part::kind) kind, std::int32_t k) {
     const double d2 = (point - q).squaredNorm();
-    if (d2 < nearest.distance2) nearest = {d2, q, normal};
+    if (d2 < nearest.distance2) nearest = {d2, q, {kind, face.triangle, k}};
   };
-  bool over_face = true;
-  for (int k = 0; k < 3; ++k) {
-    const Vec3 &a = vertices_[t[k]], &b = vertices_[t[(k + 1) % 3]];
-    const Vec3 edge = b - a;
-    if ((point - a).dot(face_normal_[f].cross(edge)) >= 0) continue;  // on the inner side
-    over_face = false;
-    const double along = (point - a).dot(edge) / edge.squaredNorm();
-    if (along <= 0)
-      offer(a, vertex_normal_[t[k]]);
-    else if (along >= 1)
-      offer(b, vertex_normal_[t[(k + 1) % 3]]);
-    else
-      offer(a + along * edge, edge_normal_[f][k]);
-  }
-  if (over_face) {
-    const double above = (point - vertices_[t[0]]).dot(face_normal_[f]);
-    offer(point - above * face_normal_[f], face_normal_[f]);
-  }
+  const Vec3 ab = b - a, ac = c - a, ap = point - a, bp = point - b, cp = point - c;
+  const double ab_a = ab.dot(ap), ac_a = ac.dot(ap);
+  if (ab_a <= 0 && ac_a <= 0) return offer(a, Part::corner, 0);
+  const double ab_b = ab.dot(bp), ac_b = ac.dot(bp);
+  if (ab_b >= 0 && ac_b <= ab_b) return offer(b, Part::corner, 1);
+  const double ab_c = ab.dot(cp), ac_c = ac.dot(cp);
+  if (ac_c >= 0 && ab_c <= ac_c) return offer(c, Part::corner, 2);
+  if (ab_a >= 0 && ab_b <= 0 && ab_a * ac_b <= ab_b * ac_a)
+    return offer(a + ab_a / (ab_a - ab_b) * ab, Part::edge, 0);
+  const double from_b = ac_b - ab_b, from_c = ab_c - ac_c;
+  if (from_b >= 0 && from_c >= 0 && ab_b * ac_c <= ab_c * ac_b)
+    return offer(b + from_b / (from_b + from_c) * (c - b), Part::edge, 1);
+  if (ac_a >= 0 && ac_c <= 0 && ab_c * ac_a <= ab_a * ac_c)
+    return offer(a + ac_a / (ac_a - ac_c) * ac, Part::edge, 2);
+  const Vec3 normal = ab.cross(ac);
+  offer(point - ap.dot(normal) / normal.squaredNorm() * normal, Part::inside, 0);
+}
+
+Vec3 SurfaceMesh::normal_of(const Part& part) const {
+  const auto [kind, triangle, k] = part;
+  if (kind == Part::corner) return vertex_normal_[triangles_[triangle][k]];
+  const Vec3 own = normal_of_triangle(triangle);
+  return kind == Part::edge ? own + normal_of_triangle(beyond_[triangle][k]) : own;
 }
 
 }  // namespace spall

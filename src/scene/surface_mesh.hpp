@@ -37,29 +37,45 @@ class SurfaceMesh {
   const std::vector<Triangle>& triangles() const { return triangles_; }
 
  private:
-  /// A box around triangles [first, last) of `order_`; its halves follow in the tree.
+  /// A box around faces [first, last) in the order of the tree; its halves follow in the tree.
   struct Node {
     Vec3 low, high;
     std::int32_t first, last, right;  // right half's place; the left one is the next node
   };
-  /// The nearest point found so far, with the normal of the part of the surface that it lies on.
+  /// The corners of a triangle, beside those of its neighbours in the tree: a search would wait for
+  /// each corner otherwise.
+  struct Face {
+    std::array<Vec3, 3> corner;
+    std::int32_t triangle;
+  };
+  /// What a nearest point lies on: the inside of a triangle, its edge k or its corner k.
+  struct Part {
+    enum { inside, edge, corner } kind;
+    std::int32_t triangle, k;
+  };
+  /// The nearest point found so far.
   struct Nearest {
     double distance2 = infinity;
-    Vec3 point, normal;
+    Vec3 point = Vec3::Zero();
+    Part part{};
   };
 
-  void move(const Vec3& by);
+  SurfaceMesh(std::vector<Vec3> vertices, std::vector<Triangle> triangles, const std::string& name,
+              bool centred);
   void measure();
-  void weigh_normals(const std::string& name);
+  void match_edges(const std::string& name);
+  void weigh_normals();
   std::int32_t build(std::int32_t first, std::int32_t last);
   void search(std::int32_t node, const Vec3& point, Nearest& nearest) const;
-  void visit(std::int32_t triangle, const Vec3& point, Nearest& nearest) const;
+  static void visit(const Face& face, const Vec3& point, Nearest& nearest);
+  Vec3 normal_of_triangle(std::int32_t triangle) const;
+  Vec3 normal_of(const Part& part) const;
 
   std::vector<Vec3> vertices_;
   std::vector<Triangle> triangles_;
-  std::vector<Vec3> face_normal_, vertex_normal_;
-  std::vector<std::array<Vec3, 3>> edge_normal_;  // of edge k, from corner k to the next
-  std::vector<std::int32_t> order_;
+  std::vector<Triangle> beyond_;  // the triangle on the other side of edge k, from corner k on
+  std::vector<Vec3> vertex_normal_;
+  std::vector<Face> faces_;
   std::vector<Node> nodes_;
   double volume_ = 0;
   Vec3 center_ = Vec3::Zero(), half_ = Vec3::Zero();
