@@ -2,7 +2,7 @@
 
 SPDX-License-Identifier: BSD-3-Clause
 usage: many_bodies.py SPALL [--turns 3] [--methods 'nonsmooth;...'] [--steps 100] [--ranks 2]
-                     [--iterations N] [--whole] [--section 'many bodies'] [RADIUS_IN_M ...]
+                     [--iterations N] [--whole] [RADIUS_IN_M ...]
 
 A twentieth of the STEPS where contacts are solved for: each of them has many iterations, or as
 many as are given. The first step cuts the domain and finds the pairs; so few steps of smooth forces
@@ -12,8 +12,8 @@ RADIUS is that of the ball of plan.toml: 0.255 has 100,000 bodies, 0.55 a millio
 million. In each turn a ball is run by one rank, by each of RANKS (as in 2,4,16), and by as many
 runs of one rank each as the last of these, which know nothing of each other. They have a core each
 and share memory, as ranks do, so what they reach together is what more ranks can bring on this
-machine. With --whole the last number of ranks alone, which then has all the memory. Writes a
-section of bench/README.md.
+machine. With --whole the last number of ranks alone, which then has all the memory. Two ranks are
+written into bench/README.md, others are printed alone.
 """
 import argparse
 import os
@@ -46,7 +46,7 @@ class Run:
             stdout=subprocess.DEVNULL)
 
     def end(self, steps):
-        """Seconds of a step, of all else, of a product or 0, and the most bytes of one rank."""
+        """Seconds of a step, of all else, of solving over its products, most bytes of a rank."""
         _, status, used = os.wait4(self.process.pid, 0)
         whole = time.monotonic() - self.begin
         if status != 0:
@@ -68,7 +68,6 @@ def main():
     parser.add_argument("--ranks", default="2", help="more than one, separated by commas")
     parser.add_argument("--iterations", help="most of a step's solve")
     parser.add_argument("--whole", action="store_true", help="the last number of ranks alone")
-    parser.add_argument("--section", default="many bodies", help="of bench/README.md")
     parser.add_argument("radii", nargs="*", default=RADII)
     given = parser.parse_intermixed_args()
     kept = tempfile.TemporaryDirectory()
@@ -125,10 +124,12 @@ def main():
                 print(lines[-1], flush=True)
     head = [f"{origin(most)}; medians of {given.turns} turns of {given.steps} steps, "
             "a twentieth where contacts are solved for.", "",
-            "| method | bodies | ranks | a body and step, ns | a body and product, ns "
+            "| method | bodies | ranks | a body and step, ns | solving over products, ns a body "
             "| all else, ns a body | bytes a body | speed-up | beside as many runs at once |",
             "|---|--:|--:|--:|--:|--:|--:|--:|--:|"]
-    replace_section(HERE / "README.md", given.section, "\n".join(head + lines))
+    if ranks == [2]:
+        section = "most bodies" if given.whole else "many bodies"
+        replace_section(HERE / "README.md", section, "\n".join(head + lines))
 
 
 if __name__ == "__main__":

@@ -163,6 +163,30 @@ TEST(SurfaceMesh, depth_of_a_torus_nears_the_tubes) {
   }
 }
 
+/// A tetrahedron with a fifth vertex on one of its edges, beside which lies a sliver.
+Surface with_sliver(double t) {
+  Surface s{{{9.8, 4.9, 9.2}, {-8.3, -2.4, 6.8}, {-1.9, -3.1, 0}, {-5.8, -4.4, 5.6}}, {}};
+  s.vertices.push_back(s.vertices[0] + t * (s.vertices[1] - s.vertices[0]));
+  s.triangles = {{0, 2, 1}, {0, 4, 3}, {4, 1, 3}, {0, 1, 4}, {0, 3, 2}, {1, 2, 3}};
+  return s;
+}
+
+TEST(SurfaceMesh, slivers_change_no_distance) {
+  const Surface plain{{{9.8, 4.9, 9.2}, {-8.3, -2.4, 6.8}, {-1.9, -3.1, 0}, {-5.8, -4.4, 5.6}},
+                      {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}};
+  const SurfaceMesh mesh = plain.mesh();
+  int slivers = 0;
+  for (int k = 1; k < 200; ++k) {
+    const Surface surface = with_sliver(k / 200.0);
+    if (!complaint(surface).empty()) continue;  // the fifth vertex is on the edge to the last bit
+    ++slivers;
+    const SurfaceMesh with = surface.mesh();
+    for (const Vec3& p : points_around(mesh, 200))
+      EXPECT_NEAR(std::abs(with.depth(p)), std::abs(mesh.depth(p)), 1e-9) << k;
+  }
+  EXPECT_GT(slivers, 50);
+}
+
 TEST(SurfaceMesh, one_inside_out_is_turned) {
   Surface surface = torus(3, 1, 24, 12);
   for (Triangle& t : surface.triangles) std::swap(t[0], t[1]);
@@ -205,7 +229,8 @@ TEST(SurfaceMesh, of_a_file_has_its_volume_around_the_origin) {
   EXPECT_NEAR(mesh.depth({900, 0, 0}), 100, 1e-9);
   EXPECT_NEAR(mesh.depth({0, 0, 1700}), -200, 1e-9);
 
-  for (const char* number : {"1e", "x", "", "1.5x", "nan", "inf", "1e60", "1_0", "--1"})
+  for (const char* number :
+       {"1e", "x", "", "1.5x", "nan", "inf", "1e60", "1e999", "1_0", "--1", "+-1"})
     EXPECT_EQ(complaint_of([&] {
                 SurfaceMesh::from_obj(std::string("v 0 +1 -1e-3\r\n v\t2 3 ") + number, "x.obj", 1);
               }),
@@ -220,6 +245,11 @@ TEST(SurfaceMesh, of_a_file_has_its_volume_around_the_origin) {
               fmt::format("x.obj:2: the face's corner \"{}\" is none of the 1 vertices above it",
                           corner));
 
+  // Too small for a double, and a plus.
+  EXPECT_EQ(complaint_of([] {
+              SurfaceMesh::from_obj("v 1e-400 0 -1e-400\nv +1 0 0\nv 0 1 0\nf 1 2 3", "x.obj", 1);
+            }).find("x.obj: the surface is open"),
+            0);
   const std::string open = "v 0 0 0\nv 1 0 0\nf 1 2 7\n";
   EXPECT_EQ(complaint_of([&] { SurfaceMesh::from_obj(open, "x.obj", 1); }),
             "x.obj:3: the face's corner \"7\" is none of the 2 vertices above it");

@@ -84,7 +84,6 @@ StepReport smooth_steps(World& world, Forces&& forces, const Splitting& scheme,
       forces.kick(kick * h, drift * h, goes_on ? scheme.first_drift * h : 0);
       if (half) report.energy += half->energy(world, kick * h);
     }
-  StageTimer timer(world.stages, "motion");
   forces.end();
   end_smooth_steps(world, report.steps);
   return report;

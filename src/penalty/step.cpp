@@ -218,6 +218,7 @@ class Motion {
     set_prescribed_velocities(world_, world_.time - h_ / 2, h_);
     update_pairs(world_, engine_, laws_);
     velocities_ = kick_and_drift(world_, engine_, laws_, h, first, second);
+    StageTimer timer(world_.stages, "motion");
     if (world_.walls().size() > 0) velocities_.add(Vec3(Vec3::Zero()));
     move(first + second);
     if (std::exchange(searches_, engine_.touch.searches) != engine_.touch.searches)

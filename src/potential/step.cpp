@@ -314,10 +314,14 @@ class Motion {
     update_pairs(world_, engine_, is_damped_);
     if (embeddings_.any()) update_pushes(world_, engine_, embeddings_);
     velocities_ = kick_and_drift(world_, engine_, damping_, h, first, second);
+    StageTimer timer(world_.stages, "motion");
     if (world_.walls().size() > 0) velocities_.add(Vec3(Vec3::Zero()));
     move(first + second);
   }
-  void end() { take_rows(world_, engine_); }
+  void end() {
+    StageTimer timer(world_.stages, "motion");
+    take_rows(world_, engine_);
+  }
 
  private:
   void kick_by_program(double h) {

@@ -223,12 +223,20 @@ class Addition {
   /// Whether the sphere is wholly inside and meets nothing. A try of which that can never be, with
   /// whatever radius of those that are left and whatever else this block places, is closed.
   bool is_clear(std::int64_t t, const Vec3& x, double r, std::int64_t settled, double slack) {
-    const double deep = depth(volume_, x) - r;
-    const auto hit = deep < 0 ? std::nullopt : spheres_.find_overlap(x, r, 0);
-    const bool free = deep >= 0 && !hit && is_free_(x, r);
-    if (deep < -slack || (hit && hit->sphere < settled && hit->depth > slack) ||
-        (deep >= 0 && !hit && !free && slack == 0))
+    const auto closes = [&](const auto& hit) {
+      return hit && hit->sphere < settled && hit->depth > slack;
+    };
+    // The depth in a mesh costs more than all else, in other volumes less.
+    const bool is_mesh = volume_.mesh != nullptr;
+    auto hit = is_mesh ? spheres_.find_overlap(x, r, 0) : std::nullopt;
+    if (closes(hit)) {
       open_.remove(t);
+      return false;
+    }
+    const double deep = depth(volume_, x) - r;
+    if (!is_mesh && deep >= 0) hit = spheres_.find_overlap(x, r, 0);
+    const bool free = deep >= 0 && !hit && is_free_(x, r);
+    if (deep < -slack || closes(hit) || (deep >= 0 && !hit && !free && slack == 0)) open_.remove(t);
     return free;
   }
 

@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdlib>
 #include <string_view>
+#include <type_traits>
 
 #include "base/sort_by_key.hpp"
 #include "spall/error.hpp"
@@ -37,9 +39,12 @@ class Words {
 /// Whether the word begins with a number; what is behind it.
 template <class T>
 bool read_number(std::string_view word, T& number, std::string_view& behind) {
-  if (word.starts_with('+')) word.remove_prefix(1);
+  if (word.starts_with('+') && !word.starts_with("+-")) word.remove_prefix(1);
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
   behind = word.substr(static_cast<std::size_t>(end - word.data()));
+  if constexpr (std::is_floating_point_v<T>)
+    if (error == std::errc::result_out_of_range)  // 0 of what is too small
+      return std::abs(number = std::strtod(std::string(word).c_str(), nullptr)) < 1;
   return error == std::errc();
 }
 
@@ -74,14 +79,15 @@ SurfaceMesh::SurfaceMesh(std::vector<Vec3> vertices, std::vector<Triangle> trian
     for (Triangle& t : triangles_) std::swap(t[1], t[2]);
     measure();
   }
+  weigh_normals(name);
   match_edges(name);
   require(volume_ > 0, "{}: the surface encloses no volume", name);
+  // After the normals: a triangle of the file may collapse where coordinates become larger.
   if (centred) {
     const Vec3 middle = center_;
     for (Vec3& vertex : vertices_) vertex -= middle;
     measure();
   }
-  weigh_normals();
   const auto count = static_cast<std::int32_t>(triangles_.size());
   faces_.reserve(triangles_.size());
   for (std::int32_t f = 0; f < count; ++f) {
@@ -152,8 +158,6 @@ void SurfaceMesh::match_edges(const std::string& name) {
   order.row.reserve(3 * triangles_.size());
   for (std::size_t f = 0; f < triangles_.size(); ++f) {
     const Triangle& t = triangles_[f];
-    if (!normal_of_triangle(static_cast<std::int32_t>(f)).allFinite())
-      throw Error(fmt::format("{}: the triangle at {} has no area", name, words(vertices_[t[0]])));
     for (int k = 0; k < 3; ++k) {
       const auto [least, most] = std::minmax(t[k], t[(k + 1) % 3]);
       order.key.push_back(static_cast<std::uint64_t>(least) << 32 |
@@ -190,22 +194,19 @@ void SurfaceMesh::match_edges(const std::string& name) {
   }
 }
 
-/// Not finite without an area.
-Vec3 SurfaceMesh::normal_of_triangle(std::int32_t triangle) const {
-  const auto& [a, b, c] = triangles_[triangle];
-  const Vec3 normal = (vertices_[b] - vertices_[a]).cross(vertices_[c] - vertices_[a]);
-  return normal / normal.norm();
-}
-
-void SurfaceMesh::weigh_normals() {
+void SurfaceMesh::weigh_normals(const std::string& name) {
   vertex_normal_.assign(vertices_.size(), Vec3::Zero());
-  for (std::size_t f = 0; f < triangles_.size(); ++f) {
-    const Triangle& t = triangles_[f];
-    const Vec3 normal = normal_of_triangle(static_cast<std::int32_t>(f));
+  face_normal_.reserve(triangles_.size());
+  for (const Triangle& t : triangles_) {
+    const Vec3 &a = vertices_[t[0]], &b = vertices_[t[1]], &c = vertices_[t[2]];
+    const Vec3 normal = (b - a).cross(c - a);
+    if (!(normal.squaredNorm() > 0))
+      throw Error(fmt::format("{}: the triangle at {} has no area", name, words(a)));
+    face_normal_.push_back(normal.normalized());
     for (int k = 0; k < 3; ++k) {
       const Vec3& at = vertices_[t[k]];
       const Vec3 u = vertices_[t[(k + 1) % 3]] - at, w = vertices_[t[(k + 2) % 3]] - at;
-      vertex_normal_[t[k]] += std::atan2(u.cross(w).norm(), u.dot(w)) * normal;
+      vertex_normal_[t[k]] += std::atan2(u.cross(w).norm(), u.dot(w)) * face_normal_.back();
     }
   }
 }
@@ -258,36 +259,48 @@ void SurfaceMesh::search(std::int32_t place, const Vec3& point, Nearest& nearest
 }
 
 /// The nearest point of a triangle by the region of its plane that `point` lies over: a corner, an
-/// edge or the inside (Ericson 2005, Real-Time Collision Detection, 5.1.5).
+/// edge or the inside (Ericson 2005, Real-Time Collision Detection, 5.1.5). By sides of edges, all
+/// with one normal: it may be rounding error where a triangle is a sliver, but what lies on the
+/// inner side of all edges is over the triangle still.
 void SurfaceMesh::visit(const Face& face, const Vec3& point, Nearest& nearest) {
-  const auto& [a, b, c] = face.corner;
   const auto offer = [&](const Vec3& q, decltype(Part::kind) kind, std::int32_t k) {
     const double d2 = (point - q).squaredNorm();
     if (d2 < nearest.distance2) nearest = {d2, q, {kind, face.triangle, k}};
   };
-  const Vec3 ab = b - a, ac = c - a, ap = point - a, bp = point - b, cp = point - c;
-  const double ab_a = ab.dot(ap), ac_a = ac.dot(ap);
-  if (ab_a <= 0 && ac_a <= 0) return offer(a, Part::corner, 0);
-  const double ab_b = ab.dot(bp), ac_b = ac.dot(bp);
-  if (ab_b >= 0 && ac_b <= ab_b) return offer(b, Part::corner, 1);
-  const double ab_c = ab.dot(cp), ac_c = ac.dot(cp);
-  if (ac_c >= 0 && ab_c <= ac_c) return offer(c, Part::corner, 2);
-  if (ab_a >= 0 && ab_b <= 0 && ab_a * ac_b <= ab_b * ac_a)
-    return offer(a + ab_a / (ab_a - ab_b) * ab, Part::edge, 0);
-  const double from_b = ac_b - ab_b, from_c = ab_c - ac_c;
-  if (from_b >= 0 && from_c >= 0 && ab_b * ac_c <= ab_c * ac_b)
-    return offer(b + from_b / (from_b + from_c) * (c - b), Part::edge, 1);
-  if (ac_a >= 0 && ac_c <= 0 && ab_c * ac_a <= ab_a * ac_c)
-    return offer(a + ac_a / (ac_a - ac_c) * ac, Part::edge, 2);
-  const Vec3 normal = ab.cross(ac);
-  offer(point - ap.dot(normal) / normal.squaredNorm() * normal, Part::inside, 0);
+  const auto& corner = face.corner;
+  if (squared_distance_to_box(corner[0].cwiseMin(corner[1]).cwiseMin(corner[2]),
+                              corner[0].cwiseMax(corner[1]).cwiseMax(corner[2]),
+                              point) > nearest.distance2)
+    return;
+  const Vec3 normal = (corner[1] - corner[0]).cross(corner[2] - corner[0]);
+  bool inside = true;
+  for (int k = 0; k < 3; ++k) {
+    const Vec3 edge = corner[(k + 1) % 3] - corner[k], from = point - corner[k];
+    if (from.dot(normal.cross(edge)) >= 0) continue;  // on the inner side
+    inside = false;
+    const double along = from.dot(edge) / edge.squaredNorm();
+    if (along <= 0)
+      offer(corner[k], Part::corner, k);
+    else if (along >= 1)
+      offer(corner[(k + 1) % 3], Part::corner, (k + 1) % 3);
+    else
+      offer(corner[k] + along * edge, Part::edge, k);
+  }
+  if (inside)
+    offer(point - (point - corner[0]).dot(normal) / normal.squaredNorm() * normal, Part::inside, 0);
 }
 
 Vec3 SurfaceMesh::normal_of(const Part& part) const {
   const auto [kind, triangle, k] = part;
-  if (kind == Part::corner) return vertex_normal_[triangles_[triangle][k]];
-  const Vec3 own = normal_of_triangle(triangle);
-  return kind == Part::edge ? own + normal_of_triangle(beyond_[triangle][k]) : own;
+  switch (kind) {
+    case Part::corner:
+      return vertex_normal_[triangles_[triangle][k]];
+    case Part::edge:
+      return face_normal_[triangle] + face_normal_[beyond_[triangle][k]];
+    case Part::inside:
+      break;
+  }
+  return face_normal_[triangle];
 }
 
 }  // namespace spall

@@ -64,17 +64,16 @@ class SurfaceMesh {
               bool centred);
   void measure();
   void match_edges(const std::string& name);
-  void weigh_normals();
+  void weigh_normals(const std::string& name);
   std::int32_t build(std::int32_t first, std::int32_t last);
   void search(std::int32_t node, const Vec3& point, Nearest& nearest) const;
   static void visit(const Face& face, const Vec3& point, Nearest& nearest);
-  Vec3 normal_of_triangle(std::int32_t triangle) const;
   Vec3 normal_of(const Part& part) const;
 
   std::vector<Vec3> vertices_;
   std::vector<Triangle> triangles_;
   std::vector<Triangle> beyond_;  // the triangle on the other side of edge k, from corner k on
-  std::vector<Vec3> vertex_normal_;
+  std::vector<Vec3> face_normal_, vertex_normal_;
   std::vector<Face> faces_;
   std::vector<Node> nodes_;
   double volume_ = 0;

@@ -233,11 +233,13 @@ class Motion {
     update();
     ++engine_.parts;
     velocities_ = kick_and_drift(world_, engine_, h, first, second);
+    StageTimer timer(world_.stages, "motion");
     if (world_.walls().size() > 0) velocities_.add(Vec3(Vec3::Zero()));
     move(first + second);
   }
   void end() {
     update();
+    StageTimer timer(world_.stages, "motion");
     take_positions(world_, engine_);
   }
   /// s, that a part of a step may last from here, where pairs are current. Collective.
