@@ -325,6 +325,9 @@ duration = "2 ms"
 END
 on_ranks "$ranks" run grains.toml --out grains || fail "a run of grains: $(cat stderr)"
 grep -q "^residual" grains/results.toml && fail "a run without a solver speaks of residuals"
+for run in grains whole; do  # bodies of two ranks touch in both
+  [ "$ranks" -eq 2 ] && grep -q "^ghosts_a_body = 0.0 " $run/results.toml && fail "no ghosts in $run"
+done
 grep -q "^residual" whole/results.toml || fail "a run with a solver does not speak of residuals"
 on_ranks "$ranks" resume grains/after_collapse.h5 --out grains_resumed || fail "resume: $(cat stderr)"
 diff <(results_of grains) <(results_of grains_resumed) || fail "resumed grains end otherwise"

@@ -8,7 +8,7 @@
 
 namespace spall {
 
-void add_communication(const World& world, std::int64_t steps, ResultTable& table) {
+void add_communication(const World& world, Index ghosts, std::int64_t steps, ResultTable& table) {
   const Comm& comm = world.comm;
   const auto a_step = 1.0 / static_cast<double>(std::max<std::int64_t>(steps, 1));
   double sources = 0, gathered = 0;
@@ -27,13 +27,13 @@ void add_communication(const World& world, std::int64_t steps, ResultTable& tabl
   }
   const auto owned = static_cast<double>(world.bodies.owned);
   const double mean = comm.sum(owned) / comm.size;
-  std::array<double, 4> most{sources, gathered, owned,
-                             static_cast<double>(world.bodies.size()) - owned};
+  std::array<double, 4> most{sources, gathered, owned, static_cast<double>(ghosts)};
   comm.max(most);
   table.add("communication", "sources", static_cast<std::int64_t>(most[0]), "",
             "most ranks from which one received at once");
   table.add("communication", "gathered_bytes", most[1], "B", "a step, from all ranks");
-  table.add("communication", "ghosts_a_body", most[3] / mean, "", "at the end, the rank with most");
+  table.add("communication", "ghosts_a_body", most[3] / mean, "",
+            "after the last step, the rank with most");
   table.add("communication", "imbalance", most[2] / mean, "", "of bodies: most over mean");
 }
 

@@ -207,6 +207,7 @@ class Run {
       const Clock start = clock();
       const StepReport report = advance(row);
       record_.book(report);
+      ghosts_ = world().bodies.size() - world().bodies.owned;
       shown_.residual = report.solver.residual;
       if (row) write_row(start, sums, report, received);
       if (progress_.due()) progress_.show(clock(), shown_);
@@ -377,7 +378,8 @@ class Run {
       table.add("time", stage + "_s", comm_.max(world().stages[stage].seconds), "s",
                 "longest rank");
     table.add("time", "ranks", static_cast<std::int64_t>(comm_.size));
-    add_communication(world(), clock().step - std::max<std::int64_t>(resumes_at_, 0), table);
+    add_communication(world(), ghosts_, clock().step - std::max<std::int64_t>(resumes_at_, 0),
+                      table);
     progress_.say("\n" + table.text());
     if (const std::string warning = verdict_.warning(); !warning.empty()) progress_.say(warning);
     if (record_.relaxed() > 0)
@@ -426,6 +428,7 @@ class Run {
   const Case& scene_;
   const RunFolder& folder_;
   std::int64_t resumes_at_;  // the step of the restart file; negative: from the start
+  Index ghosts_ = 0;         // of this rank, after the last step
   DebrisLog debris_;
   Shields shields_;
   Progress progress_;
