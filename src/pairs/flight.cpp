@@ -38,7 +38,6 @@ Box box_of(Index count, const Place& place, const Room& room) {
   }
   return {half_row(Vec3(low.data()), 0), half_row(Vec3(high.data()), 0)};
 }
-constexpr auto no_room = [](Index) { return 0.0; };
 
 }  // namespace
 
@@ -53,8 +52,9 @@ Box velocities_with_walls(const World& world) {
 
 double approach_from(const World& world, const Bodies& bodies, std::span<const Vec3> from) {
   const auto moved = [&](Index b) -> Vec3 { return bodies.position[b] - from[b]; };
-  const Vec3 centre =
-      box_of(static_cast<Index>(from.size()), moved, no_room).united(world.comm).centre();
+  const Vec3 centre = box_of(static_cast<Index>(from.size()), moved, [](Index) { return 0.0; })
+                          .united(world.comm)
+                          .centre();
   double furthest = 0;
   for (Index b = 0; b < static_cast<Index>(from.size()); ++b) {
     furthest = std::max(furthest, 4 * (moved(b) - centre).squaredNorm());

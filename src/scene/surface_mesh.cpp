@@ -7,6 +7,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
+#include <limits>
 #include <string_view>
 #include <type_traits>
 
@@ -172,26 +173,36 @@ void SurfaceMesh::match_edges(const std::string& name) {
     return fmt::format("the edge from {} to {}", words(vertices_[from(row)]),
                        words(vertices_[to(row)]));
   };
+  // What is told is the first fault of the file, not of the sorted edges.
+  constexpr Index none = std::numeric_limits<Index>::max();
+  Index folded = none, open = none;
   beyond_.resize(triangles_.size());
   for (std::size_t first = 0, last; first < order.row.size(); first = last) {
     const Index one = order.row[first];
     last = first + 1;
     while (last < order.row.size() && order.key[last] == order.key[first]) ++last;
-    if (last == first + 1)
-      throw Error(
-          fmt::format("{}: the surface is open: only one triangle has {}; an inside needs "
-                      "a closed one",
-                      name, edge(one)));
-    // Of three that join the same vertices two run the same way.
+    if (last == first + 1) {
+      open = std::min(open, one);
+      continue;
+    }
     const Index other = order.row[first + 1];
-    if (last > first + 2 || from(one) == from(other))
-      throw Error(
-          fmt::format("{}: two triangles run the same way through {}: the surface is "
-                      "folded, or some of its faces are turned",
-                      name, edge(one)));
+    if (from(one) == from(other))
+      folded = std::min(folded, other);
+    else if (last > first + 2)  // of three that join the same vertices two run the same way
+      folded = std::min(folded, order.row[first + 2]);
     beyond_[one / 3][one % 3] = other / 3;
     beyond_[other / 3][other % 3] = one / 3;
   }
+  if (folded != none)
+    throw Error(
+        fmt::format("{}: two triangles run the same way through {}: the surface is "
+                    "folded, or some of its faces are turned",
+                    name, edge(folded)));
+  if (open != none)
+    throw Error(
+        fmt::format("{}: the surface is open: only one triangle has {}; an inside needs a "
+                    "closed one",
+                    name, edge(open)));
 }
 
 void SurfaceMesh::weigh_normals(const std::string& name) {
