@@ -81,7 +81,7 @@ void measure(const Comm& comm, const Shape& shape, int n, Cut by) {
     mine.radius.back() = 0.5;
   });
   mine.owned = mine.size();
-  ContactMemory none;
+  SharedContacts none;
   for (int cut = 0; cut < 2; ++cut)  // METIS's cells depend on where bodies are at first
     migrate(comm, mine, none, partition(comm, mine, std::vector<double>(mine.owned, 1.0), by));
   std::vector<double> reach(mine.owned, 0.05);

@@ -55,7 +55,7 @@ TEST(AddedField, goes_with_its_body_to_other_ranks_and_to_ghosts) {
   std::vector<int> owner(bodies.owned);
   for (Index b = 0; b < bodies.owned; ++b)
     owner[b] = static_cast<int>(bodies.id[b] * comm.size / 40);
-  ContactMemory memory;
+  SharedContacts memory;
   migrate(comm, bodies, memory, owner);
   expect_own_values(bodies);
   std::vector<double> reach(bodies.owned, 0.1);

@@ -74,7 +74,7 @@ inline double expect_the_same_bits_after_a_stop(const std::string& text, const s
   Simulation first(comm, Scene(std::make_shared<Case>(scene)));
   first.run_until(stop);
   RestartState state = first.save();
-  const double contacts = comm.sum(static_cast<double>(state.contacts.size()));
+  const double contacts = comm.sum(static_cast<double>(state.contacts->size()));
   if (comm.rank == 0) std::filesystem::create_directories(folder);
   comm.any(true);
   write_restart(comm, folder + "/restart.h5", state);

@@ -531,6 +531,7 @@ TEST(Memory, impulses_of_spheres_stay_through_a_new_cut_and_a_search) {
   ASSERT_NE(several, before.end()) << "some pairs have several contacts";
   Rigid anew;
   anew.restart_pairs(world, memory);
+  EXPECT_EQ(&*anew.neighbours.carried, &*memory.contacts) << "one copy";
   update_neighbours(world.comm, world.bodies, world.planes, 3e-3, 0, anew.neighbours);
   const auto after = remembered(anew.remember(world).contacts);
   EXPECT_EQ(before, after);

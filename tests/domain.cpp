@@ -84,13 +84,13 @@ TEST(Migration, every_body_arrives_once_with_all_its_fields) {
   const Comm comm = testing_world();
   const Bodies all = random_bodies(500);
   Bodies mine = share(all, comm);
-  ContactMemory memory;
+  SharedContacts memory;
   if (comm.rank == 0)
-    memory = {{3, 7, 9},
-              {4, -1, 200},
-              {Vec3(1, 2, 3), Vec3(4, 5, 6), Vec3::Ones()},
-              std::vector<Vec3>(3, Vec3(7, 8, 9)),
-              {}};
+    memory = ContactMemory{{3, 7, 9},
+                           {4, -1, 200},
+                           {Vec3(1, 2, 3), Vec3(4, 5, 6), Vec3::Ones()},
+                           std::vector<Vec3>(3, Vec3(7, 8, 9)),
+                           {}};
   std::vector<int> owner(mine.owned);
   for (Index b = 0; b < mine.owned; ++b)
     owner[b] = static_cast<int>(mine.id[b] * 31 % 7) % comm.size;
@@ -104,7 +104,7 @@ TEST(Migration, every_body_arrives_once_with_all_its_fields) {
     EXPECT_EQ(packed(mine, b, trait::migrated), packed(all, static_cast<Index>(id), ~0u));
   }
   // Memory is wherever one of the contact's bodies is.
-  const std::set<BodyId> remembered(memory.i.begin(), memory.i.end());
+  const std::set<BodyId> remembered(memory->i.begin(), memory->i.end());
   EXPECT_EQ(remembered.count(3), here.count(3) || here.count(4));
   EXPECT_EQ(remembered.count(7), here.count(7));
   EXPECT_EQ(remembered.count(9), here.count(9) || here.count(200));
@@ -116,24 +116,25 @@ TEST(Migration, memory_of_contacts_with_ghosts_goes_where_ghosts_go) {
   std::vector<double> reach(mine.owned, 0.5);
   const Ghosts ghosts = make_halo(comm, mine, reach);
   const auto goes_to = [&](BodyId id) { return static_cast<int>(id * 31 % 7) % comm.size; };
-  ContactMemory memory;
+  ContactMemory known;
   for (Index g = mine.owned; g < mine.size(); ++g) {
     const auto [low, high] = std::minmax(mine.id[0], mine.id[g]);
-    memory.add(low, high, Vec3(static_cast<double>(low), static_cast<double>(high), 0));
+    known.add(low, high, Vec3(static_cast<double>(low), static_cast<double>(high), 0));
   }
   double expected = 0;
-  for (std::size_t m = 0; m < memory.size(); ++m)
-    expected += 1 + (goes_to(memory.i[m]) != goes_to(memory.j[m]));
+  for (std::size_t m = 0; m < known.size(); ++m)
+    expected += 1 + (goes_to(known.i[m]) != goes_to(known.j[m]));
   std::vector<int> owner(mine.owned);
   for (Index b = 0; b < mine.owned; ++b) owner[b] = goes_to(mine.id[b]);
   tell_ghosts(mine, ghosts, owner);
   ASSERT_EQ(std::ssize(owner), mine.size());
   for (Index b = 0; b < mine.size(); ++b) EXPECT_EQ(owner[b], goes_to(mine.id[b]));
+  SharedContacts memory(known);
   migrate(comm, mine, memory, owner);
-  EXPECT_EQ(comm.sum(static_cast<double>(memory.size())), comm.sum(expected));
-  for (std::size_t m = 0; m < memory.size(); ++m) {
-    EXPECT_TRUE(goes_to(memory.i[m]) == comm.rank || goes_to(memory.j[m]) == comm.rank);
-    EXPECT_EQ(memory.impulse[m][1], static_cast<double>(memory.j[m]));
+  EXPECT_EQ(comm.sum(static_cast<double>(memory->size())), comm.sum(expected));
+  for (std::size_t m = 0; m < memory->size(); ++m) {
+    EXPECT_TRUE(goes_to(memory->i[m]) == comm.rank || goes_to(memory->j[m]) == comm.rank);
+    EXPECT_EQ(memory->impulse[m][1], static_cast<double>(memory->j[m]));
   }
 }
 
@@ -145,7 +146,7 @@ TEST_P(EachCut, makes_parts_that_are_balanced_and_compact) {
   Bodies all = random_bodies(4000, 1);
   Bodies mine = share(all, comm);
   const std::vector<double> work(mine.owned, 1.0);
-  ContactMemory memory;
+  SharedContacts memory;
   migrate(comm, mine, memory, partition(comm, mine, work, GetParam()));
   // The width of the cells may depend on where bodies lie at first; from the second cut on it does
   // not.
@@ -165,7 +166,7 @@ TEST(Bisection, shares_work_in_boxes_that_do_not_overlap_and_hardly_move) {
   const Comm comm = testing_world();
   const Bodies all = random_bodies(4000, 1);
   Bodies mine = share(all, comm);
-  ContactMemory memory;
+  SharedContacts memory;
   const auto work_of = [](const Bodies& bodies) {  // more of it on one side, as in an impact
     std::vector<double> work;
     for (Index b = 0; b < bodies.owned; ++b) work.push_back(1 + bodies.position[b].x());
@@ -219,7 +220,7 @@ TEST(Halo, pairs_of_all_ranks_are_those_of_brute_force) {
     const double reach = 0.03;
     const PairSet expected = brute_force(all, reach);
     Bodies mine = share(all, comm);
-    ContactMemory memory;
+    SharedContacts memory;
     migrate(comm, mine, memory, partition(comm, mine, std::vector<double>(mine.owned, 1.0)));
     std::vector<double> reaches(mine.owned, reach);
     const Ghosts ghosts = make_halo(comm, mine, reaches);
@@ -255,7 +256,7 @@ TEST(Halo, has_the_ghosts_that_pairs_need_and_no_others_in_any_order_of_memory) 
                       0.01 * (all.position[b] - Vec3::Constant(5));
   const Period period{.size = Vec3(0.1 * edge, 0, 0)};
   Bodies mine = share(all, comm);
-  ContactMemory memory;
+  SharedContacts memory;
   migrate(comm, mine, memory, partition(comm, mine, std::vector<double>(mine.owned, 1.0)));
   for_each_field(mine, [&](const auto&, auto& field) {
     std::shuffle(field.begin(), field.end(), std::mt19937_64(3));
@@ -338,7 +339,7 @@ TEST(Windows, list_each_pair_once_for_any_sizes_and_images) {
       return (all.position[j] + images * period.size - all.position[i]).norm();
     };
     Bodies mine = share(all, comm);
-    ContactMemory memory;
+    SharedContacts memory;
     migrate(comm, mine, memory, partition(comm, mine, std::vector<double>(mine.owned, 1.0)));
     std::vector<double> reaches(mine.owned, slack / 2);
     std::vector<Vec3> shifts;

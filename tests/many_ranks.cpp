@@ -93,7 +93,7 @@ Bodies lattice(const Comm& comm, int ranks) {
     mine.mass.back() = 1;
   }
   mine.owned = mine.size();
-  ContactMemory memory;
+  SharedContacts memory;
   for (int cut = 0; cut < 2; ++cut)
     migrate(comm, mine, memory, bisect(comm, mine, std::vector<double>(mine.owned, 1.0)));
   return mine;

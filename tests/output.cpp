@@ -301,12 +301,11 @@ RestartState some_state(const Comm& comm, BodyId bodies) {
   state.clock = {123456789012, 2, 345, 0.1 + 0.2, 1.0 / 3, -1};
   state.scalars = {{"dissipated", 1e-300}, {"work", -0.0}, {"unknown", std::nan("")}};
   state.bodies = dealt(comm, bodies);
-  for (BodyId id : state.bodies.id) {
-    state.contacts.i.push_back(id);
-    state.contacts.j.push_back(id % 4 ? id + 1 : -1);
-    state.contacts.impulse.push_back(Vec3::Constant(std::sqrt(static_cast<double>(id))));
-    state.contacts.rolling.push_back(Vec3::Constant(std::cbrt(static_cast<double>(id))));
-  }
+  ContactMemory contacts;
+  for (BodyId id : state.bodies.id)
+    contacts.add(id, id % 4 ? id + 1 : -1, Vec3::Constant(std::sqrt(static_cast<double>(id))),
+                 Vec3::Constant(std::cbrt(static_cast<double>(id))));
+  state.contacts = std::move(contacts);
   state.bonds.emplace();
   for (BodyId id : state.bodies.id) {
     for (BodyId k = 0; k < id % 3; ++k) state.bonds->other.push_back(100 * id + k);
@@ -322,10 +321,10 @@ TEST(Restart, the_same_ranks_get_the_same_rows_with_the_same_bits) {
   write_restart(comm, path, out);
   const RestartState in = read_restart(comm, path);
   expect_same_bits(in.bodies, out.bodies);
-  EXPECT_TRUE(same_bits(in.contacts.i, out.contacts.i));
-  EXPECT_TRUE(same_bits(in.contacts.j, out.contacts.j));
-  EXPECT_TRUE(same_bits(in.contacts.impulse, out.contacts.impulse));
-  EXPECT_TRUE(same_bits(in.contacts.rolling, out.contacts.rolling));
+  EXPECT_TRUE(same_bits(in.contacts->i, out.contacts->i));
+  EXPECT_TRUE(same_bits(in.contacts->j, out.contacts->j));
+  EXPECT_TRUE(same_bits(in.contacts->impulse, out.contacts->impulse));
+  EXPECT_TRUE(same_bits(in.contacts->rolling, out.contacts->rolling));
   EXPECT_EQ(in.case_text, out.case_text);
   EXPECT_EQ(in.case_file, out.case_file);
   EXPECT_EQ(in.overrides, out.overrides);
@@ -425,7 +424,7 @@ TEST(Restart, another_number_of_ranks_gets_every_body_and_contact_once) {
     std::sort(ids.begin(), ids.end());
     ASSERT_EQ(ids.size(), 41u);
     for (BodyId id = 0; id < 41; ++id) EXPECT_EQ(ids[id], id);
-    EXPECT_EQ(world.sum(static_cast<std::int64_t>(in.contacts.i.size())), 41);
+    EXPECT_EQ(world.sum(static_cast<std::int64_t>(in.contacts->i.size())), 41);
     for (Index b = 0; b < in.bodies.owned; ++b) {
       const BodyId id = in.bodies.id[b];
       ASSERT_EQ(in.bonds->count(b), id % 3);

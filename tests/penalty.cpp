@@ -368,10 +368,10 @@ TEST(Penalty, springs_survive_searches_and_migration) {
     world.penalty.touch.last_cut = {};  // never cut: the next search cuts
   }));
   expect_same(run([](Lab& world) {
-    ContactMemory memory = remember(world.bodies, world.penalty.touch, true);
-    resize(world.bodies, world.bodies.owned);
-    world.penalty.touch = TouchPairs{};
-    world.penalty.touch.carried = std::move(memory);
+    const PairMemory memory = world.penalty.remember(world);
+    world.penalty.restart_pairs(world, memory);
+    EXPECT_EQ(&*world.penalty.touch.carried, &*memory.contacts) << "one copy";
+    EXPECT_EQ(&*world.penalty.remember(world).contacts, &*memory.contacts);
   }));
 }
 

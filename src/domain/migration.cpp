@@ -110,9 +110,9 @@ void sort_bodies(const Comm& comm, Bodies& bodies) {
   });
 }
 
-void migrate(const Comm& comm, Bodies& bodies, ContactMemory& memory,
+void migrate(const Comm& comm, Bodies& bodies, SharedContacts& memory,
              const std::vector<int>& owner) {
-  const bool named = bodies.has(Field::shape) && comm.any(!memory.spheres.empty());
+  const bool named = bodies.has(Field::shape) && comm.any(!memory->spheres.empty());
   ByRank<double> remembered = pack_memory(comm, bodies, memory, owner, named);
   memory = {};
   memory = unpack_memory(comm.exchange(std::move(remembered)), named);

@@ -15,7 +15,7 @@ namespace spall {
 /// bodies lie along a space-filling curve. `memory` must hold each contact once over all ranks, on
 /// a rank that owns one of its bodies. Afterwards every rank holds the contacts of its bodies.
 /// Collective.
-void migrate(const Comm& comm, Bodies& bodies, ContactMemory& memory,
+void migrate(const Comm& comm, Bodies& bodies, SharedContacts& memory,
              const std::vector<int>& owner);
 
 /// Owned bodies in the order of a space-filling curve; ghosts are dropped.

@@ -44,7 +44,7 @@ struct PlannedSteps {
 
 /// What an engine keeps from one search for pairs to the next, and over a restart.
 struct PairMemory {
-  ContactMemory contacts;
+  SharedContacts contacts;
   std::optional<Bonds> bonds;
 };
 

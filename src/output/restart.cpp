@@ -138,14 +138,16 @@ RestartState read_state(const Comm& comm, const std::string& path) {
   });
   fill_fields(state.bodies);
   rows = rows_to_read(comm, file.read<std::int64_t>("/layout/contacts"));
-  for_each_contact_field(state.contacts, [&]<class T>(const char* name, std::vector<T>& field) {
+  ContactMemory contacts;
+  for_each_contact_field(contacts, [&]<class T>(const char* name, std::vector<T>& field) {
     field = file.read<T>(place_of_contacts(name), rows);
   });
   for_each_rare_contact_field(
-      state.contacts, [&]<class T>(const char* name, std::vector<T>& field, const T&) {
+      contacts, [&]<class T>(const char* name, std::vector<T>& field, const T&) {
         if (const std::string place = place_of_contacts(name); file.exists(place))
           field = file.read<T>(place, rows);
       });
+  state.contacts = std::move(contacts);
   state.bonds = read_bonds(file, comm, state.bodies.owned);
   return state;
 }
@@ -189,13 +191,13 @@ void write_restart(const Comm& comm, const std::string& path, const RestartState
     file.write<T>(place_of(info), std::span(field).first(state.bodies.owned), rows);
     if (*info.unit) file.attribute(place_of(info), "unit", info.unit);
   });
-  rows = layout("/layout/contacts", std::ssize(state.contacts.i));
-  for_each_contact_field(state.contacts,
+  rows = layout("/layout/contacts", std::ssize(state.contacts->i));
+  for_each_contact_field(*state.contacts,
                          [&]<class T>(const char* name, const std::vector<T>& field) {
                            file.write<T>(place_of_contacts(name), field, rows);
                          });
   for_each_rare_contact_field(
-      state.contacts, [&]<class T>(const char* name, const std::vector<T>& field, const T& blank) {
+      *state.contacts, [&]<class T>(const char* name, const std::vector<T>& field, const T& blank) {
         if (!comm.any(!field.empty())) return;
         std::vector<T> all = field;
         all.resize(rows.count, blank);

@@ -53,7 +53,7 @@ struct RestartState {
   Clock clock;
   Scalars scalars;
   Bodies bodies;               ///< owned rows only
-  ContactMemory contacts;      ///< at least once on some rank
+  SharedContacts contacts;     ///< at least once on some rank
   std::optional<Bonds> bonds;  ///< of the bodies, where bonds break and have been made
 };
 

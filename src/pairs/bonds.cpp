@@ -92,7 +92,7 @@ void recall_bonds(const Bodies& bodies, const Bonds& bonds, NearPairs& near) {
 
 void migrate(const Comm& comm, Bodies& bodies, std::optional<Bonds>& bonds,
              const std::vector<int>& owner) {
-  ContactMemory none;
+  SharedContacts none;
   if (!bonds) return migrate(comm, bodies, none, owner);
   ByRank<std::int64_t> rows;
   for (Index b = 0; b < bodies.owned; ++b) {

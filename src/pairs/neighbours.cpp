@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 namespace spall {
 namespace {
@@ -85,10 +86,9 @@ void update_neighbours(const Comm& comm, Bodies& bodies, const std::vector<Plane
     return;
   }
   const auto keep = [&](bool cut) {
-    ContactMemory memory = remember(bodies, neighbours.pairs, cut);
-    memory.add(neighbours.carried);
-    neighbours.carried = {};
-    return memory;
+    // Before the first search after a restart there are no pairs.
+    if (neighbours.carried->size() > 0) return std::exchange(neighbours.carried, {});
+    return SharedContacts(remember(bodies, neighbours.pairs, cut));
   };
   const auto find = [&](const ContactMemory& memory) {
     // Pairs do not change when all bodies move alike; but planes stay.

@@ -17,7 +17,7 @@ inline constexpr double near_contact = 0.01;
 
 struct Neighbours : Search {
   Pairs pairs;
-  ContactMemory carried;        ///< impulses to start from, of a restart; taken by the next search
+  SharedContacts carried;       ///< impulses to start from, of a restart; taken by the next search
   bool valid = false;           ///< false: search before the next step, as after a change of bodies
   std::vector<double> reach;    ///< m: how far a body may come from there, a step's motion included
   Vec3 drift = Vec3::Zero();    ///< m/s: motion that all share, on top of that

@@ -74,8 +74,9 @@ void note_shifts(const World& world, Members& members) {
                             (world.bodies.position[members.whole[row]] + members.arm[row]));
 }
 
-ContactMemory by_members(ContactMemory memory, BodyId members) {
-  if (members == 1) return memory;
+SharedContacts by_members(const SharedContacts& contacts, BodyId members) {
+  if (members == 1) return contacts;
+  ContactMemory memory = *contacts;
   for (std::size_t m = 0; m < memory.size(); ++m) {
     const auto [of_i, of_j] = memory.spheres_of(m);
     memory.i[m] = memory.i[m] * members + of_i;
@@ -85,8 +86,9 @@ ContactMemory by_members(ContactMemory memory, BodyId members) {
   return memory;
 }
 
-ContactMemory by_bodies(ContactMemory memory, BodyId members) {
-  if (members == 1) return memory;
+SharedContacts by_bodies(const SharedContacts& contacts, BodyId members) {
+  if (members == 1) return contacts;
+  ContactMemory memory = *contacts;
   for (std::size_t m = 0; m < memory.size(); ++m) {
     BodyId &i = memory.i[m], &j = memory.j[m];
     memory.spheres.push_back({static_cast<std::int32_t>(i % members),
@@ -128,7 +130,7 @@ void search_touch_pairs(World& world, const TouchRange& range, Members& members,
                         TouchPairs& touch) {
   const BodyId each = members_a_body(world.shapes);
   const auto keep = [&](bool cut) {
-    ContactMemory memory = by_bodies(remember(meeting(world, members), touch, cut), each);
+    SharedContacts memory = by_bodies(remember(meeting(world, members), touch, cut), each);
     // What comes needs the memory.
     touch.carried = {};
     touch.springs.clear();
@@ -137,7 +139,7 @@ void search_touch_pairs(World& world, const TouchRange& range, Members& members,
   };
   search_anew(
       world.comm, world.bodies, touch, [&] { return work_of_bodies(world, members, touch); }, keep,
-      [&](const ContactMemory& memory) {
+      [&](const SharedContacts& memory) {
         if (!world.shapes.empty()) members = members_of(world);
         find_touch_pairs(world.comm, meeting(world, members), world.walls(), world.period, range,
                          by_members(memory, each), touch);

@@ -42,8 +42,8 @@ inline const Bodies& meeting(const World& world, const Members& members) {
 BodyId members_a_body(const BodyShapes& shapes);
 /// A memory by the ids of members, from one by those of bodies that names the spheres which touch;
 /// and back. The same where a body has one member.
-ContactMemory by_members(ContactMemory memory, BodyId members);
-ContactMemory by_bodies(ContactMemory memory, BodyId members);
+SharedContacts by_members(const SharedContacts& contacts, BodyId members);
+SharedContacts by_bodies(const SharedContacts& contacts, BodyId members);
 
 /// The forces on owned members as forces and torques on their bodies. All rows are zero then.
 void add_up_loads(const World& world, std::vector<ForceRow>& rows, Members& members);

@@ -317,7 +317,7 @@ void Penalty::restart_pairs(World& world, PairMemory memory) {
   resize(world.bodies, world.bodies.owned);
   members = {};
   touch = {};
-  touch.carried = by_members(std::move(memory.contacts), members_a_body(world.shapes));
+  touch.carried = by_members(memory.contacts, members_a_body(world.shapes));
 }
 
 std::optional<FoundPairs> Penalty::found_pairs(const World& world) const {

@@ -153,9 +153,11 @@ void toggle_touched(unsigned pairs, const Index* places, WindowSprings& springs)
   }
 }
 
-ContactMemory remember(const Bodies& bodies, const TouchPairs& touch, bool once) {
+SharedContacts remember(const Bodies& bodies, const TouchPairs& touch, bool once) {
+  // Before the first search after a restart there are no pairs.
+  if (touch.carried->size() > 0) return touch.carried;
   ContactMemory memory;
-  std::size_t most = touch.walls.size() + touch.carried.size();
+  std::size_t most = touch.walls.size();
   for (const WindowSprings& springs : touch.springs)
     for (std::uint8_t lanes : springs.touching) most += std::popcount(lanes);
   memory.reserve(most);  // many: it does not grow by halves
@@ -168,7 +170,6 @@ ContactMemory remember(const Bodies& bodies, const TouchPairs& touch, bool once)
   });
   for (const WallTouch& t : touch.walls)
     if (t.touching) memory.add(bodies.id[t.row], -1 - t.wall, t.sliding, t.rolling);
-  memory.add(touch.carried);
   return memory;
 }
 

@@ -78,8 +78,8 @@ struct WallTouch {
 struct TouchPairs : NearPairs {
   std::vector<WindowSprings> springs;  ///< of each window
   std::vector<WallTouch> walls;
-  ContactMemory carried;  ///< springs to start from, of a restart; taken by the next search
-  double gap = 0;         ///< m, at which bodies may act on each other
+  SharedContacts carried;  ///< springs to start from, of a restart; taken by the next search
+  double gap = 0;          ///< m, at which bodies may act on each other
   std::vector<std::uint8_t> equal;  ///< of each window: its bodies, partners too, are of one size,
                                     ///< mass and material
 };
@@ -102,7 +102,7 @@ void find_touch_pairs(const Comm& comm, Bodies& bodies, const Walls& walls, cons
 
 /// The springs of all touching pairs by id; each on one rank with `once`, else on every rank that
 /// has it.
-ContactMemory remember(const Bodies& bodies, const TouchPairs& touch, bool once);
+SharedContacts remember(const Bodies& bodies, const TouchPairs& touch, bool once);
 
 /// Contacts that this rank counts: all of its own bodies, one with a ghost on the lower id's rank.
 std::int64_t count_touching(const Bodies& bodies, const TouchPairs& touch);

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <array>
+#include <memory>
+#include <utility>
 #include <vector>
 
 #include "spall/types.hpp"
@@ -44,12 +46,25 @@ struct ContactMemory {
     spheres.resize(size());
     spheres.back() = touching;
   }
-  void add(const ContactMemory& more) {
-    for (std::size_t m = 0; m < more.size(); ++m) {
-      add(more.i[m], more.j[m], more.impulse[m], more.rolling_of(m));
-      if (!more.spheres.empty()) name_spheres(more.spheres[m]);
-    }
+};
+
+/// What contacts left, as one copy for all that hold it: the state that a run keeps, and the steps
+/// that go on from it.
+class SharedContacts {
+ public:
+  SharedContacts() = default;
+  SharedContacts(ContactMemory memory)
+      : held_(std::make_shared<const ContactMemory>(std::move(memory))) {}
+
+  operator const ContactMemory&() const { return **this; }
+  const ContactMemory* operator->() const { return &**this; }
+  const ContactMemory& operator*() const {
+    static const ContactMemory none;
+    return held_ ? *held_ : none;
   }
+
+ private:
+  std::shared_ptr<const ContactMemory> held_;
 };
 
 }  // namespace spall
