@@ -199,8 +199,10 @@ Candidate<dimension> accelerated_gradient(ContactSystem<dimension>& system,
                                           Candidate<dimension> start, SolverReport& report) {
   // Floats halve the memory traffic that bounds an iteration; every residual is a double's.
   Candidate<dimension> best = std::move(start);
-  ContactBlocks<dimension, float> rounded = round(system.contacts);
-  descend(system, rounded, settings, best, report);
+  {
+    ContactBlocks<dimension, float> rounded = round(system.contacts);
+    descend(system, rounded, settings, best, report);
+  }
   descend(system, system.contacts, settings, best, report);
   return best;
 }

@@ -129,14 +129,6 @@ ContactBlocks<dimension, double> pack(const ContactProblem& problem, const Packe
 }
 
 template <int dimension>
-void add_centre(ContactBlocks<dimension, double>& contacts,
-                const Impulses<dimension, double>& centre, double prox) {
-  for (std::size_t at = 0; at < centre.size(); ++at)
-    for (int d = 0; d < components<dimension>; ++d)
-      contacts.blocks[at].free_impulse[d] -= prox * centre[at].at[d];
-}
-
-template <int dimension>
 ContactBlocks<dimension, float> round(const ContactBlocks<dimension, double>& contacts) {
   ContactBlocks<dimension, float> rounded;
   rounded.boundary = contacts.boundary;
@@ -205,8 +197,6 @@ template ContactBlocks<1, double> pack<1>(const ContactProblem&, const PackedUni
 template ContactBlocks<3, double> pack<3>(const ContactProblem&, const PackedUnits&, Index);
 template ContactBlocks<1, float> round<1>(const ContactBlocks<1, double>&);
 template ContactBlocks<3, float> round<3>(const ContactBlocks<3, double>&);
-template void add_centre<1>(ContactBlocks<1, double>&, const Impulses<1, double>&, double);
-template void add_centre<3>(ContactBlocks<3, double>&, const Impulses<3, double>&, double);
 template Impulses<1, double> pack_impulses<1>(const ContactProblem&, const PackedUnits&,
                                               const std::vector<Vec3>&);
 template Impulses<3, double> pack_impulses<3>(const ContactProblem&, const PackedUnits&,
@@ -218,8 +208,6 @@ template void unpack_impulses<3>(const ContactProblem&, const PackedUnits&,
 template ContactBlocks<levers, double> pack<levers>(const ContactProblem&, const PackedUnits&,
                                                     Index);
 template ContactBlocks<levers, float> round<levers>(const ContactBlocks<levers, double>&);
-template void add_centre<levers>(ContactBlocks<levers, double>&, const Impulses<levers, double>&,
-                                 double);
 template Impulses<levers, double> pack_impulses<levers>(const ContactProblem&, const PackedUnits&,
                                                         const std::vector<Vec3>&);
 template void unpack_impulses<levers>(const ContactProblem&, const PackedUnits&,

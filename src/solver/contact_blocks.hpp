@@ -109,12 +109,6 @@ template <int dimension>
 ContactBlocks<dimension, double> pack(const ContactProblem& problem, const PackedUnits& units,
                                       Index owned);
 
-/// Adds -eps p_c to the free impulses: the proximal problem then differs from the plain one by
-/// eps y in the gradient alone.
-template <int dimension>
-void add_centre(ContactBlocks<dimension, double>& contacts,
-                const Impulses<dimension, double>& centre, double prox);
-
 /// The free impulses of `from`, rounded.
 template <int dimension, class Real>
 void take_free_impulses(const ContactBlocks<dimension, double>& from,

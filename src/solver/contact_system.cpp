@@ -87,7 +87,9 @@ template <int dimension>
 void ContactSystem<dimension>::stay_near(const DoubleImpulses& impulse, double eps) {
   prox = eps;
   centre = impulse;
-  add_centre(contacts, centre, prox);
+  for (std::size_t at = 0; at < centre.size(); ++at)
+    for (int d = 0; d < components<dimension>; ++d)
+      contacts.blocks[at].free_impulse[d] -= prox * centre[at].at[d];
   fresh.resize(impulse.size());
   for (std::size_t at = 0; at < impulse.size(); ++at)
     for (std::size_t l = 0; l < lane_count; ++l) {
@@ -99,13 +101,12 @@ void ContactSystem<dimension>::stay_near(const DoubleImpulses& impulse, double e
 
 template <int dimension>
 void ContactSystem<dimension>::follow(const DoubleImpulses& iterate) {
-  DoubleImpulses change(iterate.size());
   for (std::size_t at = 0; at < iterate.size(); ++at)
     for (int d = 0; d < components<dimension>; ++d) {
-      change[at].at[d] = fresh[at] * (iterate[at].at[d] - centre[at].at[d]);
-      centre[at].at[d] += change[at].at[d];
+      const Lanes change = fresh[at] * (iterate[at].at[d] - centre[at].at[d]);
+      centre[at].at[d] += change;
+      contacts.blocks[at].free_impulse[d] -= prox * change;
     }
-  add_centre(contacts, change, prox);
 }
 
 template <int dimension>

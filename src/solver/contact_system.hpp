@@ -46,7 +46,8 @@ struct ContactSystem {
   BlockRange interior() const { return {contacts.boundary, contacts.blocks.size()}; }
 
   /// Stays near `impulse` with weight `eps`. A contact that comes with no impulse has nothing to
-  /// stay near: its centre follows. Where `none_holds` all of them follow.
+  /// stay near: its centre follows. Where `none_holds` all of them follow. The free impulses get
+  /// -eps p_c: the proximal problem then differs from the plain one by eps y in the gradient alone.
   void stay_near(const DoubleImpulses& impulse, double eps);
 
   /// Centres that follow become `iterate`.
