@@ -84,7 +84,8 @@ Counts of_run(const Comm& comm, const std::string& text) {
   simulation.advance(1, false);
   World& world = simulation.world();
   Counts counts{.bodies = static_cast<double>(world.bodies.owned),
-                .ghosts = static_cast<double>(world.bodies.size() - world.bodies.owned)};
+                .ghosts = static_cast<double>(
+                    simulation.engine().found_pairs(world)->search->ghosts.ghosts())};
   if (world.gravity.method == GravityMethod::tree) {
     world.kick.evaluated = false;
     world.stages.clear();
@@ -111,7 +112,7 @@ std::vector<Counts> of_plan(int ranks, const std::string& text) {
   simulation.begin_phase();
   OneRank one = try_one_rank(simulation, 0);
   EXPECT_EQ(one.searches, 0);
-  one.state.work.assign(one.state.work.size(), 1);  // a run's first search knows no other
+  one.state.work = one.state.first_work();  // a run's first search knows no other
   RankShares shares = share_out(one.state, ranks, ranks);
   if (one.tree) share_out_tree(one.state, one.accuracy, one.rates, shares);
   std::vector<Counts> counts;
@@ -190,6 +191,18 @@ spheres = [{at = [0, 0, 0], radius = 1}, {at = [1, 0, 0], radius = 0.7}]
   const std::string count = "count = 2000";
   text.insert(text.find(count), "shape = \"twin\", ");
   expect_plan_as_run(text);
+}
+
+TEST(Plan, counts_of_clumps_in_penalty_contact_are_those_of_a_run) {
+  for (const std::string& more :
+       {std::string(), std::string("[periodic]\nsize = [28, 22, 16]\n")}) {
+    std::string text = cloud("penalty", more + R"([shapes.twin]
+spheres = [{at = [0, 0, 0], radius = 1}, {at = [1, 0, 0], radius = 0.7}]
+)");
+    const std::string count = "count = 2000";
+    text.insert(text.find(count), "shape = \"twin\", ");
+    expect_plan_as_run(text);
+  }
 }
 
 OneRank one_rank(const std::string& text) {

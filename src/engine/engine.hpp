@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "domain/ghosts.hpp"
@@ -50,11 +51,15 @@ struct PairMemory {
 
 /// What the last search for pairs went by and found: what a plan for other ranks begins with.
 struct FoundPairs {
-  const Search* search;  ///< bodies are where it found them
-  std::vector<double>
-      reach;                 ///< m, beyond its sphere, up to which an owned body was to meet others
-  std::vector<double> work;  ///< of owned bodies, as the domain is cut by
-  Links pairs;               ///< each once; of bodies alone
+  const Search* search;       ///< rows are where it found them
+  std::vector<double> reach;  ///< m, beyond its sphere, up to which an owned row was to meet others
+  std::vector<double> work;   ///< of owned bodies, as the domain is cut by
+  Links pairs;                ///< of rows, each once; those with walls are none of them
+  /// Where not bodies meet but spheres of clumps, which are the rows then: these, of each the row
+  /// of its body, and where bodies were (m).
+  const Bodies* members = nullptr;
+  std::span<const Index> whole = {};
+  std::span<const Vec3> bodies_at = {};
 };
 
 /// A method of phases. Questions are const and move nothing; all calls are collective.

@@ -111,20 +111,19 @@ void add_up_loads(const World& world, std::vector<ForceRow>& rows, Members& memb
   std::fill(rows.begin(), rows.end(), ForceRow{});
 }
 
-namespace {
-
-/// Of owned bodies, as the domain is cut by: that of their members.
 std::vector<double> work_of_bodies(const World& world, const Members& members,
                                    const TouchPairs& touch) {
   if (world.shapes.empty()) return work_of(world.bodies, touch);
-  const std::vector<double> of_rows = work_of(members.bodies, touch);
   std::vector<double> work(world.bodies.owned, 0.0);
+  if (members.whole.empty()) {  // before the first search, and the first after a restart
+    for_each_member(world, [&](Index b, const ShapeSphere&) { ++work[b]; });
+    return work;
+  }
+  const std::vector<double> of_rows = work_of(members.bodies, touch);
   for (std::size_t row = 0; row < members.whole.size(); ++row)
     work[members.whole[row]] += of_rows[row];
   return work;
 }
-
-}  // namespace
 
 void search_touch_pairs(World& world, const TouchRange& range, Members& members,
                         TouchPairs& touch) {
@@ -140,7 +139,11 @@ void search_touch_pairs(World& world, const TouchRange& range, Members& members,
   search_anew(
       world.comm, world.bodies, touch, [&] { return work_of_bodies(world, members, touch); }, keep,
       [&](const SharedContacts& memory) {
-        if (!world.shapes.empty()) members = members_of(world);
+        if (!world.shapes.empty()) {
+          members = members_of(world);
+          members.found_at = {world.bodies.position.begin(),
+                              world.bodies.position.begin() + world.bodies.owned};
+        }
         find_touch_pairs(world.comm, meeting(world, members), world.walls(), world.period, range,
                          by_members(memory, each), touch);
         note_shifts(world, members);

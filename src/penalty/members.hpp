@@ -18,6 +18,7 @@ struct Members {
   std::vector<Vec3> arm;     ///< m, of owned rows: from the body's centre
   std::vector<Vec3> shift;   ///< m, of owned rows: what the period set them back by; may be empty
   std::vector<ForceRow> loads;  ///< of owned bodies, as `add_up_loads` leaves them
+  std::vector<Vec3> found_at;   ///< m, of owned bodies: where they were at the last search
 };
 
 /// Those of the owned bodies as they lie now, without ghosts.
@@ -44,6 +45,10 @@ BodyId members_a_body(const BodyShapes& shapes);
 /// and back. The same where a body has one member.
 SharedContacts by_members(const SharedContacts& contacts, BodyId members);
 SharedContacts by_bodies(const SharedContacts& contacts, BodyId members);
+
+/// Of owned bodies, as the domain is cut by: that of their members.
+std::vector<double> work_of_bodies(const World& world, const Members& members,
+                                   const TouchPairs& touch);
 
 /// The forces on owned members as forces and torques on their bodies. All rows are zero then.
 void add_up_loads(const World& world, std::vector<ForceRow>& rows, Members& members);

@@ -321,11 +321,17 @@ void Penalty::restart_pairs(World& world, PairMemory memory) {
 }
 
 std::optional<FoundPairs> Penalty::found_pairs(const World& world) const {
-  if (touch.skin == 0 || !world.shapes.empty()) return {};
-  return FoundPairs{.search = &touch,
-                    .reach = std::vector<double>(world.bodies.owned, (touch.gap + touch.skin) / 2),
-                    .work = work_of(world.bodies, touch),
-                    .pairs = links_of(touch.windows)};
+  if (touch.skin == 0) return {};
+  const Index rows = meeting(world, members).owned;
+  FoundPairs found{.search = &touch,
+                   .reach = std::vector<double>(rows, (touch.gap + touch.skin) / 2),
+                   .work = work_of_bodies(world, members, touch),
+                   .pairs = links_of(touch.windows)};
+  if (world.shapes.empty()) return found;
+  found.members = &members.bodies;
+  found.whole = members.whole;
+  found.bodies_at = members.found_at;
+  return found;
 }
 
 LinkedBodies Penalty::links(const World& world) const {

@@ -34,7 +34,8 @@ double share_of_work(std::string_view stage, const OneRank& one, const RankShare
   const auto of_bodies = static_cast<double>(share.bodies) / bodies;
   if (stage == "gravity")
     return one.tree ? static_cast<double>(share.tree.bodies) / bodies : 1.0 / ranks;
-  if (stage == "neighbours") return of_bodies + static_cast<double>(share.halo.ghosts) / bodies;
+  const auto rows = static_cast<double>(one.state.rows().owned);
+  if (stage == "neighbours") return of_bodies + static_cast<double>(share.halo.ghosts) / rows;
   const bool by_pairs = stage == "contacts" || stage == "solver" || stage == "forces";
   return by_pairs && pairs > 0 ? static_cast<double>(share.pairs) / pairs : of_bodies;
 }
@@ -178,8 +179,11 @@ struct Memory {
         bodies(bytes_of_a_rank(scene, measure_groups(scene), 1, bytes_of_program) - program) {}
 
   double of(const OneRank& one, const RankShare& share) const {
-    const auto rows = static_cast<double>(share.bodies + share.halo.ghosts);
-    return program + bodies * rows / static_cast<double>(one.state.bodies.owned);
+    const auto part = [](std::int64_t some, Index of_all) {
+      return static_cast<double>(some) / static_cast<double>(of_all);
+    };
+    return program + bodies * (part(share.bodies, one.state.bodies.owned) +
+                               part(share.halo.ghosts, one.state.rows().owned));
   }
 };
 

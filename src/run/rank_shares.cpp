@@ -53,9 +53,7 @@ std::vector<int> choose_sample(const std::vector<RankShare>& all, int most) {
 
 SharedState shared_state(const World& world, const Engine& engine) {
   std::optional<FoundPairs> found = engine.found_pairs(world);
-  require(found.has_value(),
-          "a plan needs an engine that finds pairs of bodies: penalty contact finds those of the "
-          "spheres of clumps");
+  require(found.has_value(), "a plan needs an engine that finds pairs of bodies");
   SharedState state{.bodies = world.bodies,
                     .period = world.period,
                     .reach = std::move(found->reach),
@@ -63,14 +61,23 @@ SharedState shared_state(const World& world, const Engine& engine) {
                     .pairs = std::move(found->pairs),
                     .near_clumps = world.has_near_clumps() ? world.gravity.near_clumps : 0};
   resize(state.bodies, state.bodies.owned);
-  state.bodies.position = found->search->found_at;
+  if (found->members) {
+    state.members = *found->members;
+    resize(state.members, state.members.owned);
+    state.members.position = found->search->found_at;
+    state.whole = {found->whole.begin(), found->whole.end()};
+    state.bodies.position = {found->bodies_at.begin(), found->bodies_at.end()};
+  } else {
+    state.bodies.position = found->search->found_at;
+  }
+  const Index rows = state.rows().owned;
   // Two bodies that meet across a period do so twice: as either one's image.
   const std::vector<Index> original = originals(found->search->ghosts);
   Links& pairs = state.pairs;
   std::size_t kept = 0;
   for (std::size_t p = 0; p < pairs.i.size(); ++p) {
     const Index i = pairs.i[p], j = pairs.j[p];
-    if (j >= state.bodies.owned && original[j] < i) continue;
+    if (j >= rows && original[j] < i) continue;
     pairs.i[kept] = original[i];
     pairs.j[kept++] = original[j];
   }
@@ -79,16 +86,23 @@ SharedState shared_state(const World& world, const Engine& engine) {
   return state;
 }
 
+std::vector<double> SharedState::first_work() const {
+  if (whole.empty()) return std::vector<double>(bodies.owned, 1.0);
+  std::vector<double> counts(bodies.owned, 0.0);
+  for (const Index body : whole) ++counts[body];
+  return counts;
+}
+
 RankShares share_out(const SharedState& state, int ranks, int most) {
   const Bodies& bodies = state.bodies;
   require(bodies.owned >= ranks, "{} bodies on {} ranks: plan for at most {}", bodies.owned, ranks,
           bodies.owned);
-  constexpr double uneven = 1.1;  // as `needs_cut`, after a first cut by bodies
+  constexpr double uneven = 1.1;  // as `needs_cut`, after a first cut
   const Comm alone(MPI_COMM_SELF);
   const std::vector<double> equal(bodies.owned, 1.0);
   RankShares shares;
   shares.ranks = ranks;
-  std::vector<int> owner = bisect(alone, bodies, equal, ranks);
+  std::vector<int> owner = bisect(alone, bodies, state.first_work(), ranks);
   shares.by_work = most_over_mean(sum_by_rank(owner, ranks, state.work)) > uneven;
   if (shares.by_work) owner = bisect(alone, bodies, state.work, ranks);
   shares.imbalance = most_over_mean(sum_by_rank(owner, ranks, equal));
@@ -96,8 +110,13 @@ RankShares share_out(const SharedState& state, int ranks, int most) {
   std::vector<RankShare> all(ranks);
   for (int rank = 0; rank < ranks; ++rank) all[rank].rank = rank;
   for (int rank : owner) ++all[rank].bodies;
+  std::vector<int> of_row = owner;
+  if (!state.whole.empty()) {
+    of_row.clear();
+    for (const Index body : state.whole) of_row.push_back(owner[body]);
+  }
   for (std::size_t p = 0; p < state.pairs.i.size(); ++p) {
-    const int first = owner[state.pairs.i[p]], second = owner[state.pairs.j[p]];
+    const int first = of_row[state.pairs.i[p]], second = of_row[state.pairs.j[p]];
     ++all[first].pairs;
     if (first == second) continue;
     ++all[second].pairs;
@@ -105,7 +124,7 @@ RankShares share_out(const SharedState& state, int ranks, int most) {
     ++all[second].boundary;
   }
   const std::vector<int> sample = choose_sample(all, most);
-  const auto halos = foretell_halo(bodies, state.reach, owner, ranks, state.period, sample);
+  const auto halos = foretell_halo(state.rows(), state.reach, of_row, ranks, state.period, sample);
   for (std::size_t k = 0; k < sample.size(); ++k) {
     shares.sample.push_back(all[sample[k]]);
     shares.sample.back().halo = halos[k];
