@@ -312,6 +312,16 @@ TEST(Penalty, momenta_are_kept_to_round_off) {
   EXPECT_GT(world.penalty.touch.searches, 1);
 }
 
+TEST(Penalty, energy_of_contacts_is_the_same_after_their_springs_are_kept) {
+  // Whether a neck holds two grains that do not touch is told by what they remember.
+  Lab world = penalty_world(testing_world(), crowd(200, 0.3, 1.0), sticky(Adhesion::jkr),
+                            contact_law(0.5, 0.6));
+  penalty_steps(world, 2e-4, 300);
+  const double held = world.penalty.energy(world);
+  world.penalty.restart_pairs(world, world.penalty.remember(world));
+  EXPECT_NEAR(world.penalty.energy(world), held, 1e-12 * std::abs(held));
+}
+
 TEST(Penalty, motion_is_the_same_on_any_number_of_ranks) {
   PenaltySettings s = hertz;
   s.rolling_friction = 0.1;

@@ -84,8 +84,7 @@ Counts of_run(const Comm& comm, const std::string& text) {
   simulation.advance(1, false);
   World& world = simulation.world();
   Counts counts{.bodies = static_cast<double>(world.bodies.owned),
-                .ghosts = static_cast<double>(
-                    simulation.engine().found_pairs(world)->search->ghosts.ghosts())};
+                .ghosts = static_cast<double>(simulation.engine().ghosts(world))};
   if (world.gravity.method == GravityMethod::tree) {
     world.kick.evaluated = false;
     world.stages.clear();

@@ -87,6 +87,10 @@ class Engine {
   virtual void measure_fields(World&) const {}
   /// Pairs that hold together: that touch, are within the range of cohesion, or are bound.
   virtual LinkedBodies links(const World& world) const = 0;
+  /// Copies on this rank of what other ranks own, or of its own beyond the period.
+  virtual Index ghosts(const World& world) const {
+    return world.bodies.size() - world.bodies.owned;
+  }
   /// None before the first step, and of engines without pairs.
   virtual std::optional<FoundPairs> found_pairs(const World&) const { return {}; }
 };

@@ -22,6 +22,7 @@ struct Penalty final : Engine {
   StepReport advance(World& world, const StepRequest& request) override;
   double energy(const World& world) const override;
   PairMemory remember(const World& world) const override;
+  Index ghosts(const World& world) const override;
   void restart_pairs(World& world, PairMemory memory) override;
   LinkedBodies links(const World& world) const override;
   std::optional<FoundPairs> found_pairs(const World& world) const override;

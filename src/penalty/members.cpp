@@ -86,9 +86,11 @@ SharedContacts by_members(const SharedContacts& contacts, BodyId members) {
   return memory;
 }
 
-SharedContacts by_bodies(const SharedContacts& contacts, BodyId members) {
-  if (members == 1) return contacts;
-  ContactMemory memory = *contacts;
+namespace {
+
+/// Back from what `by_members` gives.
+ContactMemory by_bodies(ContactMemory memory, BodyId members) {
+  if (members == 1) return memory;
   for (std::size_t m = 0; m < memory.size(); ++m) {
     BodyId &i = memory.i[m], &j = memory.j[m];
     memory.spheres.push_back({static_cast<std::int32_t>(i % members),
@@ -97,6 +99,15 @@ SharedContacts by_bodies(const SharedContacts& contacts, BodyId members) {
     if (j >= 0) j /= members;
   }
   return memory;
+}
+
+}  // namespace
+
+SharedContacts remember(const World& world, const Members& members, const TouchPairs& touch,
+                        bool once) {
+  // Before the first search after a restart there are no pairs.
+  if (touch.carried->size() > 0) return touch.carried;
+  return by_bodies(remember(meeting(world, members), touch, once), members_a_body(world.shapes));
 }
 
 void add_up_loads(const World& world, std::vector<ForceRow>& rows, Members& members) {
@@ -115,10 +126,6 @@ std::vector<double> work_of_bodies(const World& world, const Members& members,
                                    const TouchPairs& touch) {
   if (world.shapes.empty()) return work_of(world.bodies, touch);
   std::vector<double> work(world.bodies.owned, 0.0);
-  if (members.whole.empty()) {  // before the first search, and the first after a restart
-    for_each_member(world, [&](Index b, const ShapeSphere&) { ++work[b]; });
-    return work;
-  }
   const std::vector<double> of_rows = work_of(members.bodies, touch);
   for (std::size_t row = 0; row < members.whole.size(); ++row)
     work[members.whole[row]] += of_rows[row];
@@ -129,7 +136,7 @@ void search_touch_pairs(World& world, const TouchRange& range, Members& members,
                         TouchPairs& touch) {
   const BodyId each = members_a_body(world.shapes);
   const auto keep = [&](bool cut) {
-    SharedContacts memory = by_bodies(remember(meeting(world, members), touch, cut), each);
+    SharedContacts memory = remember(world, members, touch, cut);
     // What comes needs the memory.
     touch.carried = {};
     touch.springs.clear();

@@ -41,10 +41,13 @@ inline const Bodies& meeting(const World& world, const Members& members) {
 /// A member's id is that of its body times this, and its place in the shape. 1 where all bodies are
 /// spheres.
 BodyId members_a_body(const BodyShapes& shapes);
-/// A memory by the ids of members, from one by those of bodies that names the spheres which touch;
-/// and back. The same where a body has one member.
+/// A memory by the ids of members, from one by those of bodies that names the spheres which touch.
+/// The same where a body has one member.
 SharedContacts by_members(const SharedContacts& contacts, BodyId members);
-SharedContacts by_bodies(const SharedContacts& contacts, BodyId members);
+/// What pairs remember, by the ids of bodies; each on one rank with `once`, else on every rank that
+/// has it. After a restart, up to the first search, what it came with.
+SharedContacts remember(const World& world, const Members& members, const TouchPairs& touch,
+                        bool once);
 
 /// Of owned bodies, as the domain is cut by: that of their members.
 std::vector<double> work_of_bodies(const World& world, const Members& members,

@@ -265,7 +265,9 @@ struct Found {
                       .skin = 0,
                       .rolling = resists_rolling(laws),
                       .members = members_a_body(world.shapes)},
-                     spall::remember(meeting(from, engine.members), engine.touch, false), touch);
+                     by_members(spall::remember(from, engine.members, engine.touch, false),
+                                members_a_body(world.shapes)),
+                     touch);
   }
 };
 
@@ -308,16 +310,19 @@ double Penalty::energy(const World& world) const {
 }
 
 PairMemory Penalty::remember(const World& world) const {
-  return {.contacts = by_bodies(spall::remember(meeting(world, members), touch, true),
-                                members_a_body(world.shapes)),
-          .bonds = {}};
+  return {.contacts = spall::remember(world, members, touch, false), .bonds = {}};
 }
 
 void Penalty::restart_pairs(World& world, PairMemory memory) {
   resize(world.bodies, world.bodies.owned);
   members = {};
   touch = {};
-  touch.carried = by_members(memory.contacts, members_a_body(world.shapes));
+  touch.carried = std::move(memory.contacts);
+}
+
+Index Penalty::ghosts(const World& world) const {
+  const Bodies& rows = meeting(world, members);
+  return rows.size() - rows.owned;
 }
 
 std::optional<FoundPairs> Penalty::found_pairs(const World& world) const {

@@ -153,9 +153,7 @@ void toggle_touched(unsigned pairs, const Index* places, WindowSprings& springs)
   }
 }
 
-SharedContacts remember(const Bodies& bodies, const TouchPairs& touch, bool once) {
-  // Before the first search after a restart there are no pairs.
-  if (touch.carried->size() > 0) return touch.carried;
+ContactMemory remember(const Bodies& bodies, const TouchPairs& touch, bool once) {
   ContactMemory memory;
   std::size_t most = touch.walls.size();
   for (const WindowSprings& springs : touch.springs)

@@ -78,7 +78,8 @@ struct WallTouch {
 struct TouchPairs : NearPairs {
   std::vector<WindowSprings> springs;  ///< of each window
   std::vector<WallTouch> walls;
-  SharedContacts carried;  ///< springs to start from, of a restart; taken by the next search
+  SharedContacts carried;  ///< springs to start from, of a restart; taken by the next search. Of
+                           ///< clumps by the ids of bodies
   double gap = 0;          ///< m, at which bodies may act on each other
   std::vector<std::uint8_t> equal;  ///< of each window: its bodies, partners too, are of one size,
                                     ///< mass and material
@@ -102,7 +103,7 @@ void find_touch_pairs(const Comm& comm, Bodies& bodies, const Walls& walls, cons
 
 /// The springs of all touching pairs by id; each on one rank with `once`, else on every rank that
 /// has it.
-SharedContacts remember(const Bodies& bodies, const TouchPairs& touch, bool once);
+ContactMemory remember(const Bodies& bodies, const TouchPairs& touch, bool once);
 
 /// Contacts that this rank counts: all of its own bodies, one with a ghost on the lower id's rank.
 std::int64_t count_touching(const Bodies& bodies, const TouchPairs& touch);

@@ -34,8 +34,9 @@ double share_of_work(std::string_view stage, const OneRank& one, const RankShare
   const auto of_bodies = static_cast<double>(share.bodies) / bodies;
   if (stage == "gravity")
     return one.tree ? static_cast<double>(share.tree.bodies) / bodies : 1.0 / ranks;
-  const auto rows = static_cast<double>(one.state.rows().owned);
-  if (stage == "neighbours") return of_bodies + static_cast<double>(share.halo.ghosts) / rows;
+  if (stage == "neighbours")
+    return static_cast<double>(share.rows + share.halo.ghosts) /
+           static_cast<double>(one.state.rows().owned);
   const bool by_pairs = stage == "contacts" || stage == "solver" || stage == "forces";
   return by_pairs && pairs > 0 ? static_cast<double>(share.pairs) / pairs : of_bodies;
 }
@@ -190,12 +191,16 @@ struct Memory {
 std::string describe_sample(const Simulation& simulation, const OneRank& one) {
   const Sample& sample = one.sample;
   std::string text = fmt::format(
-      "{}\n\n  {} bodies and {} pairs that may touch, phase {} ({}) at {}\n"
-      "  one rank here takes {} a step, from a sample of {}:",
+      "{}\n\n  {} bodies and {} pairs that may touch, phase {} ({}) at {}\n",
       simulation.scene().title.empty() ? simulation.scene().file : simulation.scene().title,
       one.state.bodies.owned, one.state.pairs.i.size(), simulation.phase_name(),
-      simulation.phase().engine->name, readable_time(one.time),
-      readable_time(sample.seconds / static_cast<double>(sample.steps)), sample.steps);
+      simulation.phase().engine->name, readable_time(one.time));
+  if (!one.state.whole.empty())
+    text +=
+        fmt::format("  pairs and ghosts are of the {} spheres of clumps\n", one.state.whole.size());
+  text +=
+      fmt::format("  one rank here takes {} a step, from a sample of {}:",
+                  readable_time(sample.seconds / static_cast<double>(sample.steps)), sample.steps);
   for (const auto& [stage, use] : sample.stages)
     if (use.seconds > 0.005 * sample.seconds)
       text += fmt::format(" {} {:.0f} %", stage, 100 * use.seconds / sample.seconds);

@@ -115,6 +115,7 @@ RankShares share_out(const SharedState& state, int ranks, int most) {
     of_row.clear();
     for (const Index body : state.whole) of_row.push_back(owner[body]);
   }
+  for (int rank : of_row) ++all[rank].rows;
   for (std::size_t p = 0; p < state.pairs.i.size(); ++p) {
     const int first = of_row[state.pairs.i[p]], second = of_row[state.pairs.j[p]];
     ++all[first].pairs;

@@ -37,6 +37,7 @@ SharedState shared_state(const World& world, const Engine& engine);
 struct RankShare {
   int rank = 0;
   std::int64_t bodies = 0;
+  std::int64_t rows = 0;      ///< that meet others: bodies, or the members of clumps
   std::int64_t pairs = 0;     ///< with one of its bodies, at least
   std::int64_t boundary = 0;  ///< of them, with another rank's
   HaloShare halo;             ///< of rows

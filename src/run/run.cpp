@@ -207,7 +207,7 @@ class Run {
       const Clock start = clock();
       const StepReport report = advance(row);
       record_.book(report);
-      ghosts_ = world().bodies.size() - world().bodies.owned;
+      ghosts_ = simulation_->engine().ghosts(world());
       shown_.residual = report.solver.residual;
       if (row) write_row(start, sums, report, received);
       if (progress_.due()) progress_.show(clock(), shown_);
