@@ -254,8 +254,10 @@ int dispatch(const Comm& comm, int argc, char** argv) {
   if (*planning) {
     PlanRequest& request = options.plan;
     request.overrides = options.overrides;
-    if (!options.latency.empty())
+    if (!options.latency.empty()) {
       request.latency = parse_quantity(options.latency, dimension::time);
+      require(request.latency >= 0, "--latency {}: must be 0 or more", options.latency);
+    }
     if (!options.bandwidth.empty()) request.bandwidth = parse_bandwidth(options.bandwidth);
     const std::string text = plan(comm, options.file, request);
     if (comm.rank == 0) fmt::print("{}", text);

@@ -207,6 +207,35 @@ TEST(Case, mistakes_name_file_line_key_and_what_would_be_right) {
     EXPECT_EQ(complaint_with(change.first, change.second), message) << change.second;
 }
 
+TEST(Case, what_contact_tells_itself_no_material_replaces) {
+  const auto law_with = [](const std::string& told) {
+    return parse_case(R"([materials.rock]
+library = "aluminium_6061_t6"
+[contact]
+material = "rock"
+)" + told + R"(
+[[groups]]
+name = "block"
+material = "rock"
+volume = {shape = "box", size = [4, 4, 4]}
+packing = {kind = "fcc", radius = 0.5}
+[[phases]]
+name = "only"
+step = 0.01
+duration = 1
+)",
+                      "x.toml")
+        .contact.common();
+  };
+  const ContactLaw derived = law_with("");
+  EXPECT_GT(derived.friction, 0);
+  EXPECT_GT(derived.cohesion, 0);
+  EXPECT_EQ(law_with("friction = 0").friction, 0);
+  EXPECT_EQ(law_with("friction = 0").cohesion, derived.cohesion);
+  EXPECT_EQ(law_with("cohesion = 0").cohesion, 0);
+  EXPECT_EQ(law_with("cohesion = 0").friction, derived.friction);
+}
+
 TEST(Case, what_is_not_toml_is_told_with_its_line) {
   EXPECT_TRUE(complaint_with("friction = 0.5", "friction = ").starts_with("x.toml:9:12: "));
   EXPECT_TRUE(complaint_with("seed = 7", "title = \"again\"").starts_with("x.toml:2:"));

@@ -101,6 +101,24 @@ TEST(Debris, hole_is_as_wide_as_it_was_made) {
   }
 }
 
+TEST(Debris, whole_plate_of_coarse_bodies_has_no_hole) {
+  // Between bodies that are farther apart than rings are wide a whole plate looks open.
+  const Comm comm = testing_world();
+  const Target t = find_target(scene());
+  for (const auto& [spacing, hole] :
+       {std::pair(0.5, 0.0), {1.0, 0.0}, {1.6, 0.0}, {2.5, 0.0}, {1.6, 13.0}}) {
+    std::vector<Body> all;
+    for (double x = -25 + spacing / 2; x < 25; x += spacing)
+      for (double y = -30 + spacing / 2; y < 30; y += spacing)
+        if (std::hypot(x, y) > hole / 2)
+          all.push_back({0, t.areal_density * spacing * spacing, {x, y, -2}, {0, 0, 0}});
+    Bodies bodies = bodies_of(comm, all);
+    std::ranges::fill(bodies.radius, spacing / 2);
+    const Cloud cloud = measure_cloud(comm, bodies, t, 0);
+    EXPECT_NEAR(cloud.hole, hole, hole > 0 ? 2.5 * spacing : 0) << spacing;
+  }
+}
+
 TEST(Debris, hole_off_the_middle_has_the_spread_of_its_sectors) {
   const Comm comm = testing_world();
   const Target t = find_target(scene());

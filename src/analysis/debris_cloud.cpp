@@ -154,14 +154,17 @@ void measure_contour(const Comm& comm, const Bodies& bodies, const Target& targe
 }
 
 /// Seen along the normal, in rings of sectors: the first ring from which on, over the next D/4, the
-/// plate is there.
+/// plate is there. 0 where that is narrower than three of the plate's bodies: so wide may gaps
+/// between them look in a whole plate.
 void measure_hole(const Comm& comm, const Bodies& bodies, const Target& target, Cloud& cloud) {
   constexpr int sectors = 12, ahead = 4;
   const double width = target.diameter / (4 * ahead);
   const int rings = static_cast<int>(target.half_width / width);
   std::vector<double> part(static_cast<std::size_t>(sectors * std::max(rings, 0)), 0.0);
   const double reach = target.diameter / 4;
+  double largest = 0;
   for_each_body(bodies, target, [&](Index b, const Flight& f) {
+    if (bodies.group[b] == target.plate) largest = std::max(largest, bodies.radius[b]);
     const int ring = static_cast<int>(f.radius / width);
     const bool there = f.depth < reach && f.depth > -target.thickness - reach;
     if (bodies.group[b] != target.plate || !there || ring >= rings) return;
@@ -188,6 +191,7 @@ void measure_hole(const Comm& comm, const Bodies& bodies, const Target& target, 
     sum += hole / sectors;
     squares += hole * hole / sectors;
   }
+  if (sum < 6 * comm.max(largest)) return;
   cloud.hole = sum;
   cloud.hole_spread = std::sqrt(std::max(0.0, squares - sum * sum));
 }

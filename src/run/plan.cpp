@@ -59,6 +59,9 @@ OneRank try_one_rank(Simulation& simulation, double seconds) {
   one.time = simulation.time();
   simulation.advance(1, false);
   const Engine& engine = simulation.engine();
+  require(engine.found_pairs(world).has_value(),
+          "{}.method = \"{}\": a plan shares out pairs of bodies, and this method finds none",
+          simulation.phase().place, simulation.phase().engine->name);
   one.state = shared_state(world, engine);
   const auto counted = [&] {
     return std::array{static_cast<double>(simulation.steps()),

@@ -30,7 +30,7 @@ struct SharedState {
   std::vector<double> first_work() const;
 };
 
-/// Throws Error where the engine finds no pairs. `world` is on one rank; a step has been made.
+/// `engine` finds pairs. `world` is on one rank; a step has been made.
 SharedState shared_state(const World& world, const Engine& engine);
 
 /// Of one rank.

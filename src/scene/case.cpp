@@ -42,6 +42,8 @@ void read_contact(Section& in, Case& scene) {
   in.take("material", "cohesion, cohesion_range and friction follow from its strengths",
           scene.contact_of);
   if (in.has("material")) scene.contact_of_place = in.place("material");
+  scene.tells_cohesion = in.has("cohesion");
+  scene.tells_friction = in.has("friction");
   ContactLaw law;
   in.take("friction", "Coulomb's coefficient", law.friction, not_negative(number));
   in.take("restitution", "of normal speeds", law.restitution, fraction);
@@ -119,7 +121,8 @@ void read_phase(Section& in, Phase& phase, const EngineSettings& engines) {
   if (in.reads(phase.until == PhaseEnd::settled))
     in.need("settled_speed", "rms speed below which bodies are settled", phase.settled_speed,
             positive(speed));
-  in.take("cohesion", "from the start of this phase on", phase.cohesion, not_negative(force));
+  in.take("cohesion", "from the start of this phase on; [[contact.between]] keeps its own",
+          phase.cohesion, not_negative(force));
   in.take("remove_drift", "at the start: centre of mass to rest at the origin", phase.remove_drift);
   Impactor impactor;
   if (in.table("impactor", "added at the start of the phase",

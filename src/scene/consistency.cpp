@@ -42,6 +42,11 @@ void check_read_outs(const Case& scene) {
   require(last <= end + half_a_step,
           "{} = {:g} s is never reached: phases end {:g} s after the impactor is added",
           scene.read_out_place, last, end);
+  const Impactor& impactor = *hit->impactor;
+  const double flight = impactor.distance / impactor.speed;
+  require(last > flight,
+          "{} = {:g} s: the impactor of {} has not arrived by then, it flies {:g} m at {:g} m/s",
+          scene.read_out_place, last, hit->place, impactor.distance, impactor.speed);
 }
 
 /// The centre of mass moves to the origin, and with it all bodies: nothing else may be anywhere.

@@ -204,9 +204,9 @@ void derive_cohesion(Case& scene, std::span<const MaterialUse> uses) {
   const Cohesion cohesion = cohesion_of(*found->solid, lattice, scene.contact_of_place);
   // What the case says itself counts.
   ContactLaw law = scene.contact.common();
-  if (law.cohesion == 0) law.cohesion = cohesion.force;
+  if (!scene.tells_cohesion) law.cohesion = cohesion.force;
   if (law.cohesion_range == 0) law.cohesion_range = cohesion.range;
-  if (law.friction == 0) law.friction = cohesion.friction;
+  if (!scene.tells_friction) law.friction = cohesion.friction;
   scene.contact = law;
 }
 
