@@ -417,6 +417,7 @@ class Run {
   void close_account(const Diagnostics& sums) {
     const GravityKick& kick = world().kick;
     if (kick.closed > 0) return;
+    kept_ = {};  // nothing goes on from it, and what comes needs the memory
     simulation_->account().balance(sums, kick.potential, simulation_->engine().energy(world()));
   }
 
