@@ -178,30 +178,27 @@ TEST(Plan, counts_of_the_tree_of_gravity_are_those_of_a_run) {
   expect_plan_as_run(cloud("nonsmooth", "[gravity]\nmethod = \"tree\"\naccuracy = 1e-2\n", 1e-9));
 }
 
+/// The cloud, its small boulders clumps of two spheres.
+std::string cloud_of_twins(const std::string& method, const std::string& more, double rms = 0.1) {
+  std::string text = cloud(method, more + R"([shapes.twin]
+spheres = [{at = [0, 0, 0], radius = 1}, {at = [1, 0, 0], radius = 0.7}]
+)",
+                           rms);
+  return text.insert(text.find("count = 2000"), "shape = \"twin\", ");
+}
+
 TEST(Plan, counts_of_clumps_that_attract_by_their_spheres_are_those_of_a_run) {
-  std::string text = cloud("nonsmooth", R"([gravity]
+  expect_plan_as_run(cloud_of_twins("nonsmooth", R"([gravity]
 method = "tree"
 accuracy = 1e-2
 near_clumps = 1.5
-[shapes.twin]
-spheres = [{at = [0, 0, 0], radius = 1}, {at = [1, 0, 0], radius = 0.7}]
 )",
-                           1e-9);
-  const std::string count = "count = 2000";
-  text.insert(text.find(count), "shape = \"twin\", ");
-  expect_plan_as_run(text);
+                                    1e-9));
 }
 
 TEST(Plan, counts_of_clumps_in_penalty_contact_are_those_of_a_run) {
-  for (const std::string& more :
-       {std::string(), std::string("[periodic]\nsize = [28, 22, 16]\n")}) {
-    std::string text = cloud("penalty", more + R"([shapes.twin]
-spheres = [{at = [0, 0, 0], radius = 1}, {at = [1, 0, 0], radius = 0.7}]
-)");
-    const std::string count = "count = 2000";
-    text.insert(text.find(count), "shape = \"twin\", ");
-    expect_plan_as_run(text);
-  }
+  expect_plan_as_run(cloud_of_twins("penalty", ""));
+  expect_plan_as_run(cloud_of_twins("penalty", "[periodic]\nsize = [28, 22, 16]\n"));
 }
 
 OneRank one_rank(const std::string& text) {

@@ -77,9 +77,8 @@ const std::vector<Refused> table = {
     {"read_out = [5, 20]\n" + bodies + phase + impactor,
      "x.toml:1:12: read_out = 20 s is never reached: phases end 10 s after the impactor is added"},
     {"read_out = [0.0005]\n" + bodies + phase + impactor,
-     "x.toml:1:12: read_out = 0.0005 s: the impactor of x.toml:12:1: phases.only has not arrived "
-     "by "
-     "then, it flies 1 m at 1000 m/s"},
+     "x.toml:1:12: read_out = 0.0005 s: the impactor of x.toml:12:1: phases.only has not "
+     "arrived by then, it flies 1 m at 1000 m/s"},
     {"read_out = [5]\n" + bodies + phase,
      "x.toml:1:12: read_out tells times after the impact, but no phase has an impactor"},
     {bodies + phase + impactor + "[[phases]]\nname = \"again\"\nstep = 1\nduration = 1\n" +

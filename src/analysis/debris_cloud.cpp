@@ -164,10 +164,11 @@ void measure_hole(const Comm& comm, const Bodies& bodies, const Target& target, 
   const double reach = target.diameter / 4;
   double largest = 0;
   for_each_body(bodies, target, [&](Index b, const Flight& f) {
-    if (bodies.group[b] == target.plate) largest = std::max(largest, bodies.radius[b]);
+    if (bodies.group[b] != target.plate) return;
+    largest = std::max(largest, bodies.radius[b]);
     const int ring = static_cast<int>(f.radius / width);
     const bool there = f.depth < reach && f.depth > -target.thickness - reach;
-    if (bodies.group[b] != target.plate || !there || ring >= rings) return;
+    if (!there || ring >= rings) return;
     const double turn = std::atan2(f.across[1], f.across[0]) / (2 * pi) + 0.5;
     const int sector = std::min(static_cast<int>(turn * sectors), sectors - 1);
     const double area = pi / sectors * width * width * (2 * ring + 1);

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <utility>
 
 namespace spall {
 namespace {
@@ -70,6 +69,12 @@ std::vector<double> reaches(const Comm& comm, const Bodies& bodies, const Vec3& 
 
 }  // namespace
 
+SharedContacts remember(const Bodies& bodies, const Neighbours& neighbours, bool once) {
+  // Before the first search after a restart there are no pairs.
+  if (neighbours.carried->size() > 0) return neighbours.carried;
+  return remember(bodies, neighbours.pairs, once);
+}
+
 std::vector<double> work_of(const Bodies& bodies, const Pairs& pairs) {
   std::vector<double> work(bodies.owned, 1.0);
   for (Index p = 0; p < pairs.size(); ++p)
@@ -86,9 +91,9 @@ void update_neighbours(const Comm& comm, Bodies& bodies, const std::vector<Plane
     return;
   }
   const auto keep = [&](bool cut) {
-    // Before the first search after a restart there are no pairs.
-    if (neighbours.carried->size() > 0) return std::exchange(neighbours.carried, {});
-    return SharedContacts(remember(bodies, neighbours.pairs, cut));
+    SharedContacts memory = remember(bodies, neighbours, cut);
+    neighbours.carried = {};
+    return memory;
   };
   const auto find = [&](const ContactMemory& memory) {
     // Pairs do not change when all bodies move alike; but planes stay.

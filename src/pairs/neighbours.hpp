@@ -24,6 +24,10 @@ struct Neighbours : Search {
   Vec3 drifted = Vec3::Zero();  ///< m: by which places have moved with it since
 };
 
+/// What pairs remember, by id; each contact on one rank with `once`, else on every rank that has
+/// it. After a restart, up to the first search, what it came with.
+SharedContacts remember(const Bodies& bodies, const Neighbours& neighbours, bool once);
+
 /// Of owned bodies: contacts and bodies are what a step costs; a pair with a ghost is work on both
 /// ranks.
 std::vector<double> work_of(const Bodies& bodies, const Pairs& pairs);

@@ -54,9 +54,7 @@ double Rigid::energy(const World& world) const {
 }
 
 PairMemory Rigid::remember(const World& world) const {
-  // Before the first search after a restart there are no pairs.
-  if (neighbours.carried->size() > 0) return {.contacts = neighbours.carried, .bonds = {}};
-  return {.contacts = spall::remember(world.bodies, neighbours.pairs, false), .bonds = {}};
+  return {.contacts = spall::remember(world.bodies, neighbours, false), .bonds = {}};
 }
 
 void Rigid::restart_pairs(World& world, PairMemory memory) {

@@ -58,14 +58,14 @@ OneRank try_one_rank(Simulation& simulation, double seconds) {
   OneRank one;
   one.time = simulation.time();
   simulation.advance(1, false);
-  const Engine& engine = simulation.engine();
-  require(engine.found_pairs(world).has_value(),
+  std::optional<FoundPairs> found = simulation.engine().found_pairs(world);
+  require(found.has_value(),
           "{}.method = \"{}\": a plan shares out pairs of bodies, and this method finds none",
           simulation.phase().place, simulation.phase().engine->name);
-  one.state = shared_state(world, engine);
+  const Search& search = *found->search;
+  one.state = shared_state(world, *std::move(found));
   const auto counted = [&] {
-    return std::array{static_cast<double>(simulation.steps()),
-                      static_cast<double>(engine.found_pairs(world)->search->searches),
+    return std::array{static_cast<double>(simulation.steps()), static_cast<double>(search.searches),
                       static_cast<double>(world.kick.evaluations)};
   };
   const auto before = counted();

@@ -7,7 +7,6 @@
 #include <set>
 
 #include "domain/bisection.hpp"
-#include "engine/type.hpp"
 #include "gravity/near_clumps.hpp"
 #include "gravity/tree.hpp"
 #include "pairs/search.hpp"
@@ -51,27 +50,26 @@ std::vector<int> choose_sample(const std::vector<RankShare>& all, int most) {
 
 }  // namespace
 
-SharedState shared_state(const World& world, const Engine& engine) {
-  std::optional<FoundPairs> found = engine.found_pairs(world);
+SharedState shared_state(const World& world, FoundPairs found) {
   SharedState state{.bodies = world.bodies,
                     .period = world.period,
-                    .reach = std::move(found->reach),
-                    .work = std::move(found->work),
-                    .pairs = std::move(found->pairs),
+                    .reach = std::move(found.reach),
+                    .work = std::move(found.work),
+                    .pairs = std::move(found.pairs),
                     .near_clumps = world.has_near_clumps() ? world.gravity.near_clumps : 0};
   resize(state.bodies, state.bodies.owned);
-  if (found->members) {
-    state.members = *found->members;
+  if (found.members) {
+    state.members = *found.members;
     resize(state.members, state.members.owned);
-    state.members.position = found->search->found_at;
-    state.whole = {found->whole.begin(), found->whole.end()};
-    state.bodies.position = {found->bodies_at.begin(), found->bodies_at.end()};
+    state.members.position = found.search->found_at;
+    state.whole = {found.whole.begin(), found.whole.end()};
+    state.bodies.position = {found.bodies_at.begin(), found.bodies_at.end()};
   } else {
-    state.bodies.position = found->search->found_at;
+    state.bodies.position = found.search->found_at;
   }
   const Index rows = state.rows().owned;
   // Two bodies that meet across a period do so twice: as either one's image.
-  const std::vector<Index> original = originals(found->search->ghosts);
+  const std::vector<Index> original = originals(found.search->ghosts);
   Links& pairs = state.pairs;
   std::size_t kept = 0;
   for (std::size_t p = 0; p < pairs.i.size(); ++p) {

@@ -30,8 +30,8 @@ struct SharedState {
   std::vector<double> first_work() const;
 };
 
-/// `engine` finds pairs. `world` is on one rank; a step has been made.
-SharedState shared_state(const World& world, const Engine& engine);
+/// By what the engine of `world` found, which is on one rank.
+SharedState shared_state(const World& world, FoundPairs found);
 
 /// Of one rank.
 struct RankShare {

@@ -360,6 +360,7 @@ class Run {
     evaluate_field(world());
     say_what_was_not_read();
     const Diagnostics sums = diagnose(world());
+    kept_ = {};  // nothing goes on from it, and what comes needs the memory
     close_account(sums);
     if (!verdict_.has_impact()) verdict_.look_at_pile(world());
     ResultTable table;
@@ -417,7 +418,6 @@ class Run {
   void close_account(const Diagnostics& sums) {
     const GravityKick& kick = world().kick;
     if (kick.closed > 0) return;
-    kept_ = {};  // nothing goes on from it, and what comes needs the memory
     simulation_->account().balance(sums, kick.potential, simulation_->engine().energy(world()));
   }
 
