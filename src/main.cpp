@@ -244,6 +244,10 @@ int dispatch(const Comm& comm, int argc, char** argv) {
   }
   if (*check) {
     const bool restart = std::filesystem::path(options.file).extension() == ".h5";
+    require(!restart || (options.overrides.empty() && !options.time),
+            "'{}' is a restart file: check tells whether it is whole; --set and --time are of case "
+            "files",
+            options.file);
     const Foretold foretold = options.time ? Foretold::time_too : Foretold::memory;
     const std::string text =
         restart ? check_restart(comm, options.file)

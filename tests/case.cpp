@@ -234,6 +234,10 @@ duration = 1
   EXPECT_EQ(law_with("friction = 0").cohesion, derived.cohesion);
   EXPECT_EQ(law_with("cohesion = 0").cohesion, 0);
   EXPECT_EQ(law_with("cohesion = 0").friction, derived.friction);
+  EXPECT_EQ(law_with("cohesion = 0\ncohesion_range = 0").cohesion_range, 0);
+  EXPECT_TRUE(complaint_of([&] {
+                law_with("cohesion_range = 0");
+              }).starts_with("x.toml:4:12: contact.material gives a cohesion of 1.096e+08 N"));
 }
 
 TEST(Case, what_is_not_toml_is_told_with_its_line) {

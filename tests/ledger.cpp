@@ -3,6 +3,8 @@
 #include <cmath>
 #include <random>
 
+#include "clump_worlds.hpp"
+#include "engine/free_turn.hpp"
 #include "gravity/kick.hpp"
 #include "output/diagnostics.hpp"
 #include "run/simulation.hpp"
@@ -79,6 +81,31 @@ TEST(Ledger, books_the_height_that_a_correction_gives) {
   EXPECT_GT(lifted, overlap / 2);
   EXPECT_NEAR(after.velocity.norm(), 0, 1e-12 * g);
   EXPECT_NEAR(diagnose(world).corrections, m * g * lifted, 1e-12 * m * g * r);
+}
+
+TEST(Ledger, books_the_bonds_that_a_correction_opens) {
+  // Cohesion has pulled on the way into an overlap, too: who opens it gives that back. Bodies are
+  // at rest, so only those that it pulls over a gap move by themselves, by h^2 F/m.
+  const ContactLaw law{.friction = 0.5, .cohesion = 40, .cohesion_range = 0.01};
+  constexpr double h = 1e-5;
+  for (const bool clumps : {false, true}) {
+    std::vector<ShapedBody> bodies;
+    for (const Sphere& s : tangle(60))
+      bodies.push_back({.shape = clumps ? 1 : 0,
+                        .radius = s.radius,
+                        .mass = s.mass,
+                        .position = s.position,
+                        .orientation = turned_by(s.spin, Quaternion::Identity())});
+    Lab world = make_world(testing_world(), with_sphere({dumbbell()}), bodies, law);
+    if (!clumps) world.shapes.clear();
+    const double before = world.rigid.energy(world);
+    const Diagnostics start = diagnose(world);
+    advance(world, h, 1, {.tolerance = 1e-6});
+    const Diagnostics now = diagnose(world);
+    const double opened = world.rigid.energy(world) - before;
+    EXPECT_GT(opened, law.cohesion * law.cohesion_range);
+    EXPECT_NEAR(now.corrections - start.corrections, opened, 1e-6 * opened) << clumps;
+  }
 }
 
 TEST(Ledger, closes_for_a_ball_that_bounces_in_a_uniform_field) {

@@ -366,6 +366,7 @@ stop_by XCPU launcher 3
 stop_by INT rank 3
 stop_by CONT rank 3
 stop_by USR2 rank 3
+on_ranks "$ranks" check endless/restart.h5 --set seed=2 && fail "a check of a restart file leaves out --set without a word"
 on_ranks "$ranks" resume endless/restart.h5 --set "phases.meet.duration=1 s" ||
   fail "a stopped run does not go on: $(cat stderr)"
 grep -q "phase meet is over: it has run for" stdout || fail "does not say that its phase is over"

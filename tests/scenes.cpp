@@ -168,6 +168,17 @@ TEST(StoredPile, is_placed_spun_carved_and_weighed_as_asked) {
   EXPECT_EQ(carved.owned, inside);
   EXPECT_GT(inside, 20);
   EXPECT_DOUBLE_EQ(carved.mass[0], 2000 * 4 * pi / 3);
+
+  // Bodies keep their masses, and who asks for another density is told.
+  const auto told = [&](const std::vector<std::string>& changes) {
+    return describe_phases(with_stored_bodies(
+        parse_case(rock + group("a", "radius = 100", "") + phase, "x.toml", changes)));
+  };
+  const std::string note = "groups.a: masses are those of";
+  EXPECT_EQ(told({}).find(note), std::string::npos);
+  EXPECT_NE(told({"materials.rock.density=3000"}).find(note), std::string::npos);
+  EXPECT_EQ(told({"materials.rock.density=3000", "groups.a.total_mass=5e6"}).find(note),
+            std::string::npos);
 }
 
 TEST(InputFiles, are_those_of_rank_0_wherever_the_others_are) {

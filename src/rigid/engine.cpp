@@ -13,8 +13,7 @@ double energy_of_bonds(const World& world, const Contacts& contacts) {
   double energy = 0;
   for (Index c = 0; c < contacts.size(); ++c) {
     if (contacts.i[c] >= world.bodies.owned) continue;
-    const ContactLaw& law = law_of(world, contacts, c);
-    energy -= law.cohesion * std::max(law.cohesion_range - contacts.gap[c], 0.0);
+    energy += energy_of_bond(law_of(world, contacts, c), contacts.gap[c]);
   }
   return energy;
 }

@@ -72,6 +72,11 @@ inline const ContactLaw& law_of(const World& world, const Contacts& contacts, In
                 contacts.plane[c]);
 }
 
+/// J, of the work that cohesion did on the way to a gap (m).
+inline double energy_of_bond(const ContactLaw& law, double gap) {
+  return -law.cohesion * std::max(law.cohesion_range - gap, 0.0);
+}
+
 /// m, the longest of all pairs of materials.
 double longest_range(const ByPair<ContactLaw>& laws);
 

@@ -41,29 +41,52 @@ std::vector<Turn> turns_at_end(const World& world, double h) {
   return turns;
 }
 
+/// As they lie. Empty where all bodies are spheres.
+std::vector<Turn> turns_now(const World& world) {
+  std::vector<Turn> turns;
+  if (!world.shapes.empty())
+    for (Index b = 0; b < world.bodies.size(); ++b)
+      turns.push_back({world.bodies.orientation[b], world.bodies.angular_velocity[b]});
+  return turns;
+}
+
+/// m, the gap of contact `c` once its bodies have flown for `h` (s) and turned by `turns`.
+double gap_after(const World& world, const Contacts& contacts, Index c, std::span<const Turn> turns,
+                 double h) {
+  const Bodies& bodies = world.bodies;
+  const auto sphere = [&](Index b, auto of) -> ShapeSphere {
+    const Vec3 end = bodies.position[b] + h * bodies.velocity[b];
+    if (turns.empty()) return {end, bodies.radius[b]};
+    return placed_sphere(shape_of(world.shapes, bodies, b).spheres[contacts.spheres[c].*of], end,
+                         bodies.radius[b], turns[b].orientation);
+  };
+  const auto [end_i, radius_i] = sphere(contacts.i[c], &SphereContact::of_i);
+  if (contacts.j[c] == ground) {
+    const Plane& plane = world.planes[contacts.plane[c]];
+    return plane.normal.dot(end_i - plane.point) - radius_i;
+  }
+  const auto [end_j, radius_j] = sphere(contacts.j[c], &SphereContact::of_j);
+  return (end_j - end_i).norm() - radius_i - radius_j;
+}
+
+/// J, what cohesion holds in this rank's contacts then.
+double bonds_after(const World& world, const Contacts& contacts, std::span<const Turn> turns,
+                   double h) {
+  double energy = 0;
+  for (Index c = 0; c < contacts.size(); ++c)
+    if (contacts.i[c] < world.bodies.owned)
+      energy += energy_of_bond(law_of(world, contacts, c), gap_after(world, contacts, c, turns, h));
+  return energy;
+}
+
 /// Per contact: how far (m) the bodies may come nearer until the overlap at the end of a step `h`
 /// is the tolerated one.
 std::vector<double> slack_at_end(const World& world, const Contacts& contacts,
                                  std::span<const Turn> turns, double h, DriftReport& report) {
   const Bodies& bodies = world.bodies;
-  const auto sphere_at_end = [&](Index b, std::int32_t of) -> ShapeSphere {
-    const Vec3 end = bodies.position[b] + h * bodies.velocity[b];
-    if (turns.empty()) return {end, bodies.radius[b]};
-    return placed_sphere(shape_of(world.shapes, bodies, b).spheres[of], end, bodies.radius[b],
-                         turns[b].orientation);
-  };
   std::vector<double> slack(contacts.size());
   for (Index c = 0; c < contacts.size(); ++c) {
-    const Index i = contacts.i[c], j = contacts.j[c];
-    const auto [end_i, radius_i] = sphere_at_end(i, turns.empty() ? 0 : contacts.spheres[c].of_i);
-    double gap;
-    if (j == ground) {
-      const Plane& plane = world.planes[contacts.plane[c]];
-      gap = plane.normal.dot(end_i - plane.point) - radius_i;
-    } else {
-      const auto [end_j, radius_j] = sphere_at_end(j, turns.empty() ? 0 : contacts.spheres[c].of_j);
-      gap = (end_j - end_i).norm() - radius_i - radius_j;
-    }
+    const double gap = gap_after(world, contacts, c, turns, h);
     const double small = smaller_radius(bodies, contacts, c);
     report.overlap = std::max(report.overlap, -gap / small);
     slack[c] = std::max(gap + tolerated_overlap * small, -most_correction * small);
@@ -264,6 +287,8 @@ DriftReport drift_apart(World& world, const Ghosts& ghosts, const Contacts& cont
   Bodies& bodies = world.bodies;
   const std::vector<Turn> turns = turns_at_end(world, h);
   const Correction correction = correct_overlaps(world, ghosts, contacts, turns, h, report);
+  const bool opens_bonds = !correction.row.empty() && longest_range(world.contact) > 0;
+  if (opens_bonds) world.ledger.corrections -= bonds_after(world, contacts, turns, h);
   for (Index b = 0; b < bodies.size(); ++b) bodies.position[b] += h * bodies.velocity[b];
   for (std::size_t k = 0; k < correction.row.size(); ++k)
     bodies.position[correction.row[k]] += h * Eigen::Map<const Vec3>(correction.change[k].linear);
@@ -272,6 +297,7 @@ DriftReport drift_apart(World& world, const Ghosts& ghosts, const Contacts& cont
     bodies.angular_velocity[b] = turns[b].angular_velocity;
   }
   if (!turns.empty()) turn_apart(world, correction, h);
+  if (opens_bonds) world.ledger.corrections += bonds_after(world, contacts, turns_now(world), 0);
   keep_angular_momentum(world, contacts, correction, h);
   return report;
 }

@@ -15,7 +15,7 @@ struct DriftReport {
 
 /// Moves all rows by h (s) of their velocities and takes apart what would overlap at the end, by
 /// displacements that never become velocities. Momentum is kept; the energy of keeping angular
-/// momentum is booked. Collective.
+/// momentum is booked, and of bonds that open. Collective.
 DriftReport drift_apart(World& world, const Ghosts& ghosts, const Contacts& contacts, double h);
 
 }  // namespace spall

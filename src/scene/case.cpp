@@ -43,6 +43,7 @@ void read_contact(Section& in, Case& scene) {
           scene.contact_of);
   if (in.has("material")) scene.contact_of_place = in.place("material");
   scene.tells_cohesion = in.has("cohesion");
+  scene.tells_range = in.has("cohesion_range");
   scene.tells_friction = in.has("friction");
   ContactLaw law;
   in.take("friction", "Coulomb's coefficient", law.friction, not_negative(number));
@@ -353,6 +354,8 @@ std::vector<std::string> unused_parts(const toml::table& root, const Case& scene
   for (const char* key : {"accuracy", "refresh", "near_clumps"})
     if (root["gravity"][key] && scene.gravity.method == GravityMethod::none)
       unused.push_back(fmt::format("gravity.{} is not used: no gravity.method is named", key));
+  if (root["gravity"]["accuracy"] && scene.gravity.method == GravityMethod::direct)
+    unused.push_back("gravity.accuracy is not used: gravity.method = \"direct\" is exact");
   if (root["gravity"]["near_clumps"] && scene.shapes.empty())
     unused.push_back("gravity.near_clumps is not used: no group has a shape");
   return unused;

@@ -184,7 +184,8 @@ struct Case : Surroundings {
   std::string reference_place;   ///< where the case asks for it, for messages
   std::string contact_of;        ///< material from which cohesion follows; empty: none
   std::string contact_of_place;  ///< where the case asks for it, for messages
-  bool tells_cohesion = false, tells_friction = false;  ///< [contact] itself: none that follows
+  // [contact] itself: it does not follow.
+  bool tells_cohesion = false, tells_range = false, tells_friction = false;
   std::vector<Between<ContactLaw>> contact_between;
   double allowed_overlap = 1e-3;  ///< of two bodies at the start, in units of the smaller radius
   std::vector<ListedShape> listed_shapes;

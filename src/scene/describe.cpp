@@ -75,6 +75,29 @@ std::string describe_phase(const Phase& phase, double start) {
   return text + "\n";
 }
 
+/// Bodies of files bring their masses, whatever the density of their group's material is.
+std::vector<std::string> other_densities(const Case& scene) {
+  std::vector<std::string> told;
+  for (const Group& group : scene.groups) {
+    double mass = 0, volume = 0;
+    for (const StoredBody& body : group.packing.stored) {
+      if (body.fixed) continue;
+      mass += body.mass;
+      volume += ball_volume(body.radius);
+    }
+    const Material& material = scene.materials[group.material];
+    constexpr double told_apart = 1e-3;
+    if (group.total_mass ||
+        std::abs(mass - material.density * volume) <= told_apart * material.density * volume)
+      continue;
+    told.push_back(fmt::format(
+        "groups.{}: masses are those of '{}', {:.6g} kg/m^3 on average, not those of "
+        "materials.{}.density = {:g}; total_mass would scale them",
+        group.name, group.packing.file, mass / volume, material.name, material.density));
+  }
+  return told;
+}
+
 }  // namespace
 
 double bytes_of_a_rank(const Case& scene, const std::vector<GroupContent>& contents, int ranks,
@@ -155,6 +178,7 @@ std::string describe_phases(const Case& scene) {
     }
   for (const std::string& table : scene.unused) text += "\n  " + table + "\n";
   for (const std::string& told : lost_bonds(scene)) text += "\n  " + told + "\n";
+  for (const std::string& told : other_densities(scene)) text += "\n  " + told + "\n";
   return text;
 }
 

@@ -205,8 +205,12 @@ void derive_cohesion(Case& scene, std::span<const MaterialUse> uses) {
   // What the case says itself counts.
   ContactLaw law = scene.contact.common();
   if (!scene.tells_cohesion) law.cohesion = cohesion.force;
-  if (law.cohesion_range == 0) law.cohesion_range = cohesion.range;
+  if (!scene.tells_range) law.cohesion_range = cohesion.range;
   if (!scene.tells_friction) law.friction = cohesion.friction;
+  require(law.cohesion == 0 || law.cohesion_range > 0,
+          "{} gives a cohesion of {:.4g} N, which needs a gap up to which it acts: "
+          "contact.cohesion_range = 0 leaves it none; cohesion = 0 asks for none",
+          scene.contact_of_place, law.cohesion);
   scene.contact = law;
 }
 

@@ -96,6 +96,7 @@ void read_group(Section& in, Group& group, const std::vector<Material>& material
                 const std::string& folder) {
   std::string material;
   in.need("name", "", group.name);
+  in.check("name", !group.name.empty(), "is empty");
   in.need("material", "one of [materials]", material);
   const bool has_volume =
       in.table("volume", "what is filled", [&](Section& s) { read_volume(s, group.volume); });

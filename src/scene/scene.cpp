@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <optional>
 
@@ -226,12 +227,30 @@ void add_thermal_velocities(const Comm& comm, const Case& scene, std::size_t g, 
   for (std::size_t k = 0; k < velocity.size(); ++k) bodies.velocity[begin + k] += velocity[k];
 }
 
+/// Doubles tell a place to some 1e-16 of its distance from the origin, and contacts are about small
+/// parts of a radius (m).
+void check_resolved(const std::string& place, double farthest, double radius) {
+  constexpr double told = 1e-6;  // of a radius: resting spheres overlap by a hundred times as much
+  const double off = std::numeric_limits<double>::epsilon() * farthest;
+  require(off <= told * radius,
+          "{}: bodies of {:.3g} m radius lie up to {:.3g} m from the origin, where doubles "
+          "resolve {:.1g} m: move the scene to the origin",
+          place, radius, farthest, off);
+}
+
+/// m, the largest coordinate of what it may hold.
+double farthest(const Volume& volume) {
+  return (volume.center.cwiseAbs() + half_widths(volume)).maxCoeff();
+}
+
 }  // namespace
 
 std::vector<GroupContent> measure_groups(const Case& scene) {
   std::vector<GroupContent> contents;
   for (std::size_t g = 0; g < scene.groups.size(); ++g) {
     const Group& group = scene.groups[g];
+    if (group.packing.radius > 0)  // there packings would not end
+      check_resolved(group.place, group.volume.center.cwiseAbs().maxCoeff(), group.packing.radius);
     GroupContent content;
     const auto count = [&](double radius, double mass, bool fixed) {
       content.volume += volume_of_body(scene, g, content.count, radius);
@@ -255,6 +274,7 @@ std::vector<GroupContent> measure_groups(const Case& scene) {
     require(content.count > 0, "{}: its volume holds no sphere{}", group.place,
             group.packing.file.empty() ? fmt::format(" of radius {} m", group.packing.radius)
                                        : fmt::format(" of '{}'", group.packing.file));
+    check_resolved(group.place, farthest(group.volume), content.smallest);
     contents.push_back(content);
   }
   return contents;
@@ -374,6 +394,7 @@ Bodies make_bodies(const Case& scene, const Comm& comm) {
     placed.emplace_back(of_spheres, group_of_added, id, std::ssize(scene.spheres));
   for (std::size_t k = 0; k < scene.spheres.size(); ++k) {
     const SceneSphere& sphere = scene.spheres[k];
+    check_resolved(scene.file, sphere.position.cwiseAbs().maxCoeff(), sphere.radius);
     // No group's number: these do not keep clear of each other by themselves.
     check_clear(scene, fmt::format("{}: sphere {}", scene.file, k), group_of_added + 1, placed, id,
                 {.center = sphere.position, .radius = sphere.radius});
