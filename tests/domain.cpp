@@ -493,13 +493,17 @@ TEST(Neighbours, impulses_stay_with_their_pairs_over_cuts) {
     const double j = static_cast<double>(mine.id[neighbours.pairs.j[p]]);
     return Vec3(1 + i, 1 + j, i * j);
   };
-  for (Index p = 0; p < neighbours.pairs.size(); ++p) neighbours.pairs.impulse[p] = value(p);
+  for (Index p = 0; p < neighbours.pairs.size(); ++p)
+    neighbours.pairs.carried.push_back({.pair = p, .impulse = value(p)});
   neighbours.valid = false;
   neighbours.last_cut = {};  // asks for a cut
   update_neighbours(comm, mine, {}, 0.01, 0.1, neighbours);
   ASSERT_GT(comm.sum(static_cast<std::int64_t>(neighbours.pairs.size())), 0);
-  for (Index p = 0; p < neighbours.pairs.size(); ++p)
-    EXPECT_EQ(neighbours.pairs.impulse[p], value(p));
+  ASSERT_EQ(std::ssize(neighbours.pairs.carried), neighbours.pairs.size());
+  for (Index p = 0; p < neighbours.pairs.size(); ++p) {
+    EXPECT_EQ(neighbours.pairs.carried[p].pair, p);
+    EXPECT_EQ(neighbours.pairs.carried[p].impulse, value(p));
+  }
 }
 
 TEST(MotionCells, keys_around_a_cell_are_those_of_its_neighbours) {

@@ -174,12 +174,12 @@ TEST(Gravity, each_contact_of_a_column_carries_what_is_above_it) {
   advance(world, h, 3);  // the first kick is of half a step
   const Pairs& pairs = world.rigid.neighbours.pairs;
   std::int64_t seen = 0;
-  for (Index p = 0; p < pairs.size(); ++p) {
-    const Index i = pairs.i[p], j = pairs.j[p];
-    if (i >= world.bodies.owned || pairs.impulse[p].isZero(0)) continue;
+  for (const CarriedImpulse& last : pairs.carried) {
+    const Index i = pairs.i[last.pair], j = pairs.j[last.pair];
+    if (i >= world.bodies.owned) continue;
     const BodyId upper = j == ground ? world.bodies.id[i] : world.bodies.id[j];
     const double carried = static_cast<double>(n - upper) * m * g * h;
-    EXPECT_NEAR(pairs.impulse[p].norm(), carried, 1e-6 * carried) << "contact below body " << upper;
+    EXPECT_NEAR(last.impulse.norm(), carried, 1e-6 * carried) << "contact below body " << upper;
     ++seen;
   }
   EXPECT_EQ(world.comm.sum(seen), n);

@@ -8,6 +8,7 @@
 #include <numeric>
 #include <unordered_map>
 
+#include "base/let_go.hpp"
 #include "base/morton.hpp"
 #include "spall/error.hpp"
 #include "state/pack.hpp"
@@ -134,7 +135,7 @@ void migrate(const Comm& comm, Bodies& bodies, SharedContacts& memory,
     for (std::size_t k = 0; k < stays.size(); ++k) field[k] = field[stays[k]];
   });
   resize(bodies, static_cast<Index>(stays.size()));
-  stays = std::vector<Index>();
+  let_go(stays);
   auto incoming = comm.exchange(std::move(outgoing));
   std::size_t arriving = 0;
   for (const auto& [rank, rows] : incoming) arriving += rows.size() / width;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "base/let_go.hpp"
 #include "gravity/curve_parts.hpp"
 #include "gravity/rough_field.hpp"
 #include "spall/error.hpp"
@@ -220,7 +221,7 @@ Octree grow_octree(const Comm& comm, std::span<const double> mass, std::span<con
                  row.data() + before + (k - begin) * width);
     }
   }
-  rows = {};
+  let_go(rows);
   ByRank<double> coming = comm.exchange(std::move(going));
   for (const auto& [rank, row] : coming) tree.came[rank] = row.size() / width;
   const std::vector<double> here = joined(std::move(coming));
@@ -246,7 +247,7 @@ std::vector<double> Octree::take_felt(const Comm& comm) {
     for (std::size_t n = 0; n < bodies; ++n, ++b)
       get_felt(eights[place[b] / lane_count], place[b] % lane_count, rates, row.data() + n * width);
   }
-  eights = {};
+  let_go(eights);
   return joined(comm.exchange(std::move(felt)));
 }
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/kernels.hpp"
+#include "base/let_go.hpp"
 #include "gravity/essential_tree.hpp"
 #include "gravity/expansion.hpp"
 #include "spall/error.hpp"
@@ -99,8 +100,7 @@ GravityField evaluate(const Comm& comm, double constant, const TreeSettings& set
   EssentialTree<P> tree(comm, std::move(octree), settings);
   const bool rates = tree.octree.rates;
   Walk<P>(tree).run();
-  tree.moments = {};
-  tree.others = {};
+  let_go(tree.moments, tree.others);
 
   const std::vector<double> felt = tree.octree.take_felt(comm);
   const std::vector<Index>& rows = tree.octree.went_row;

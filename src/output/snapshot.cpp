@@ -11,6 +11,7 @@
 #include <type_traits>
 
 #include "base/first_rank.hpp"
+#include "base/let_go.hpp"
 #include "output/files.hpp"
 #include "output/h5.hpp"
 #include "scene/scene.hpp"
@@ -83,7 +84,7 @@ class InOrderOfId {
     for (auto& [rank, rows] : incoming) {
       for (std::size_t at = 0; at < rows.size(); at += width)
         came.push_back(unpack_value<T>(&rows[at]));
-      rows = {};
+      let_go(rows);
     }
     return came;
   }

@@ -41,51 +41,47 @@ Pairs find_pairs(const Bodies& bodies, std::span<const double> reach,
   pairs.i.insert(pairs.i.end(), interior.i.begin(), interior.i.end());
   pairs.j.insert(pairs.j.end(), interior.j.begin(), interior.j.end());
   pairs.plane.insert(pairs.plane.end(), interior.plane.begin(), interior.plane.end());
-  pairs.impulse.assign(pairs.size(), Vec3::Zero());
   return pairs;
 }
 
 ContactMemory remember(const Bodies& bodies, const Pairs& pairs, bool once) {
-  const auto is_kept = [&](Index p) {
-    return !pairs.impulse[p].isZero(0) && !(once && pairs.i[p] >= bodies.owned);
+  const auto is_kept = [&](const CarriedImpulse& carried) {
+    return !(once && pairs.i[carried.pair] >= bodies.owned);
   };
-  const auto other = [&](Index p) {
-    return pairs.j[p] == ground ? -1 - pairs.plane[p] : bodies.id[pairs.j[p]];
-  };
-  std::size_t count = 0;
-  for (Index p = 0; p < pairs.size(); ++p) count += is_kept(p);
+  const bool shapes = bodies.has(Field::shape);
   ContactMemory memory;
-  memory.reserve(count);
-  for (Index p = 0; p < pairs.size(); ++p)
-    if (is_kept(p)) memory.add(bodies.id[pairs.i[p]], other(p), pairs.impulse[p]);
-  for (const SphereImpulse& s : pairs.of_spheres) {
-    if (s.impulse.isZero(0) || (once && pairs.i[s.pair] >= bodies.owned)) continue;
-    memory.add(bodies.id[pairs.i[s.pair]], other(s.pair), s.impulse);
-    memory.name_spheres({s.of_i, s.of_j});
+  memory.reserve(std::ranges::count_if(pairs.carried, is_kept));
+  for (const CarriedImpulse& carried : pairs.carried) {
+    if (!is_kept(carried)) continue;
+    const Index i = pairs.i[carried.pair], j = pairs.j[carried.pair];
+    memory.add(bodies.id[i], j == ground ? -1 - pairs.plane[carried.pair] : bodies.id[j],
+               carried.impulse);
+    if (shapes) memory.name_spheres({carried.of_i, carried.of_j});
   }
   return memory;
 }
 
 void recall(const Bodies& bodies, const ContactMemory& memory, Pairs& pairs) {
   const Recall kept(bodies, memory);
+  pairs.carried.reserve(memory.size());
   for (Index p = 0; p < pairs.size(); ++p) {
     const bool wall = pairs.j[p] == ground;
     if (memory.spheres.empty()) {
       const Index m =
           wall ? kept.of_wall(pairs.i[p], pairs.plane[p]) : kept.of_pair(pairs.i[p], pairs.j[p]);
-      if (m >= 0) pairs.impulse[p] = memory.impulse[m];
+      if (m >= 0) pairs.carried.push_back({.pair = p, .impulse = memory.impulse[m]});
       continue;
     }
     const auto found = wall ? kept.all_of_wall(pairs.i[p], pairs.plane[p])
                             : kept.all_of_pair(pairs.i[p], pairs.j[p]);
-    const auto first = static_cast<std::ptrdiff_t>(pairs.of_spheres.size());
+    const auto first = static_cast<std::ptrdiff_t>(pairs.carried.size());
     for (const Recall::Entry& entry : found) {
       const auto [of_i, of_j] = memory.spheres[entry.at];
       // A restart may tell of a contact on both of its ranks.
       const bool known =
-          std::any_of(pairs.of_spheres.begin() + first, pairs.of_spheres.end(),
-                      [&](const SphereImpulse& s) { return s.of_i == of_i && s.of_j == of_j; });
-      if (!known) pairs.of_spheres.push_back({p, of_i, of_j, memory.impulse[entry.at]});
+          std::any_of(pairs.carried.begin() + first, pairs.carried.end(),
+                      [&](const CarriedImpulse& c) { return c.of_i == of_i && c.of_j == of_j; });
+      if (!known) pairs.carried.push_back({p, of_i, of_j, memory.impulse[entry.at]});
     }
   }
 }

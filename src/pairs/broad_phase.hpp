@@ -11,11 +11,11 @@
 
 namespace spall {
 
-/// What a contact of two bodies with shapes carried.
-struct SphereImpulse {
+/// What the last contact of a pair carried.
+struct CarriedImpulse {
   Index pair;
-  std::int32_t of_i, of_j;  ///< its spheres, places in the shapes' lists
-  Vec3 impulse;             ///< N s
+  std::int32_t of_i = 0, of_j = 0;  ///< of bodies with shapes: places in their lists of spheres
+  Vec3 impulse;                     ///< N s, not 0
 };
 
 /// Pairs of rows (or a row and a plane) with at least one owned body, each once: first the
@@ -24,14 +24,14 @@ struct Pairs {
   Index boundary = 0;
   std::vector<Index> i, j;          ///< id(i) < id(j); j is `ground` at a plane
   std::vector<std::int32_t> plane;  ///< -1 between spheres
-  std::vector<Vec3> impulse;        ///< N s: what the pair's last contact carried; 0 without one
-  /// In place of `impulse` where bodies have shapes, in the order of the pairs.
-  std::vector<SphereImpulse> of_spheres;
+  /// In the order of the pairs, of which far more are near each other than touch.
+  std::vector<CarriedImpulse> carried;
 
   Index size() const { return static_cast<Index>(i.size()); }
 };
 
-/// All pairs whose spheres, each grown by its `reach` (m, one a row), meet. Impulses are zero.
+/// All pairs whose spheres, each grown by its `reach` (m, one a row), meet. None has carried
+/// anything.
 Pairs find_pairs(const Bodies& bodies, std::span<const double> reach,
                  const std::vector<Plane>& planes);
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "base/let_go.hpp"
 #include "domain/ghosts.hpp"
 #include "domain/halo.hpp"
 #include "domain/migration.hpp"
@@ -80,15 +81,15 @@ void search_anew(const Comm& comm, Bodies& bodies, Search& search, Work&& work, 
                  Find&& find) {
   std::vector<double> load = work();
   const bool cut = needs_cut(comm, load, search.ghosts, search.last_cut);
-  search.found_at = std::vector<Vec3>();  // what comes needs the memory
+  let_go(search.found_at);  // what comes needs the memory
   auto kept = keep(cut);
   if (cut) {
     std::vector<int> owner = partition(comm, bodies, load, search.cut);
-    load = std::vector<double>();
+    let_go(load);
     if (search.searches > 0) tell_ghosts(bodies, search.ghosts, owner);
     migrate(comm, bodies, kept, owner);
   }
-  load = std::vector<double>();
+  let_go(load);
   find(std::move(kept));
   ++search.searches;
   if (cut) load = work();

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "base/kernels.hpp"
+#include "base/let_go.hpp"
 #include "engine/free_turn.hpp"
 #include "engine/prescribed.hpp"
 #include "engine/split_turn.hpp"
@@ -73,7 +74,7 @@ void update_pairs(World& world, Penalty& engine, const ByPair<PenaltyLaw>& laws)
                         .step = 0.02,
                         .most = 1,
                         .search = 150};
-  engine.loads = std::vector<ForceRow>();  // a search needs the memory
+  let_go(engine.loads);  // a search needs the memory
   wrap_bodies(world);
   search_touch_pairs(world,
                      {.gap = gap,

@@ -108,7 +108,7 @@ Contacts find_shape_contacts(const Bodies& bodies, const BodyShapes& shapes,
                              const ByPair<ContactLaw>& laws) {
   const PlacedSpheres placed(bodies, shapes);
   Contacts contacts;
-  auto remembered = pairs.of_spheres.begin();
+  auto remembered = pairs.carried.begin();
   const auto bend = [&](Index b) {
     return h * h / 2 * bodies.angular_velocity[b].squaredNorm() * bodies.radius[b];
   };
@@ -118,7 +118,7 @@ Contacts find_shape_contacts(const Bodies& bodies, const BodyShapes& shapes,
   for (Index p = 0; p < pairs.size(); ++p) {
     const Index i = pairs.i[p], j = pairs.j[p];
     const auto first = remembered;
-    while (remembered != pairs.of_spheres.end() && remembered->pair == p) ++remembered;
+    while (remembered != pairs.carried.end() && remembered->pair == p) ++remembered;
     if (is_held(bodies, i) && (j == ground || is_held(bodies, j))) continue;
     const double range = law_of(laws, bodies, planes, i, j, pairs.plane[p]).cohesion_range;
     const double bent = bend(i) + (j == ground ? 0 : bend(j));
@@ -134,7 +134,7 @@ Contacts find_shape_contacts(const Bodies& bodies, const BodyShapes& shapes,
       contacts.spheres.push_back(
           {arm_i, arm_j, small, static_cast<std::int32_t>(a), static_cast<std::int32_t>(b)});
       const auto& last = contacts.spheres.back();
-      const auto known = std::find_if(first, remembered, [&](const SphereImpulse& s) {
+      const auto known = std::find_if(first, remembered, [&](const CarriedImpulse& s) {
         return s.of_i == last.of_i && s.of_j == last.of_j;
       });
       contacts.impulse.push_back(known == remembered ? Vec3(Vec3::Zero()) : known->impulse);
@@ -213,6 +213,7 @@ Contacts find_contacts(const Bodies& bodies, const BodyShapes& shapes,
   const auto room = [&](auto&... fields) { (fields.reserve(contacts.pair.size()), ...); };
   room(contacts.i, contacts.j, contacts.plane, contacts.normal, contacts.gap, contacts.kappa,
        contacts.impulse);
+  auto remembered = pairs.carried.begin();
   for (const Index p : contacts.pair) {
     const Separation s = separation_of(p);
     contacts.i.push_back(pairs.i[p]);
@@ -221,7 +222,9 @@ Contacts find_contacts(const Bodies& bodies, const BodyShapes& shapes,
     contacts.normal.push_back(s.normal);
     contacts.gap.push_back(s.gap);
     contacts.kappa.push_back(s.kappa);
-    contacts.impulse.push_back(pairs.impulse[p]);
+    while (remembered != pairs.carried.end() && remembered->pair < p) ++remembered;
+    const bool known = remembered != pairs.carried.end() && remembered->pair == p;
+    contacts.impulse.push_back(known ? remembered->impulse : Vec3(Vec3::Zero()));
   }
   return contacts;
 }

@@ -8,6 +8,7 @@
 #include <span>
 #include <utility>
 
+#include "base/let_go.hpp"
 #include "engine/free_turn.hpp"
 #include "engine/prescribed.hpp"
 #include "rigid/narrow_phase.hpp"
@@ -41,15 +42,6 @@ std::vector<Turn> turns_at_end(const World& world, double h) {
   return turns;
 }
 
-/// As they lie. Empty where all bodies are spheres.
-std::vector<Turn> turns_now(const World& world) {
-  std::vector<Turn> turns;
-  if (!world.shapes.empty())
-    for (Index b = 0; b < world.bodies.size(); ++b)
-      turns.push_back({world.bodies.orientation[b], world.bodies.angular_velocity[b]});
-  return turns;
-}
-
 /// m, the gap of contact `c` once its bodies have flown for `h` (s) and turned by `turns`.
 double gap_after(const World& world, const Contacts& contacts, Index c, std::span<const Turn> turns,
                  double h) {
@@ -69,27 +61,19 @@ double gap_after(const World& world, const Contacts& contacts, Index c, std::spa
   return (end_j - end_i).norm() - radius_i - radius_j;
 }
 
-/// J, what cohesion holds in this rank's contacts then.
-double bonds_after(const World& world, const Contacts& contacts, std::span<const Turn> turns,
-                   double h) {
-  double energy = 0;
-  for (Index c = 0; c < contacts.size(); ++c)
-    if (contacts.i[c] < world.bodies.owned)
-      energy += energy_of_bond(law_of(world, contacts, c), gap_after(world, contacts, c, turns, h));
-  return energy;
-}
-
 /// Per contact: how far (m) the bodies may come nearer until the overlap at the end of a step `h`
-/// is the tolerated one.
+/// is the tolerated one; `gap` (m) becomes what it is then.
 std::vector<double> slack_at_end(const World& world, const Contacts& contacts,
-                                 std::span<const Turn> turns, double h, DriftReport& report) {
+                                 std::span<const Turn> turns, double h, std::vector<double>& gap,
+                                 DriftReport& report) {
   const Bodies& bodies = world.bodies;
   std::vector<double> slack(contacts.size());
+  gap.resize(contacts.size());
   for (Index c = 0; c < contacts.size(); ++c) {
-    const double gap = gap_after(world, contacts, c, turns, h);
+    gap[c] = gap_after(world, contacts, c, turns, h);
     const double small = smaller_radius(bodies, contacts, c);
-    report.overlap = std::max(report.overlap, -gap / small);
-    slack[c] = std::max(gap + tolerated_overlap * small, -most_correction * small);
+    report.overlap = std::max(report.overlap, -gap[c] / small);
+    slack[c] = std::max(gap[c] + tolerated_overlap * small, -most_correction * small);
   }
   return slack;
 }
@@ -121,17 +105,18 @@ struct Correction {
   std::vector<Index> contact;          ///< in the step's contacts
   std::vector<VelocityChange> change;  ///< displacement over h, a row each
   std::vector<Vec3> impulse;           ///< a contact each
+  std::vector<double> gap;             ///< m, of all of the step's contacts at its end, without it
 };
 
 Correction correct_overlaps(const World& world, const Ghosts& all, const Contacts& contacts,
                             std::span<const Turn> turns, double h, DriftReport& report) {
   Correction correction;
-  const std::vector<double> slack = slack_at_end(world, contacts, turns, h, report);
+  std::vector<double> slack = slack_at_end(world, contacts, turns, h, correction.gap, report);
   if (!world.comm.any(report.overlap > 2 * tolerated_overlap)) return correction;
 
   // Rows near overlaps, numbered anew here and, for ghosts, where they are owned.
   const Bodies& bodies = world.bodies;
-  const auto near = rows_near_overlaps(all, contacts, slack);
+  auto near = rows_near_overlaps(all, contacts, slack);
   std::vector<std::array<double, 2>> place(near.size());  // rank and row there
   std::vector<Index> number(near.size(), -1);
   std::vector<Origin> origins;
@@ -151,19 +136,21 @@ Correction correct_overlaps(const World& world, const Ghosts& all, const Contact
       origins.push_back({static_cast<int>(place[b][0]), static_cast<Index>(place[b][1])});
     }
   const Ghosts ghosts(world.comm, owned, origins);
+  let_go(near, place, origins);
 
   Index boundary = 0;
   std::vector<Index> i, j;
   std::vector<Vec3> normal, free_velocity;
-  const LeverArms all_levers = lever_arms(world, contacts);
+  LeverArms all_levers = lever_arms(world, contacts);
   LeverArms levers;
-  for (Index c = 0; c < contacts.size(); ++c) {
-    const Index a = number[contacts.i[c]];
-    const Index b = contacts.j[c] == ground ? ground : number[contacts.j[c]];
-    if (a < 0 || (b < 0 && contacts.j[c] != ground)) continue;
-    correction.contact.push_back(c);
-    i.push_back(a);
-    j.push_back(b);
+  for (Index c = 0; c < contacts.size(); ++c)
+    if (number[contacts.i[c]] >= 0 && (contacts.j[c] == ground || number[contacts.j[c]] >= 0))
+      correction.contact.push_back(c);
+  const auto room = [&](auto&... fields) { (fields.reserve(correction.contact.size()), ...); };
+  room(i, j, normal, free_velocity);
+  for (const Index c : correction.contact) {
+    i.push_back(number[contacts.i[c]]);
+    j.push_back(contacts.j[c] == ground ? ground : number[contacts.j[c]]);
     normal.push_back(contacts.normal[c]);
     free_velocity.push_back(slack[c] / h * contacts.normal[c]);
     if (!turns.empty()) {
@@ -177,29 +164,48 @@ Correction correct_overlaps(const World& world, const Ghosts& all, const Contact
     inverse_masses.push_back(inverse_mass(bodies, b));
     if (!turns.empty()) levers.turning.push_back(all_levers.turning[b]);
   }
-  const std::vector<double> none(i.size(), 0), touching(i.size(), 1);
+  let_go(slack, number, all_levers);
+  std::vector<double> touching(i.size(), 1);
   correction.impulse.assign(i.size(), Vec3::Zero());
   const bool spheres = world.shapes.empty();  // as on ranks without bodies, too
-  auto result =
-      solve({.dimension = spheres ? 1 : 3,
-             .boundary = boundary,
-             .inverse_mass = inverse_masses,
-             .i = i,
-             .j = j,
-             .normal = normal,
-             .kappa = touching,
-             .arm_i = levers.arm_i,
-             .arm_j = levers.arm_j,
-             .turning = levers.turning,
-             .free_velocity = free_velocity,
-             .friction = none,
-             .cohesive_impulse = none},
-            ghosts,
-            {.friction = FrictionModel::convex, .tolerance = 0.1, .max_iterations = 50, .prox = 0},
-            correction.impulse);
+  auto result = solve(
+      {.dimension = spheres ? 1 : 3,
+       .boundary = boundary,
+       .inverse_mass = inverse_masses,
+       .i = i,
+       .j = j,
+       .normal = normal,
+       .kappa = touching,
+       .arm_i = levers.arm_i,
+       .arm_j = levers.arm_j,
+       .turning = levers.turning,
+       .free_velocity = free_velocity},
+      ghosts,
+      {.friction = FrictionModel::convex, .tolerance = 0.1, .max_iterations = 50, .prox = 0},
+      correction.impulse, [&] { let_go(touching, free_velocity, levers.arm_i, levers.arm_j); });
   report.products = result.report.products;
   correction.change = std::move(result.change);
   return correction;
+}
+
+/// J, by which bonds of this rank's contacts open where the correction has moved bodies.
+double opened_bonds(const World& world, const Contacts& contacts, const Correction& correction,
+                    std::span<const Turn> turns) {
+  if (correction.row.empty() || longest_range(world.contact) == 0) return 0;
+  const auto is_some = [](double part) { return part != 0; };
+  std::vector<bool> moved(world.bodies.size(), false);
+  for (std::size_t k = 0; k < correction.row.size(); ++k)
+    moved[correction.row[k]] = std::ranges::any_of(correction.change[k].linear, is_some) ||
+                               std::ranges::any_of(correction.change[k].angular, is_some);
+  double energy = 0;
+  for (Index c = 0; c < contacts.size(); ++c) {
+    const Index i = contacts.i[c], j = contacts.j[c];
+    if (i >= world.bodies.owned || !(moved[i] || (j != ground && moved[j]))) continue;
+    const ContactLaw& law = law_of(world, contacts, c);
+    energy += energy_of_bond(law, gap_after(world, contacts, c, turns, 0)) -
+              energy_of_bond(law, correction.gap[c]);
+  }
+  return energy;
 }
 
 /// Moving bodies apart by the correction P along n changes angular momentum by h P n x u, with u
@@ -285,10 +291,8 @@ void turn_apart(World& world, const Correction& correction, double h) {
 DriftReport drift_apart(World& world, const Ghosts& ghosts, const Contacts& contacts, double h) {
   DriftReport report;
   Bodies& bodies = world.bodies;
-  const std::vector<Turn> turns = turns_at_end(world, h);
+  std::vector<Turn> turns = turns_at_end(world, h);
   const Correction correction = correct_overlaps(world, ghosts, contacts, turns, h, report);
-  const bool opens_bonds = !correction.row.empty() && longest_range(world.contact) > 0;
-  if (opens_bonds) world.ledger.corrections -= bonds_after(world, contacts, turns, h);
   for (Index b = 0; b < bodies.size(); ++b) bodies.position[b] += h * bodies.velocity[b];
   for (std::size_t k = 0; k < correction.row.size(); ++k)
     bodies.position[correction.row[k]] += h * Eigen::Map<const Vec3>(correction.change[k].linear);
@@ -296,8 +300,11 @@ DriftReport drift_apart(World& world, const Ghosts& ghosts, const Contacts& cont
     bodies.orientation[b] = turns[b].orientation;
     bodies.angular_velocity[b] = turns[b].angular_velocity;
   }
-  if (!turns.empty()) turn_apart(world, correction, h);
-  if (opens_bonds) world.ledger.corrections += bonds_after(world, contacts, turns_now(world), 0);
+  if (!turns.empty()) {
+    turn_apart(world, correction, h);
+    for (Index b : correction.row) turns[b].orientation = bodies.orientation[b];
+  }
+  world.ledger.corrections += opened_bonds(world, contacts, correction, turns);
   keep_angular_momentum(world, contacts, correction, h);
   return report;
 }

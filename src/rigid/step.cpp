@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "base/let_go.hpp"
 #include "engine/prescribed.hpp"
 #include "gravity/kick.hpp"
 #include "rigid/narrow_phase.hpp"
@@ -48,6 +49,8 @@ struct ProblemData {
   LeverArms levers;
   bool impact = false;  ///< a pair meets faster than what drives resting contacts makes it
 
+  /// What a solver has in its own form.
+  void let_go_of_packed() { let_go(free_velocity, friction, levers.arm_i, levers.arm_j); }
   ContactProblem view(const Contacts& contacts, int dimension) const {
     return {.dimension = dimension,
             .boundary = contacts.boundary,
@@ -97,8 +100,8 @@ ProblemData pose(const World& world, const Contacts& contacts, double h,
   ProblemData data;
   data.inverse_mass = inverse_masses(bodies);
   data.free_velocity.resize(contacts.size());
-  data.friction.resize(contacts.size());
-  data.cohesive_impulse.assign(contacts.size(), 0);
+  if (has_friction(world)) data.friction.resize(contacts.size());
+  if (has_cohesion(world)) data.cohesive_impulse.assign(contacts.size(), 0);
   data.levers = lever_arms(world, contacts);
   const GravityKick& kick = world.kick;
   const double by_gravity = world.has_gravity() ? kick.interval * kick.largest : 0;
@@ -111,18 +114,18 @@ ProblemData pose(const World& world, const Contacts& contacts, double h,
   for (Index c = 0; c < contacts.size(); ++c) {
     const Index i = contacts.i[c], j = contacts.j[c];
     const ContactLaw& law = law_of(world, contacts, c);
-    data.friction[c] = law.friction;
+    if (!data.friction.empty()) data.friction[c] = law.friction;
     const Vec3& n = contacts.normal[c];
     const double gap = contacts.gap[c];
     const Vec3 u = contact_velocity(bodies, contacts, c);
     const double closing = u.dot(n);
-    double& cohesive = data.cohesive_impulse[c];
     double pulled = 0;  // m/s, what cohesion takes from the closing speed
     if (law.cohesion > 0) {
-      cohesive = cohesive_impulse(law, gap, closing, h);
+      const double cohesive = cohesive_impulse(law, gap, closing, h);
       pulled = cohesive * (contacts.spheres.empty()
                                ? data.inverse_mass[i] + (j == ground ? 0 : data.inverse_mass[j])
                                : n.dot(delassus_block(data.view(contacts, 3), c) * n));
+      data.cohesive_impulse[c] = cohesive;
     }
     const double open = std::max(gap, 0.0);
     double bias = open / h;
@@ -191,14 +194,20 @@ void book_gain(World& world, const Contacts& contacts, double gain, double excha
 /// Where contacts touch each other's friction, restitution may leave Coulomb's law without a
 /// solution that is found, as of a ball in an edge whose friction is large: iterates diverge, and
 /// all contacts of the world would go without impulses. The convex law always has one.
-SolverResult solve_or_relax(const ContactProblem& problem, const Ghosts& ghosts,
-                            SolverSettings settings, std::vector<Vec3>& impulse) {
-  SolverResult result = solve(problem, ghosts, settings, impulse);
+template <class Pose>
+SolverResult solve_or_relax(ProblemData& data, Pose&& pose, Contacts& contacts, int dimension,
+                            const Ghosts& ghosts, SolverSettings settings) {
+  const auto solve_posed = [&] {
+    return solve(data.view(contacts, dimension), ghosts, settings, contacts.impulse,
+                 [&] { data.let_go_of_packed(); });
+  };
+  SolverResult result = solve_posed();
   if (!result.report.unsolved || settings.friction == FrictionModel::convex) return result;
   const SolverReport before = result.report;
   settings.friction = FrictionModel::convex;
-  std::ranges::fill(impulse, Vec3::Zero());
-  result = solve(problem, ghosts, settings, impulse);
+  data = pose();
+  std::ranges::fill(contacts.impulse, Vec3::Zero());
+  result = solve_posed();
   result.report.relaxed = true;
   result.report.iterations += before.iterations;
   result.report.products += before.products;
@@ -273,16 +282,18 @@ void kick_by_impulses(World& world, const Contacts& contacts, const ProblemData&
 
 /// What the contacts carried, with their pairs.
 void keep_impulses(const Contacts& contacts, Pairs& pairs) {
-  pairs.of_spheres.clear();
-  if (!contacts.spheres.empty()) {
-    for (Index c = 0; c < contacts.size(); ++c)
-      if (!contacts.impulse[c].isZero(0))
-        pairs.of_spheres.push_back({contacts.pair[c], contacts.spheres[c].of_i,
-                                    contacts.spheres[c].of_j, contacts.impulse[c]});
-    return;
+  const auto carries = [](const Vec3& impulse) { return !impulse.isZero(0); };
+  pairs.carried.clear();
+  pairs.carried.reserve(std::ranges::count_if(contacts.impulse, carries));
+  for (Index c = 0; c < contacts.size(); ++c) {
+    if (!carries(contacts.impulse[c])) continue;
+    CarriedImpulse& carried = pairs.carried.emplace_back();
+    carried.pair = contacts.pair[c];
+    carried.impulse = contacts.impulse[c];
+    if (contacts.spheres.empty()) continue;
+    carried.of_i = contacts.spheres[c].of_i;
+    carried.of_j = contacts.spheres[c].of_j;
   }
-  std::fill(pairs.impulse.begin(), pairs.impulse.end(), Vec3::Zero());
-  for (Index c = 0; c < contacts.size(); ++c) pairs.impulse[contacts.pair[c]] = contacts.impulse[c];
 }
 
 }  // namespace
@@ -314,6 +325,7 @@ StepReport nonsmooth_step(World& world, Rigid& rigid, const StepRequest& request
   {
     StageTimer timer(world.stages, "contacts");
     contacts = find_contacts(bodies, world.shapes, world.planes, pairs, h, world.contact);
+    if (kick.load > 0) let_go(pairs.carried);  // kept anew; until then the solver needs the memory
   }
   report.energy = energy_of_bonds(world, contacts);
   report.contacts = std::count_if(contacts.i.begin(), contacts.i.end(),
@@ -324,8 +336,11 @@ StepReport nonsmooth_step(World& world, Rigid& rigid, const StepRequest& request
     // nothing about such a step, and all about the next kick.
     const double scale = kick.remembered_load > 0 ? kick.load / kick.remembered_load : 0;
     for (Vec3& impulse : contacts.impulse) impulse *= scale;
-    const ProblemData data =
-        pose(world, contacts, h, prescribed_accelerations(world, world.time - h, world.time + h));
+    const auto pose_step = [&] {
+      return pose(world, contacts, h,
+                  prescribed_accelerations(world, world.time - h, world.time + h));
+    };
+    ProblemData data = pose_step();
     const int dimension = has_friction(world) || !world.shapes.empty() ? 3 : 1;
     SolverSettings settings = rigid.solver;
     // Without friction both laws are one, and methods that minimise want it named so.
@@ -334,8 +349,8 @@ StepReport nonsmooth_step(World& world, Rigid& rigid, const StepRequest& request
     const bool met = world.comm.any(data.impact);
     settings.impact = met || kick.load > 0;
     if (!settings.impact) settings.least_scale = kick.remembered_scale;
-    const SolverResult result = solve_or_relax(data.view(contacts, dimension),
-                                               rigid.neighbours.ghosts, settings, contacts.impulse);
+    const SolverResult result =
+        solve_or_relax(data, pose_step, contacts, dimension, rigid.neighbours.ghosts, settings);
     report.solver = result.report;
     kick_by_impulses(world, contacts, data, result.change, met, report);
     if (kick.load > 0) {
@@ -346,6 +361,8 @@ StepReport nonsmooth_step(World& world, Rigid& rigid, const StepRequest& request
   }
   {
     StageTimer timer(world.stages, "motion");
+    // What takes overlaps apart asks where bodies touch alone, and needs the memory.
+    let_go(contacts.gap, contacts.kappa, contacts.impulse, contacts.pair);
     const DriftReport drifted = drift_apart(world, rigid.neighbours.ghosts, contacts, h);
     move_prescribed(world, h);
     report.overlap = drifted.overlap;

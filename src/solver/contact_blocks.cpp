@@ -103,7 +103,7 @@ ContactBlocks<dimension, double> pack(const ContactProblem& problem, const Packe
     block.i[l] = problem.i[c];
     block.j[l] = problem.j[c] == ground ? zero_row : problem.j[c];
     for (int d = 0; d < 3; ++d) block.normal[d][l] = n[d];
-    block.cohesion[l] = problem.cohesive_impulse[c] / units.impulse;
+    block.cohesion[l] = problem.cohesion_of(c) / units.impulse;
     block.a_n[l] = static_cast<float>(a_n);
     block.inverse_a_n[l] = static_cast<float>(inverse_or_zero(a_n));
     if constexpr (dimension == 1) {
@@ -111,7 +111,7 @@ ContactBlocks<dimension, double> pack(const ContactProblem& problem, const Packe
     } else {
       const double a_t = s.a_t / unit_of_inverse_mass;
       block.kappa[l] = problem.matrix || problem.has_arms() ? 0 : problem.kappa[c];
-      block.friction[l] = problem.friction[c];
+      block.friction[l] = problem.friction_of(c);
       block.a_t[l] = static_cast<float>(a_t);
       block.inverse_a_t[l] = static_cast<float>(inverse_or_zero(a_t));
       const Vec3 b_n = n.dot(b) * n;

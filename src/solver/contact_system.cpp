@@ -90,23 +90,26 @@ void ContactSystem<dimension>::stay_near(const DoubleImpulses& impulse, double e
   for (std::size_t at = 0; at < centre.size(); ++at)
     for (int d = 0; d < components<dimension>; ++d)
       contacts.blocks[at].free_impulse[d] -= prox * centre[at].at[d];
-  fresh.resize(impulse.size());
+  fresh.assign(impulse.size(), 0);
   for (std::size_t at = 0; at < impulse.size(); ++at)
     for (std::size_t l = 0; l < lane_count; ++l) {
       bool none = true;
       for (int d = 0; d < components<dimension>; ++d) none &= impulse[at].at[d][l] == 0;
-      fresh[at][l] = none || none_holds ? 1 : 0;
+      if (none || none_holds) fresh[at] |= 1u << l;
     }
 }
 
 template <int dimension>
 void ContactSystem<dimension>::follow(const DoubleImpulses& iterate) {
-  for (std::size_t at = 0; at < iterate.size(); ++at)
+  for (std::size_t at = 0; at < iterate.size(); ++at) {
+    Lanes follows;
+    for (std::size_t l = 0; l < lane_count; ++l) follows[l] = fresh[at] >> l & 1;
     for (int d = 0; d < components<dimension>; ++d) {
-      const Lanes change = fresh[at] * (iterate[at].at[d] - centre[at].at[d]);
+      const Lanes change = follows * (iterate[at].at[d] - centre[at].at[d]);
       centre[at].at[d] += change;
       contacts.blocks[at].free_impulse[d] -= prox * change;
     }
+  }
 }
 
 template <int dimension>

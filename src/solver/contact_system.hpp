@@ -34,8 +34,8 @@ struct ContactSystem {
   FrictionModel friction;
   PackedUnits units;
   ContactBlocks<dimension, double> contacts;
-  DoubleImpulses centre;          ///< p_c of the proximal problem
-  std::vector<Lanes> fresh = {};  ///< 1 where p_c follows the iterate, eight contacts each; else 0
+  DoubleImpulses centre;                 ///< p_c of the proximal problem
+  std::vector<std::uint8_t> fresh = {};  ///< a bit a contact of each block: p_c follows the iterate
   bool none_holds = true;  ///< all of them follow: no impulses of an earlier step serve this one
   double speed_tolerance = 0;  ///< m/s, on |R_c| of the proximal problem
   double prox = 0;             ///< its eps; 0: none

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -45,12 +46,14 @@ struct ContactProblem {
   std::span<const Vec3> arm_j = {};     ///< of 0 at the ground
   std::span<const Mat3> turning = {};   ///< 1/kg, K of owned and ghost rows, symmetric; beside arms
   std::span<const Vec3> free_velocity;  ///< m/s: D^T v_free, with the bias b added along n
-  std::span<const double> friction;     ///< mu
-  std::span<const double> cohesive_impulse;  ///< N s, >= 0
+  std::span<const double> friction = {};          ///< mu; empty: none anywhere
+  std::span<const double> cohesive_impulse = {};  ///< N s, >= 0; empty: none anywhere
   const DelassusMatrix* matrix = nullptr;
 
   bool has_arms() const { return !turning.empty(); }
   Index contacts() const { return static_cast<Index>(i.size()); }
+  double friction_of(Index c) const { return friction.empty() ? 0 : friction[c]; }
+  double cohesion_of(Index c) const { return cohesive_impulse.empty() ? 0 : cohesive_impulse[c]; }
 };
 
 /// 1/kg: the contact's own block D of the Delassus operator with lever arms, u = D p in the world's
@@ -71,9 +74,11 @@ struct SolverResult {
 /// Solves for `impulse` (one a contact: the warm start and proximal centre in, the solution out;
 /// the same bits on both ranks of a boundary contact). The warm start is scaled, between none and
 /// all of it, to serve best. Throws Error on numbers that are not finite or out of range, and on a
-/// method that cannot do the friction asked for. Collective.
+/// method that cannot do the friction asked for. From `packed` on it reads bodies, normals and
+/// masses alone of the problem: who calls may need the memory of the rest. Collective.
 SolverResult solve(const ContactProblem& problem, const Ghosts& ghosts,
-                   const SolverSettings& settings, std::vector<Vec3>& impulse);
+                   const SolverSettings& settings, std::vector<Vec3>& impulse,
+                   const std::function<void()>& packed = {});
 
 /// The residual of given impulses, made admissible first. Collective.
 SolverReport evaluate(const ContactProblem& problem, const Ghosts& ghosts, FrictionModel friction,

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/kernels.hpp"
+#include "base/let_go.hpp"
 #include "solver/methods.hpp"
 #include "solver/settings.hpp"
 #include "spall/error.hpp"
@@ -19,8 +20,9 @@ void check_shapes(const ContactProblem& problem, const Ghosts& ghosts,
           "contact problem has {} inverse masses for {} bodies", problem.inverse_mass.size(), rows);
   const std::size_t n = problem.i.size();
   require(problem.j.size() == n && problem.normal.size() == n && problem.kappa.size() == n &&
-              problem.free_velocity.size() == n && problem.friction.size() == n &&
-              problem.cohesive_impulse.size() == n && impulse.size() == n,
+              problem.free_velocity.size() == n && impulse.size() == n &&
+              (problem.friction.empty() || problem.friction.size() == n) &&
+              (problem.cohesive_impulse.empty() || problem.cohesive_impulse.size() == n),
           "contact problem's fields differ in length");
   require(!problem.matrix || (problem.dimension == 3 && n == rows &&
                               problem.matrix->owned == static_cast<Index>(rows)),
@@ -55,7 +57,7 @@ std::int64_t count_bad(const ContactProblem& problem, const std::vector<Vec3>& i
   for (const auto arms : {problem.arm_i, problem.arm_j})
     for (const Vec3& arm : arms) bad += !arm.allFinite();
   for (Index c = 0; c < problem.contacts(); ++c) {
-    const double mu = problem.friction[c], s = problem.cohesive_impulse[c];
+    const double mu = problem.friction_of(c), s = problem.cohesion_of(c);
     bad += !(problem.normal[c].allFinite() && problem.free_velocity[c].allFinite() &&
              impulse[c].allFinite() && std::isfinite(problem.kappa[c]) && mu >= 0 &&
              mu < infinity && s >= 0 && s < infinity);
@@ -160,10 +162,11 @@ SolverReport evaluate_packed(const ContactProblem& problem, const Ghosts& ghosts
 template <int dimension>
 SolverResult solve_packed(const ContactProblem& problem, const Ghosts& ghosts,
                           const SolverSettings& settings, std::int64_t count,
-                          std::vector<Vec3>& impulse) {
+                          std::vector<Vec3>& impulse, const std::function<void()>& packed) {
   SolverResult result;
   SolverReport& report = result.report;
   auto [system, best] = pose<dimension>(problem, ghosts, settings.friction, count);
+  if (packed) packed();
   const MethodSettings of_method{settings.tolerance, settings.max_iterations, settings.max_products,
                                  settings.relaxation};
   const PackedUnits& units = system.units;
@@ -175,7 +178,7 @@ SolverResult solve_packed(const ContactProblem& problem, const Ghosts& ghosts,
     report.scale = unit * system.scale;
     double part = 0;
     best = warm_start(system, pack_impulses<dimension>(problem, units, impulse), part);
-    impulse = std::vector<Vec3>();  // what comes needs the memory
+    let_go(impulse);
     ++report.products;
     system.none_holds = settings.impact && part < least_part_to_hold;
     system.speed_tolerance = settings.speed_tolerance > 0 ? settings.speed_tolerance
@@ -232,8 +235,8 @@ SPALL_KERNEL(SolverReport, evaluate,
 
 SPALL_KERNEL(SolverResult, solve,
              (const ContactProblem& problem, const Ghosts& ghosts, const SolverSettings& settings,
-              std::vector<Vec3>& impulse),
-             (problem, ghosts, settings, impulse)) {
+              std::vector<Vec3>& impulse, const std::function<void()>& packed),
+             (problem, ghosts, settings, impulse, packed)) {
   const double began = MPI_Wtime();
   const std::int64_t count = checked_count(problem, ghosts, settings, impulse);
 
@@ -241,11 +244,11 @@ SPALL_KERNEL(SolverResult, solve,
   if (count == 0)
     result.change.resize(problem.inverse_mass.size());
   else if (problem.has_arms())
-    result = solve_packed<levers>(problem, ghosts, settings, count, impulse);
+    result = solve_packed<levers>(problem, ghosts, settings, count, impulse, packed);
   else if (problem.dimension == 1)
-    result = solve_packed<1>(problem, ghosts, settings, count, impulse);
+    result = solve_packed<1>(problem, ghosts, settings, count, impulse, packed);
   else
-    result = solve_packed<3>(problem, ghosts, settings, count, impulse);
+    result = solve_packed<3>(problem, ghosts, settings, count, impulse, packed);
   result.report.seconds = MPI_Wtime() - began;
   return result;
 }
