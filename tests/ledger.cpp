@@ -108,6 +108,40 @@ TEST(Ledger, books_the_bonds_that_a_correction_opens) {
   }
 }
 
+TEST(Ledger, books_the_bonds_that_a_correction_closes) {
+  // The middle one is pushed by half of its overlap into the range of the third.
+  const ContactLaw law{.cohesion = 40, .cohesion_range = 0.025};
+  const double overlap = 0.01, gap = 0.026;
+  Lab world = make_world(testing_world(),
+                         {{.position = {0, 0, 0}},
+                          {.position = {2 - overlap, 0, 0}},
+                          {.position = {4 - overlap + gap, 0, 0}}},
+                         law);
+  const double before = world.rigid.energy(world);
+  EXPECT_NEAR(before, -law.cohesion * (law.cohesion_range + overlap), 1e-12 * law.cohesion);
+  advance(world, 1e-7, 1);
+  const double opened = world.rigid.energy(world) - before;
+  EXPECT_LT(opened, 0.7 * law.cohesion * overlap);
+  EXPECT_NEAR(diagnose(world).corrections, opened, 1e-9 * law.cohesion);
+}
+
+TEST(Ledger, of_cohesion_as_an_impulse_has_no_bonds) {
+  // What it takes from bodies that part is dissipated, whatever the step.
+  const ContactLaw law{.cohesion = 3, .cohesion_range = 1, .cohesion_law = CohesionLaw::impulse};
+  for (const double h : {0.01, 0.001}) {
+    Lab world = make_world(alone(),
+                           {{.mass = 2, .velocity = {-4, 0, 0}},
+                            {.mass = 2, .position = {2, 0, 0}, .velocity = {4, 0, 0}}},
+                           law);
+    const Diagnostics before = diagnose(world);
+    advance(world, h, 2);
+    const Diagnostics now = diagnose(world);
+    EXPECT_EQ(world.rigid.energy(world), 0);
+    EXPECT_NEAR(now.dissipated, before.kinetic - now.kinetic, 1e-12 * before.kinetic);
+    EXPECT_GT(now.dissipated, before.kinetic / 2);
+  }
+}
+
 TEST(Ledger, closes_for_a_ball_that_bounces_in_a_uniform_field) {
   // Between impacts and in them kinetic energy + height + what was dissipated stays, when
   // velocities are brought to the instant of the positions by the kick's work (half of it is still

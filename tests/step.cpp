@@ -271,6 +271,19 @@ TEST(Cohesion, breaking_a_bond_takes_force_times_range) {
   }
 }
 
+TEST(Cohesion, of_a_wall_acts_over_its_whole_range) {
+  // As that of a fixed body does: a body reaches for it alone.
+  const double range = 0.3, force = 1000, m = 5, h = 1e-3;
+  for (const double gap : {0.1, 0.16, 0.2, 0.29, 0.31}) {
+    Lab world = make_world(alone(), {{.radius = 0.5, .mass = m, .position = {0, 0, 0.5 + gap}}},
+                           {.cohesion = force, .cohesion_range = range});
+    world.planes = {floor_plane};
+    EXPECT_NEAR(world.rigid.energy(world), -force * std::max(range - gap, 0.0), 1e-12 * force);
+    advance(world, h, 1);
+    EXPECT_NEAR(spheres_of(world)[0].velocity.z(), gap < range ? -h * force / m : 0, 1e-12) << gap;
+  }
+}
+
 TEST(Cohesion, as_an_impulse_takes_its_bound_in_every_step) {
   const double m = 2, reduced = 1, bound = 3, h = 0.01;
   for (double speed : {2.9, 3.1, 7.0}) {

@@ -49,21 +49,22 @@ def settle(pile):
               "--set", f"seed={pile}")
 
 
-def folder_of(cohesion, pile, site):
-    return OUT / f"{cohesion:g}-pile{pile}-site{site}"
+def folder_of(cohesion, pile, site, law=""):
+    return OUT / f"{cohesion:g}-pile{pile}-site{site}{law}"
 
 
-def hit(cohesion, pile, site, direction):
-    folder = folder_of(cohesion, pile, site)
+def hit(cohesion, pile, site, direction, law="", changes=()):
+    folder = folder_of(cohesion, pile, site, law)
+    changes = [f"phases.impact.cohesion={cohesion:g} N",
+               f"phases.impact.impactor.direction={[float(x) for x in direction]}",
+               "output.snapshot_every=0", *changes]
     spall("resume", str(OUT / f"pile{pile}/after_aggregation.h5"), "--out", str(folder),
-          "--overwrite", "--set", f"phases.impact.cohesion={cohesion:g} N",
-          "--set", f"phases.impact.impactor.direction={[float(x) for x in direction]}",
-          "--set", "output.snapshot_every=0")
+          "--overwrite", *(word for change in changes for word in ("--set", change)))
     print(folder, flush=True)
 
 
-def read(cohesion, pile, site):
-    r = results(folder_of(cohesion, pile, site))
+def read(cohesion, pile, site, law=""):
+    r = results(folder_of(cohesion, pile, site, law))
     return {"cohesion": cohesion, "pile": pile, "site": site, "dv": r["deflection"]["dv"],
             "dv_ejecta": r["deflection"]["dv_ejecta"], "ejecta_count": r["ejecta"]["count"],
             "largest_part": r["clump"]["mass"] / r["pile"]["mass"],

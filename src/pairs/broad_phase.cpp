@@ -33,7 +33,8 @@ Pairs find_pairs(const Bodies& bodies, std::span<const double> reach,
     for (std::size_t k = of_row[b][0]; k < of_row[b][1]; ++k) add(b, partners[k], -1);
   for (Index b = 0; b < bodies.owned; ++b)
     for (std::size_t k = 0; k < planes.size(); ++k)
-      if (planes[k].normal.dot(bodies.position[b] - planes[k].point) <= bodies.radius[b] + reach[b])
+      if (planes[k].normal.dot(bodies.position[b] - planes[k].point) <=
+          bodies.radius[b] + 2 * reach[b])
         add(b, ground, static_cast<std::int32_t>(k));
 
   Pairs pairs = std::move(boundary);

@@ -30,7 +30,8 @@ struct Pairs {
   Index size() const { return static_cast<Index>(i.size()); }
 };
 
-/// All pairs whose spheres, each grown by its `reach` (m, one a row), meet. None has carried
+/// All pairs whose spheres, each grown by its `reach` (m, one a row), meet; walls are grown by that
+/// of the body. None has carried
 /// anything.
 Pairs find_pairs(const Bodies& bodies, std::span<const double> reach,
                  const std::vector<Plane>& planes);

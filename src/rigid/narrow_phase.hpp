@@ -72,8 +72,10 @@ inline const ContactLaw& law_of(const World& world, const Contacts& contacts, In
                 contacts.plane[c]);
 }
 
-/// J, of the work that cohesion did on the way to a gap (m).
+/// J, of the work that cohesion did on the way to a gap (m). A bound of impulses has none: what it
+/// does depends on the steps, and is booked as dissipated.
 inline double energy_of_bond(const ContactLaw& law, double gap) {
+  if (law.cohesion_law == CohesionLaw::impulse) return 0;
   return -law.cohesion * std::max(law.cohesion_range - gap, 0.0);
 }
 

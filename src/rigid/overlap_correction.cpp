@@ -42,38 +42,32 @@ std::vector<Turn> turns_at_end(const World& world, double h) {
   return turns;
 }
 
-/// m, the gap of contact `c` once its bodies have flown for `h` (s) and turned by `turns`.
-double gap_after(const World& world, const Contacts& contacts, Index c, std::span<const Turn> turns,
-                 double h) {
+/// Per contact: how far (m) the bodies may come nearer until the overlap at the end of a step `h`
+/// is the tolerated one.
+std::vector<double> slack_at_end(const World& world, const Contacts& contacts,
+                                 std::span<const Turn> turns, double h, DriftReport& report) {
   const Bodies& bodies = world.bodies;
-  const auto sphere = [&](Index b, auto of) -> ShapeSphere {
+  const auto sphere_at_end = [&](Index b, std::int32_t of) -> ShapeSphere {
     const Vec3 end = bodies.position[b] + h * bodies.velocity[b];
     if (turns.empty()) return {end, bodies.radius[b]};
-    return placed_sphere(shape_of(world.shapes, bodies, b).spheres[contacts.spheres[c].*of], end,
-                         bodies.radius[b], turns[b].orientation);
+    return placed_sphere(shape_of(world.shapes, bodies, b).spheres[of], end, bodies.radius[b],
+                         turns[b].orientation);
   };
-  const auto [end_i, radius_i] = sphere(contacts.i[c], &SphereContact::of_i);
-  if (contacts.j[c] == ground) {
-    const Plane& plane = world.planes[contacts.plane[c]];
-    return plane.normal.dot(end_i - plane.point) - radius_i;
-  }
-  const auto [end_j, radius_j] = sphere(contacts.j[c], &SphereContact::of_j);
-  return (end_j - end_i).norm() - radius_i - radius_j;
-}
-
-/// Per contact: how far (m) the bodies may come nearer until the overlap at the end of a step `h`
-/// is the tolerated one; `gap` (m) becomes what it is then.
-std::vector<double> slack_at_end(const World& world, const Contacts& contacts,
-                                 std::span<const Turn> turns, double h, std::vector<double>& gap,
-                                 DriftReport& report) {
-  const Bodies& bodies = world.bodies;
   std::vector<double> slack(contacts.size());
-  gap.resize(contacts.size());
   for (Index c = 0; c < contacts.size(); ++c) {
-    gap[c] = gap_after(world, contacts, c, turns, h);
+    const Index i = contacts.i[c], j = contacts.j[c];
+    const auto [end_i, radius_i] = sphere_at_end(i, turns.empty() ? 0 : contacts.spheres[c].of_i);
+    double gap;
+    if (j == ground) {
+      const Plane& plane = world.planes[contacts.plane[c]];
+      gap = plane.normal.dot(end_i - plane.point) - radius_i;
+    } else {
+      const auto [end_j, radius_j] = sphere_at_end(j, turns.empty() ? 0 : contacts.spheres[c].of_j);
+      gap = (end_j - end_i).norm() - radius_i - radius_j;
+    }
     const double small = smaller_radius(bodies, contacts, c);
-    report.overlap = std::max(report.overlap, -gap[c] / small);
-    slack[c] = std::max(gap[c] + tolerated_overlap * small, -most_correction * small);
+    report.overlap = std::max(report.overlap, -gap / small);
+    slack[c] = std::max(gap + tolerated_overlap * small, -most_correction * small);
   }
   return slack;
 }
@@ -83,14 +77,16 @@ std::vector<double> rows_near_overlaps(const Ghosts& ghosts, const Contacts& con
                                        const std::vector<double>& slack) {
   std::vector<double> near(static_cast<std::size_t>(ghosts.owned()) + ghosts.ghosts(), 0);
   const auto mark = [&](auto&& reached) {
-    std::vector<double> next = near;
-    for (Index c = 0; c < contacts.size(); ++c) {
-      const Index i = contacts.i[c], j = contacts.j[c];
-      if (!reached(c, i, j)) continue;
-      next[i] = 1;
-      if (j != ground) next[j] = 1;
+    if (std::ranges::find(near, 0.0) != near.end()) {  // else all of this rank's rows are
+      std::vector<double> next = near;
+      for (Index c = 0; c < contacts.size(); ++c) {
+        const Index i = contacts.i[c], j = contacts.j[c];
+        if (!reached(c, i, j)) continue;
+        next[i] = 1;
+        if (j != ground) next[j] = 1;
+      }
+      near = std::move(next);
     }
-    near = std::move(next);
     ghosts.gather(near.data(), 1);
   };
   mark([&](Index c, Index, Index) { return slack[c] < 0; });
@@ -105,13 +101,12 @@ struct Correction {
   std::vector<Index> contact;          ///< in the step's contacts
   std::vector<VelocityChange> change;  ///< displacement over h, a row each
   std::vector<Vec3> impulse;           ///< a contact each
-  std::vector<double> gap;             ///< m, of all of the step's contacts at its end, without it
 };
 
 Correction correct_overlaps(const World& world, const Ghosts& all, const Contacts& contacts,
                             std::span<const Turn> turns, double h, DriftReport& report) {
   Correction correction;
-  std::vector<double> slack = slack_at_end(world, contacts, turns, h, correction.gap, report);
+  std::vector<double> slack = slack_at_end(world, contacts, turns, h, report);
   if (!world.comm.any(report.overlap > 2 * tolerated_overlap)) return correction;
 
   // Rows near overlaps, numbered anew here and, for ghosts, where they are owned.
@@ -188,22 +183,61 @@ Correction correct_overlaps(const World& world, const Ghosts& all, const Contact
   return correction;
 }
 
-/// J, by which bonds of this rank's contacts open where the correction has moved bodies.
-double opened_bonds(const World& world, const Contacts& contacts, const Correction& correction,
-                    std::span<const Turn> turns) {
-  if (correction.row.empty() || longest_range(world.contact) == 0) return 0;
-  const auto is_some = [](double part) { return part != 0; };
-  std::vector<bool> moved(world.bodies.size(), false);
-  for (std::size_t k = 0; k < correction.row.size(); ++k)
-    moved[correction.row[k]] = std::ranges::any_of(correction.change[k].linear, is_some) ||
-                               std::ranges::any_of(correction.change[k].angular, is_some);
+/// J, of cohesion in pair `p` of bodies that lie so: `sphere(b, k)` is the k-th of row b.
+template <class SphereOf>
+double bonds_of_pair(const World& world, const Pairs& pairs, Index p, const SphereOf& sphere) {
+  const Bodies& bodies = world.bodies;
+  const Index i = pairs.i[p], j = pairs.j[p];
+  const ContactLaw& law = law_of(world.contact, bodies, world.planes, i, j, pairs.plane[p]);
+  const auto count = [&](Index b) -> std::size_t {
+    return world.shapes.empty() ? 1 : shape_of(world.shapes, bodies, b).spheres.size();
+  };
   double energy = 0;
-  for (Index c = 0; c < contacts.size(); ++c) {
-    const Index i = contacts.i[c], j = contacts.j[c];
-    if (i >= world.bodies.owned || !(moved[i] || (j != ground && moved[j]))) continue;
-    const ContactLaw& law = law_of(world, contacts, c);
-    energy += energy_of_bond(law, gap_after(world, contacts, c, turns, 0)) -
-              energy_of_bond(law, correction.gap[c]);
+  for (std::size_t a = 0; law.cohesion > 0 && a < count(i); ++a) {
+    const ShapeSphere one = sphere(i, a);
+    if (j == ground) {
+      const Plane& plane = world.planes[pairs.plane[p]];
+      energy += energy_of_bond(law, plane.normal.dot(one.at - plane.point) - one.radius);
+      continue;
+    }
+    for (std::size_t b = 0; b < count(j); ++b) {
+      const ShapeSphere other = sphere(j, b);
+      energy += energy_of_bond(law, (other.at - one.at).norm() - one.radius - other.radius);
+    }
+  }
+  return energy;
+}
+
+/// J, by which the correction opens bonds, less what it closes; bodies lie where it has put them,
+/// and without it would have been turned by `turns`.
+double opened_bonds(const World& world, const Pairs& pairs, const Correction& correction,
+                    std::span<const Turn> turns, double h) {
+  if (correction.row.empty() || longest_range(world.contact) == 0) return 0;
+  const Bodies& bodies = world.bodies;
+  std::vector<Vec3> moved(bodies.size(), Vec3::Zero());
+  for (std::size_t k = 0; k < correction.row.size(); ++k)
+    moved[correction.row[k]] = h * Eigen::Map<const Vec3>(correction.change[k].linear);
+  const auto is_elsewhere = [&](Index b) {
+    return !moved[b].isZero(0) ||
+           (!turns.empty() && turns[b].orientation.coeffs() != bodies.orientation[b].coeffs());
+  };
+  const auto place = [&](Index b, std::size_t k, const Vec3& center, bool now) -> ShapeSphere {
+    if (turns.empty()) return {center, bodies.radius[b]};
+    return placed_sphere(shape_of(world.shapes, bodies, b).spheres[k], center, bodies.radius[b],
+                         now ? bodies.orientation[b] : turns[b].orientation);
+  };
+  const auto sphere_now = [&](Index b, std::size_t k) {
+    return place(b, k, bodies.position[b], true);
+  };
+  const auto sphere_without = [&](Index b, std::size_t k) {
+    return place(b, k, bodies.position[b] - moved[b], false);
+  };
+  double energy = 0;
+  for (Index p = 0; p < pairs.size(); ++p) {
+    const Index i = pairs.i[p], j = pairs.j[p];
+    if (i < bodies.owned && (is_elsewhere(i) || (j != ground && is_elsewhere(j))))
+      energy += bonds_of_pair(world, pairs, p, sphere_now) -
+                bonds_of_pair(world, pairs, p, sphere_without);
   }
   return energy;
 }
@@ -288,10 +322,11 @@ void turn_apart(World& world, const Correction& correction, double h) {
 
 }  // namespace
 
-DriftReport drift_apart(World& world, const Ghosts& ghosts, const Contacts& contacts, double h) {
+DriftReport drift_apart(World& world, const Ghosts& ghosts, const Pairs& pairs,
+                        const Contacts& contacts, double h) {
   DriftReport report;
   Bodies& bodies = world.bodies;
-  std::vector<Turn> turns = turns_at_end(world, h);
+  const std::vector<Turn> turns = turns_at_end(world, h);
   const Correction correction = correct_overlaps(world, ghosts, contacts, turns, h, report);
   for (Index b = 0; b < bodies.size(); ++b) bodies.position[b] += h * bodies.velocity[b];
   for (std::size_t k = 0; k < correction.row.size(); ++k)
@@ -300,11 +335,8 @@ DriftReport drift_apart(World& world, const Ghosts& ghosts, const Contacts& cont
     bodies.orientation[b] = turns[b].orientation;
     bodies.angular_velocity[b] = turns[b].angular_velocity;
   }
-  if (!turns.empty()) {
-    turn_apart(world, correction, h);
-    for (Index b : correction.row) turns[b].orientation = bodies.orientation[b];
-  }
-  world.ledger.corrections += opened_bonds(world, contacts, correction, turns);
+  if (!turns.empty()) turn_apart(world, correction, h);
+  world.ledger.corrections += opened_bonds(world, pairs, correction, turns, h);
   keep_angular_momentum(world, contacts, correction, h);
   return report;
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "domain/ghosts.hpp"
+#include "pairs/broad_phase.hpp"
 #include "rigid/contacts.hpp"
 #include "state/world.hpp"
 
@@ -15,7 +16,8 @@ struct DriftReport {
 
 /// Moves all rows by h (s) of their velocities and takes apart what would overlap at the end, by
 /// displacements that never become velocities. Momentum is kept; the energy of keeping angular
-/// momentum is booked, and of bonds that open. Collective.
-DriftReport drift_apart(World& world, const Ghosts& ghosts, const Contacts& contacts, double h);
+/// momentum is booked, and of bonds that `pairs` open and close. Collective.
+DriftReport drift_apart(World& world, const Ghosts& ghosts, const Pairs& pairs,
+                        const Contacts& contacts, double h);
 
 }  // namespace spall

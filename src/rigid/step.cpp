@@ -269,7 +269,8 @@ void kick_by_impulses(World& world, const Contacts& contacts, const ProblemData&
   double by_cohesion = 0;
   if (cohesive)
     for (Index c = 0; c < contacts.size(); ++c)
-      if (contacts.i[c] < bodies.owned)
+      if (contacts.i[c] < bodies.owned &&
+          law_of(world, contacts, c).cohesion_law == CohesionLaw::force)
         by_cohesion -= data.cohesive_impulse[c] * (closing_before[c] + closing(c)) / 2;
   const double by_held = book_reactions(world, contacts);
   world.ledger.cohesion_work += by_cohesion;
@@ -363,7 +364,7 @@ StepReport nonsmooth_step(World& world, Rigid& rigid, const StepRequest& request
     StageTimer timer(world.stages, "motion");
     // What takes overlaps apart asks where bodies touch alone, and needs the memory.
     let_go(contacts.gap, contacts.kappa, contacts.impulse, contacts.pair);
-    const DriftReport drifted = drift_apart(world, rigid.neighbours.ghosts, contacts, h);
+    const DriftReport drifted = drift_apart(world, rigid.neighbours.ghosts, pairs, contacts, h);
     move_prescribed(world, h);
     report.overlap = drifted.overlap;
     report.correction_products = drifted.products;

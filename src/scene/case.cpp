@@ -120,8 +120,10 @@ void read_phase(Section& in, Phase& phase, const EngineSettings& engines) {
                        phase.duration / phase.step, most_steps));
   in.take("until", "", phase.until, ends);
   if (in.reads(phase.until == PhaseEnd::settled))
-    in.need("settled_speed", "rms speed below which bodies are settled", phase.settled_speed,
-            positive(speed));
+    in.need("settled_speed",
+            "rms speed below which bodies are settled, at any row after one above: so few of them "
+            "that all are at the top of a bounce at once are, too",
+            phase.settled_speed, positive(speed));
   in.take("cohesion", "from the start of this phase on; [[contact.between]] keeps its own",
           phase.cohesion, not_negative(force));
   in.take("remove_drift", "at the start: centre of mass to rest at the origin", phase.remove_drift);

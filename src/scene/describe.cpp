@@ -87,12 +87,12 @@ std::vector<std::string> other_densities(const Case& scene) {
     }
     const Material& material = scene.materials[group.material];
     constexpr double told_apart = 1e-3;
-    if (group.total_mass ||
+    if (group.held() || group.total_mass ||
         std::abs(mass - material.density * volume) <= told_apart * material.density * volume)
       continue;
     told.push_back(fmt::format(
         "groups.{}: masses are those of '{}', {:.6g} kg/m^3 on average, not those of "
-        "materials.{}.density = {:g}; total_mass would scale them",
+        "materials.{}, {:g} kg/m^3; total_mass would scale them",
         group.name, group.packing.file, mass / volume, material.name, material.density));
   }
   return told;

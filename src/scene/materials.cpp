@@ -207,10 +207,6 @@ void derive_cohesion(Case& scene, std::span<const MaterialUse> uses) {
   if (!scene.tells_cohesion) law.cohesion = cohesion.force;
   if (!scene.tells_range) law.cohesion_range = cohesion.range;
   if (!scene.tells_friction) law.friction = cohesion.friction;
-  require(law.cohesion == 0 || law.cohesion_range > 0,
-          "{} gives a cohesion of {:.4g} N, which needs a gap up to which it acts: "
-          "contact.cohesion_range = 0 leaves it none; cohesion = 0 asks for none",
-          scene.contact_of_place, law.cohesion);
   scene.contact = law;
 }
 
@@ -226,6 +222,12 @@ void derive_contact_law(Case& scene, std::span<const MaterialUse> uses) {
                              "{}: its cohesion needs a cohesion_range: the gap up to which it acts",
                              between.pair.place);
                    });
+  scene.contact.for_each([&](const ContactLaw& law) {
+    require(law.cohesion == 0 || law.cohesion_range > 0,
+            "{} gives a cohesion of {:.4g} N, which needs a gap up to which it acts: "
+            "contact.cohesion_range = 0 leaves it none; cohesion = 0 asks for none",
+            scene.contact_of_place, law.cohesion);
+  });
 }
 
 std::vector<MaterialUse> material_uses(const Case& scene) {

@@ -230,7 +230,7 @@ void add_thermal_velocities(const Comm& comm, const Case& scene, std::size_t g, 
 /// Doubles tell a place to some 1e-16 of its distance from the origin, and contacts are about small
 /// parts of a radius (m).
 void check_resolved(const std::string& place, double farthest, double radius) {
-  constexpr double told = 1e-6;  // of a radius: resting spheres overlap by a hundred times as much
+  constexpr double told = 1e-4;  // of a radius: what resting spheres may overlap by
   const double off = std::numeric_limits<double>::epsilon() * farthest;
   require(off <= told * radius,
           "{}: bodies of {:.3g} m radius lie up to {:.3g} m from the origin, where doubles "
@@ -238,9 +238,14 @@ void check_resolved(const std::string& place, double farthest, double radius) {
           place, radius, farthest, off);
 }
 
-/// m, the largest coordinate of what it may hold.
-double farthest(const Volume& volume) {
-  return (volume.center.cwiseAbs() + half_widths(volume)).maxCoeff();
+/// m, no coordinate of its bodies is larger.
+double farthest(const Group& group) {
+  const Volume& volume = group.volume;
+  if (group.packing.stored.empty())
+    return (volume.center.cwiseAbs() + half_widths(volume)).maxCoeff();
+  double most = 0;
+  for (const StoredBody& body : group.packing.stored) most = std::max(most, body.position.norm());
+  return volume.center.cwiseAbs().maxCoeff() + most;
 }
 
 }  // namespace
@@ -274,7 +279,7 @@ std::vector<GroupContent> measure_groups(const Case& scene) {
     require(content.count > 0, "{}: its volume holds no sphere{}", group.place,
             group.packing.file.empty() ? fmt::format(" of radius {} m", group.packing.radius)
                                        : fmt::format(" of '{}'", group.packing.file));
-    check_resolved(group.place, farthest(group.volume), content.smallest);
+    check_resolved(group.place, farthest(group), content.smallest);
     contents.push_back(content);
   }
   return contents;
