@@ -40,7 +40,7 @@ SpherePairs met_in_flight(const Lab& world, double h, double near) {
 TEST(ShapeContacts, are_all_pairs_of_spheres_that_come_near_within_a_step) {
   const BodyShapes shapes = with_sphere({dumbbell(), boulder()});
   Pairs pair;
-  pair.i = {0}, pair.j = {1}, pair.plane = {-1}, pair.impulse = {Vec3::Zero()};
+  pair.i = {0}, pair.j = {1}, pair.plane = {-1};
   std::mt19937_64 random(5);
   int met_at_all = 0, far = 0, found_at_all = 0;
   for (int turn = 0; turn < 4000; ++turn) {
