@@ -271,7 +271,8 @@ TEST(Constitutive, a_case_gets_law_and_masses_from_its_material) {
   for (double m : made.mass) mass += m;
   // What the surface of a turned lattice cuts evens out.
   EXPECT_NEAR(mass, 2703 * volume_of(scene.groups[0].volume), 0.01 * mass);
-  EXPECT_NE(describe_phases(scene).find("[111] 5612 m/s"), std::string::npos);
+  EXPECT_NE(describe_phases(scene, measure_groups(scene)).find("[111] 5612 m/s"),
+            std::string::npos);
 }
 
 TEST(Constitutive, orientations_follow_the_seed) {

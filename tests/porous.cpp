@@ -328,7 +328,8 @@ TEST(PorousCase, weighs_what_its_matter_does) {
     EXPECT_NEAR(m, of_a_body, 1e-12 * of_a_body);
   EXPECT_NEAR(scene.materials[0].density, 2707 / 1.275, 1e-9);
   EXPECT_EQ(law().sound_speed(), std::sqrt((law().bulk + 4 * law().shear / 3) / (2707 / 1.275)));
-  EXPECT_NE(describe_phases(scene).find("pores, 0.216 of its volume"), std::string::npos);
+  EXPECT_NE(describe_phases(scene, measure_groups(scene)).find("pores, 0.216 of its volume"),
+            std::string::npos);
 }
 
 TEST(PorousCase, refuses_what_does_not_go_together) {

@@ -11,6 +11,7 @@
 #include "output/files.hpp"
 #include "output/restart.hpp"
 #include "output/stored_bodies.hpp"
+#include "run/plan.hpp"
 #include "run/run.hpp"
 #include "scene/scene.hpp"
 #include "spall/error.hpp"
@@ -171,8 +172,9 @@ TEST(StoredPile, is_placed_spun_carved_and_weighed_as_asked) {
 
   // Bodies keep their masses, and who asks for another density is told.
   const auto told = [&](const std::vector<std::string>& changes) {
-    return describe_phases(with_stored_bodies(
-        parse_case(rock + group("a", "radius = 100", "") + phase, "x.toml", changes)));
+    const Case scene = with_stored_bodies(
+        parse_case(rock + group("a", "radius = 100", "") + phase, "x.toml", changes));
+    return describe_phases(scene, measure_groups(scene));
   };
   const std::string note = "groups.a: masses are those of";
   EXPECT_EQ(told({}).find(note), std::string::npos);
@@ -230,6 +232,66 @@ duration = 1
   for (Index b = 0; b < bodies.owned; ++b) sum += bodies.mass[b] * bodies.position[b];
   for (Index b = 0; b < expected.owned; ++b) wanted += expected.mass[b] * expected.position[b];
   EXPECT_LT((comm.sum(sum) - wanted).norm(), 1e-12 * wanted.norm());
+}
+
+TEST(Restart, goes_on_without_the_files_of_its_bodies) {
+  const std::string folder = folder_of("left"), pile = settled_pile();
+  const Comm comm = testing_world();
+  on_first_rank(comm, [&] {
+    std::filesystem::create_directories(folder);
+    std::filesystem::copy_file(pile, folder + "/pile.h5",
+                               std::filesystem::copy_options::overwrite_existing);
+    write_whole(folder + "/tetrahedron.obj",
+                "v 0 0 0\nv 9 0 0\nv 0 9 0\nv 0 0 9\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+    write_whole(folder + "/case.toml", R"(
+[materials.rock]
+density = 2000
+[[groups]]
+name = "shape"
+material = "rock"
+volume = {shape = "mesh", file = "tetrahedron.obj", center = [100, 0, 0]}
+packing = {kind = "simple_cubic", radius = 0.5}
+[[groups]]
+name = "pile"
+material = "rock"
+volume = {radius = 50}
+packing = {kind = "file", file = "pile.h5"}
+[[phases]]
+name = "one"
+step = 1
+duration = 2
+[[phases]]
+name = "two"
+step = 1
+duration = 2
+)");
+  });
+  const Case scene = read_case(folder + "/case.toml", {}, InputFiles(comm));
+  EXPECT_TRUE(run_case(comm, scene, folder + "/run", Former::overwrite));
+  on_first_rank(comm, [&] {
+    for (const char* file : {"/pile.h5", "/tetrahedron.obj"})
+      std::filesystem::remove(folder + file);
+  });
+  const std::string restart = folder + "/run/after_one.h5";
+  EXPECT_TRUE(resume_case(comm, restart, {folder + "/again", Former::overwrite, {}, false}));
+  PlanRequest request;
+  request.ranks = {2};
+  const bool planned = plan(comm, restart, request).find("efficiency") != std::string::npos;
+  EXPECT_EQ(planned, comm.rank == 0);
+  // Groups as they are and by the recipe.
+  const Case whole =
+      with_stored_bodies(parse_case(std::string(rock) + group("a", "radius = 100", "") +
+                                        "[[phases]]\nname = \"x\"\nstep = 1\nduration = 1\n",
+                                    "x.toml"));
+  const auto made = measure_bodies(comm, whole, make_bodies(whole, comm));
+  const auto told = measure_groups(whole);
+  ASSERT_EQ(made.size(), 1u);
+  EXPECT_EQ(made[0].count, told[0].count);
+  EXPECT_EQ(made[0].movable, told[0].movable);
+  EXPECT_NEAR(made[0].mass, told[0].mass, 1e-12 * told[0].mass);
+  EXPECT_EQ(made[0].lightest, told[0].lightest);
+  EXPECT_EQ(made[0].smallest, told[0].smallest);
+  EXPECT_EQ(made[0].largest, told[0].largest);
 }
 
 const std::string materials_of_triple = "[materials.rock]\ndensity = 1000\n";

@@ -316,7 +316,8 @@ TEST(TwoSolids, a_case_gets_the_law_of_each_material_and_of_both) {
   EXPECT_DOUBLE_EQ(laws(0, 2).distance, 0.45e-3);
   EXPECT_FALSE(laws(0, 2).attracts());
   EXPECT_EQ(laws(2, 0).damping, 0.3);
-  const std::string words = describe_phases(case_with(both));
+  const Case scene = case_with(both);
+  const std::string words = describe_phases(scene, measure_groups(scene));
   for (const char* part : {"between bodies of al\n", "between bodies of steel\n",
                            "between bodies of al and steel\n", "repels only"})
     EXPECT_NE(words.find(part), std::string::npos) << part;

@@ -178,9 +178,9 @@ std::string limit_of(const std::vector<StageCost>& costs) {
 struct Memory {
   double program, bodies;
 
-  Memory(const Case& scene, double bytes_of_program)
+  Memory(const Case& scene, const std::vector<GroupContent>& contents, double bytes_of_program)
       : program(bytes_of_a_rank(scene, {}, 1, bytes_of_program)),
-        bodies(bytes_of_a_rank(scene, measure_groups(scene), 1, bytes_of_program) - program) {}
+        bodies(bytes_of_a_rank(scene, contents, 1, bytes_of_program) - program) {}
 
   double of(const OneRank& one, const RankShare& share) const {
     const auto part = [](std::int64_t some, Index of_all) {
@@ -309,7 +309,10 @@ std::string plan(const Comm& comm, const std::string& file, const PlanRequest& r
   std::string text = describe_sample(simulation, one) +
                      fmt::format("  network, {}: latency {}, bandwidth {:.3g} GB/s a rank\n",
                                  origin, readable_time(network.latency), 1e-9 * network.bandwidth);
-  const Memory memory(simulation.scene(), bytes_of_program);
+  const World& world = simulation.world();
+  const Memory memory(simulation.scene(),
+                      measure_bodies(world.comm, simulation.scene(), world.bodies),
+                      bytes_of_program);
   constexpr int most_built = 16;
   for (int ranks : request.ranks) {
     RankShares shares = share_out(one.state, ranks, most_built);

@@ -69,7 +69,8 @@ class Run {
 
   bool go() {
     SignalGuard signals;
-    progress_.say(describe_phases(scene_) + shields_.describe());
+    progress_.say(describe_phases(scene_, measure_bodies(comm_, scene_, world().bodies)) +
+                  shields_.describe());
     say_what_is_over();
     if (begins_phase()) begin_phase();
     open_files();  // a run that was refused by now has left nothing
@@ -491,7 +492,7 @@ std::string check_case(const Comm& comm, const Case& scene, Foretold foretold) {
     Simulation simulation(comm, Scene(whole));
     simulation.begin_phase();
     std::string text = describe_bodies(*whole, comm.size, bytes_of_program) +
-                       describe_phases(*whole) + shields.describe();
+                       describe_phases(*whole, measure_groups(*whole)) + shields.describe();
     constexpr double seconds_of_sample = 2;
     if (foretold == Foretold::time_too)
       text += describe_time(simulation, sample_steps(simulation, seconds_of_sample));

@@ -128,7 +128,7 @@ std::string describe_bodies(const Case& scene, int ranks, double bytes_of_progra
                             ranks == 1 ? "" : "s");
 }
 
-std::string describe_phases(const Case& scene) {
+std::string describe_phases(const Case& scene, const std::vector<GroupContent>& contents) {
   std::string text;
   const ByPair<ContactLaw>& contact = scene.contact;
   const auto has_cohesion = [](const Phase& phase) { return phase.cohesion.value_or(0) > 0; };
@@ -151,9 +151,9 @@ std::string describe_phases(const Case& scene) {
     });
   }
   std::vector<MaterialUse> uses = material_uses(scene);
-  const std::vector<GroupContent> contents = measure_groups(scene);
   for (std::size_t g = 0; g < contents.size(); ++g)
-    uses[g].mass = contents[g].lightest * contents[g].mass_factor(scene.groups[g]);
+    if (contents[g].count > 0)
+      uses[g].mass = contents[g].lightest * contents[g].mass_factor(scene.groups[g]);
   for (const EngineType* type : all_engines()) {
     const auto phase = std::ranges::find(scene.phases, type, &Phase::engine);
     if (phase != scene.phases.end()) text += type->describe(scene, uses, phase->settings);

@@ -254,6 +254,8 @@ std::vector<GroupContent> measure_groups(const Case& scene) {
   std::vector<GroupContent> contents;
   for (std::size_t g = 0; g < scene.groups.size(); ++g) {
     const Group& group = scene.groups[g];
+    require(group.volume.shape != Shape::mesh || group.volume.mesh, "{}: '{}' was not read",
+            group.place, group.volume.file);
     if (group.packing.radius > 0)  // there packings would not end
       check_resolved(group.place, group.volume.center.cwiseAbs().maxCoeff(), group.packing.radius);
     GroupContent content;
@@ -281,6 +283,39 @@ std::vector<GroupContent> measure_groups(const Case& scene) {
                                        : fmt::format(" of '{}'", group.packing.file));
     check_resolved(group.place, farthest(group), content.smallest);
     contents.push_back(content);
+  }
+  return contents;
+}
+
+std::vector<GroupContent> measure_bodies(const Comm& comm, const Case& scene,
+                                         const Bodies& bodies) {
+  std::vector<GroupContent> contents(scene.groups.size());
+  for (Index b = 0; b < bodies.owned; ++b) {
+    if (bodies.group[b] < 0 || bodies.group[b] >= std::ssize(contents)) continue;
+    GroupContent& content = contents[bodies.group[b]];
+    ++content.count;
+    content.smallest = std::min(content.smallest, bodies.radius[b]);
+    content.largest = std::max(content.largest, bodies.radius[b]);
+    if (!std::isfinite(bodies.mass[b])) continue;
+    ++content.movable;
+    content.mass += bodies.mass[b];
+    content.lightest = std::min(content.lightest, bodies.mass[b]);
+  }
+  std::vector<double> sums, most;
+  for (const GroupContent& content : contents) {
+    sums.insert(sums.end(), {static_cast<double>(content.count),
+                             static_cast<double>(content.movable), content.mass});
+    most.insert(most.end(), {-content.smallest, content.largest, -content.lightest});
+  }
+  comm.sum(sums);
+  comm.max(most);
+  for (std::size_t g = 0; g < contents.size(); ++g) {
+    contents[g].count = std::llround(sums[3 * g]);
+    contents[g].movable = std::llround(sums[3 * g + 1]);
+    contents[g].mass = sums[3 * g + 2];
+    contents[g].smallest = -most[3 * g];
+    contents[g].largest = most[3 * g + 1];
+    contents[g].lightest = -most[3 * g + 2];
   }
   return contents;
 }

@@ -25,7 +25,11 @@ struct GroupContent {
     return group.total_mass && mass > 0 ? *group.total_mass / mass : 1;
   }
 };
+/// As its recipe makes them: meshes and packings of files must have been read.
 std::vector<GroupContent> measure_groups(const Case& scene);
+/// As they are, but for their volumes: a run that goes on does not read files again. Masses are
+/// scaled already. Collective.
+std::vector<GroupContent> measure_bodies(const Comm& comm, const Case& scene, const Bodies& bodies);
 
 /// The fields of a case's bodies: what spins, gravity and its engines request.
 FieldSet fields_of(const Case& scene);
@@ -54,6 +58,6 @@ double bytes_of_a_rank(const Case& scene, const std::vector<GroupContent>& conte
 /// on top of what the program takes before it has bodies.
 std::string describe_bodies(const Case& scene, int ranks, double bytes_of_program);
 /// What a case will run: what is switched off, phases and their step limits.
-std::string describe_phases(const Case& scene);
+std::string describe_phases(const Case& scene, const std::vector<GroupContent>& contents);
 
 }  // namespace spall
