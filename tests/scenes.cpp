@@ -183,15 +183,20 @@ TEST(StoredPile, is_placed_spun_carved_and_weighed_as_asked) {
             std::string::npos);
 }
 
+/// A copy of `pile`, pile.h5, and a surface, tetrahedron.obj.
+void write_files_of_bodies(const std::string& folder, const std::string& pile) {
+  std::filesystem::create_directories(folder);
+  std::filesystem::copy_file(pile, folder + "/pile.h5",
+                             std::filesystem::copy_options::overwrite_existing);
+  write_whole(folder + "/tetrahedron.obj",
+              "v 0 0 0\nv 9 0 0\nv 0 9 0\nv 0 0 9\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+}
+
 TEST(InputFiles, are_those_of_rank_0_wherever_the_others_are) {
   const std::string folder = folder_of("files"), pile = settled_pile();
   const Comm comm = testing_world();
   on_first_rank(comm, [&] {
-    std::filesystem::create_directories(folder);
-    std::filesystem::copy_file(pile, folder + "/pile.h5",
-                               std::filesystem::copy_options::overwrite_existing);
-    write_whole(folder + "/tetrahedron.obj",
-                "v 0 0 0\nv 9 0 0\nv 0 9 0\nv 0 0 9\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+    write_files_of_bodies(folder, pile);
     write_whole(folder + "/metal.toml",
                 "density = 2703\nsound_speed = 5350\nhugoniot_slope = 1.34\ngruneisen = 1.97\n"
                 "youngs_modulus = 68.9e9\npoisson_ratio = 0.33\n");
@@ -238,11 +243,7 @@ TEST(Restart, goes_on_without_the_files_of_its_bodies) {
   const std::string folder = folder_of("left"), pile = settled_pile();
   const Comm comm = testing_world();
   on_first_rank(comm, [&] {
-    std::filesystem::create_directories(folder);
-    std::filesystem::copy_file(pile, folder + "/pile.h5",
-                               std::filesystem::copy_options::overwrite_existing);
-    write_whole(folder + "/tetrahedron.obj",
-                "v 0 0 0\nv 9 0 0\nv 0 9 0\nv 0 0 9\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+    write_files_of_bodies(folder, pile);
     write_whole(folder + "/case.toml", R"(
 [materials.rock]
 density = 2000

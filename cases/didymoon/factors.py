@@ -4,12 +4,10 @@
 2000 N with the reference engine's law of friction, without restitution, and with both; runs what is
 missing, and writes factors.md and factors.csv beside this script. Half an hour on two cores."""
 import argparse
-import concurrent.futures
 import contextlib
-import csv
 import os
 
-from sites import COLUMNS, HERE, SITES, by_pile, directions, folder_of, hit, read, settle, spread
+from sites import COLUMNS, HERE, SITES, by_pile, folder_of, hit_all, read, spread, write_rows
 from remnants import commits
 from table import print_table
 
@@ -49,17 +47,9 @@ def main():
     runs = [(c, pile, site, law) for c in COHESIONS for site in range(0, SITES, 5)
             for pile in PILES for law in LAWS]
     if not asked.only_table:
-        towards = directions()
-        with concurrent.futures.ThreadPoolExecutor(asked.cores) as pool:
-            list(pool.map(settle, PILES))
-            list(pool.map(lambda run: hit(*run[:3], towards[run[2]], run[3], LAWS[run[3]][2]),
-                          [run for run in runs
-                           if not (folder_of(*run) / "results.toml").exists()]))
+        hit_all(runs, asked.cores, lambda law: LAWS[law][2])
     rows = [{"law": run[3], **read(*run)} for run in runs]
-    with open(HERE / "factors.csv", "w", newline="") as file:
-        writer = csv.DictWriter(file, ["law", *COLUMNS], lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
+    write_rows("factors.csv", ["law", *COLUMNS], rows)
     page = HERE / "factors.md"
     with open(page, "w") as file, contextlib.redirect_stdout(file):
         print("# Didymoon: friction and restitution\n"

@@ -63,6 +63,26 @@ def hit(cohesion, pile, site, direction, law="", changes=()):
     print(folder, flush=True)
 
 
+def hit_all(runs, cores, changes=lambda law: ()):
+    """Those of [(cohesion, pile, site) or with a law] that are missing; `changes` of a law."""
+    with concurrent.futures.ThreadPoolExecutor(cores) as pool:
+        list(pool.map(settle, sorted({pile for _, pile, *_ in runs})))
+        towards = directions()
+
+        def run(cohesion, pile, site, law=""):
+            hit(cohesion, pile, site, towards[site], law, changes(law))
+
+        list(pool.map(lambda one: run(*one),
+                      [one for one in runs if not (folder_of(*one) / "results.toml").exists()]))
+
+
+def write_rows(name, columns, rows):
+    with open(HERE / name, "w", newline="") as file:
+        writer = csv.DictWriter(file, columns, lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+
+
 def read(cohesion, pile, site, law=""):
     r = results(folder_of(cohesion, pile, site, law))
     return {"cohesion": cohesion, "pile": pile, "site": site, "dv": r["deflection"]["dv"],
@@ -155,17 +175,9 @@ def main():
     runs = [(float(c), pile, site) for c in asked.cohesions.split(",")
             for site in range(SITES) for pile in range(1, asked.piles + 1)]
     if not asked.only_table:
-        with concurrent.futures.ThreadPoolExecutor(asked.cores) as pool:
-            list(pool.map(settle, range(1, asked.piles + 1)))
-            towards = directions()
-            list(pool.map(lambda run: hit(*run, towards[run[2]]),
-                          [run for run in runs
-                           if not (folder_of(*run) / "results.toml").exists()]))
+        hit_all(runs, asked.cores)
     rows = [read(*run) for run in runs]
-    with open(HERE / "sites.csv", "w", newline="") as file:
-        writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
+    write_rows("sites.csv", COLUMNS, rows)
     picture(rows, results(folder_of(*runs[0]))["deflection"])
     page = HERE / "sites.md"
     with open(page, "w") as file, contextlib.redirect_stdout(file):

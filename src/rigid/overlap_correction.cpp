@@ -42,16 +42,24 @@ std::vector<Turn> turns_at_end(const World& world, double h) {
   return turns;
 }
 
+/// The `k`-th sphere of row `b` with its body at `center` and turned so; null where all are
+/// spheres.
+ShapeSphere sphere_of_row(const World& world, Index b, std::size_t k, const Vec3& center,
+                          const Quaternion* turn) {
+  const double radius = world.bodies.radius[b];
+  if (!turn) return {center, radius};
+  const BodyShape& shape = shape_of(world.shapes, world.bodies, b);
+  return placed_sphere(shape.spheres[k], center, radius, *turn);
+}
+
 /// Per contact: how far (m) the bodies may come nearer until the overlap at the end of a step `h`
 /// is the tolerated one.
 std::vector<double> slack_at_end(const World& world, const Contacts& contacts,
                                  std::span<const Turn> turns, double h, DriftReport& report) {
   const Bodies& bodies = world.bodies;
-  const auto sphere_at_end = [&](Index b, std::int32_t of) -> ShapeSphere {
-    const Vec3 end = bodies.position[b] + h * bodies.velocity[b];
-    if (turns.empty()) return {end, bodies.radius[b]};
-    return placed_sphere(shape_of(world.shapes, bodies, b).spheres[of], end, bodies.radius[b],
-                         turns[b].orientation);
+  const auto sphere_at_end = [&](Index b, std::int32_t of) {
+    return sphere_of_row(world, b, of, bodies.position[b] + h * bodies.velocity[b],
+                         turns.empty() ? nullptr : &turns[b].orientation);
   };
   std::vector<double> slack(contacts.size());
   for (Index c = 0; c < contacts.size(); ++c) {
@@ -221,16 +229,13 @@ double opened_bonds(const World& world, const Pairs& pairs, const Correction& co
     return !moved[b].isZero(0) ||
            (!turns.empty() && turns[b].orientation.coeffs() != bodies.orientation[b].coeffs());
   };
-  const auto place = [&](Index b, std::size_t k, const Vec3& center, bool now) -> ShapeSphere {
-    if (turns.empty()) return {center, bodies.radius[b]};
-    return placed_sphere(shape_of(world.shapes, bodies, b).spheres[k], center, bodies.radius[b],
-                         now ? bodies.orientation[b] : turns[b].orientation);
-  };
   const auto sphere_now = [&](Index b, std::size_t k) {
-    return place(b, k, bodies.position[b], true);
+    return sphere_of_row(world, b, k, bodies.position[b],
+                         turns.empty() ? nullptr : &bodies.orientation[b]);
   };
   const auto sphere_without = [&](Index b, std::size_t k) {
-    return place(b, k, bodies.position[b] - moved[b], false);
+    return sphere_of_row(world, b, k, bodies.position[b] - moved[b],
+                         turns.empty() ? nullptr : &turns[b].orientation);
   };
   double energy = 0;
   for (Index p = 0; p < pairs.size(); ++p) {

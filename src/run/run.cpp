@@ -491,8 +491,10 @@ std::string check_case(const Comm& comm, const Case& scene, Foretold foretold) {
     const Shields shields(comm, *whole);
     Simulation simulation(comm, Scene(whole));
     simulation.begin_phase();
-    std::string text = describe_bodies(*whole, comm.size, bytes_of_program) +
-                       describe_phases(*whole, measure_groups(*whole)) + shields.describe();
+    std::string text =
+        describe_bodies(*whole, comm.size, bytes_of_program) +
+        describe_phases(*whole, measure_bodies(comm, *whole, simulation.world().bodies)) +
+        shields.describe();
     constexpr double seconds_of_sample = 2;
     if (foretold == Foretold::time_too)
       text += describe_time(simulation, sample_steps(simulation, seconds_of_sample));

@@ -51,14 +51,7 @@ std::string describe_group(const Group& group, const GroupContent& content) {
 /// Those that a program adds.
 std::string describe_spheres(const std::vector<SceneSphere>& spheres) {
   GroupContent content;
-  for (const SceneSphere& sphere : spheres) {
-    ++content.count;
-    content.smallest = std::min(content.smallest, sphere.radius);
-    content.largest = std::max(content.largest, sphere.radius);
-    if (sphere.fixed) continue;
-    ++content.movable;
-    content.mass += sphere.mass;
-  }
+  for (const SceneSphere& sphere : spheres) content.add(sphere.radius, sphere.mass, !sphere.fixed);
   return describe_content("of the program", content, content.mass, "", "");
 }
 

@@ -261,13 +261,7 @@ std::vector<GroupContent> measure_groups(const Case& scene) {
     GroupContent content;
     const auto count = [&](double radius, double mass, bool fixed) {
       content.volume += volume_of_body(scene, g, content.count, radius);
-      content.smallest = std::min(content.smallest, radius);
-      content.largest = std::max(content.largest, radius);
-      ++content.count;
-      if (fixed) return;
-      ++content.movable;
-      content.mass += mass;
-      content.lightest = std::min(content.lightest, mass);
+      content.add(radius, mass, !fixed);
     };
     if (const auto radii_of = group.packing.type->radii) {
       const Radii radii = radii_of(group.packing, stream_of(scene, g));
@@ -292,14 +286,7 @@ std::vector<GroupContent> measure_bodies(const Comm& comm, const Case& scene,
   std::vector<GroupContent> contents(scene.groups.size());
   for (Index b = 0; b < bodies.owned; ++b) {
     if (bodies.group[b] < 0 || bodies.group[b] >= std::ssize(contents)) continue;
-    GroupContent& content = contents[bodies.group[b]];
-    ++content.count;
-    content.smallest = std::min(content.smallest, bodies.radius[b]);
-    content.largest = std::max(content.largest, bodies.radius[b]);
-    if (!std::isfinite(bodies.mass[b])) continue;
-    ++content.movable;
-    content.mass += bodies.mass[b];
-    content.lightest = std::min(content.lightest, bodies.mass[b]);
+    contents[bodies.group[b]].add(bodies.radius[b], bodies.mass[b], std::isfinite(bodies.mass[b]));
   }
   std::vector<double> sums, most;
   for (const GroupContent& content : contents) {

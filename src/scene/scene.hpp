@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,16 @@ struct GroupContent {
   double lightest = infinity;               ///< kg, of the movable, before it is scaled
   double smallest = infinity, largest = 0;  ///< m, radii
 
+  /// One body more; its mass counts where it moves.
+  void add(double with_radius, double with_mass, bool moves) {
+    ++count;
+    smallest = std::min(smallest, with_radius);
+    largest = std::max(largest, with_radius);
+    if (!moves) return;
+    ++movable;
+    mass += with_mass;
+    lightest = std::min(lightest, with_mass);
+  }
   /// What the mass of each body is multiplied with, for the total that the group asks for.
   double mass_factor(const Group& group) const {
     return group.total_mass && mass > 0 ? *group.total_mass / mass : 1;
