@@ -66,6 +66,10 @@ TEST(Solid, warms_by_its_specific_heat_but_while_it_melts) {
   EXPECT_EQ(temperature(solid, 6e5), 850);
   EXPECT_EQ(temperature(solid, 1e6), 850);
   EXPECT_EQ(temperature(solid, 1.09e6), 950);
+  Solid untold = solid;  // no heat of fusion is known, so none is taken
+  untold.melt_energy = 0;
+  EXPECT_EQ(temperature(untold, 900 * (850 - 298) - 9), 849.99);
+  EXPECT_NEAR(temperature(untold, 900 * (850 - 298) + 9), 850.01, 1e-9);
 }
 
 TEST(Constitutive, crystal_has_the_bulk_modulus_and_answers_shocks_with_the_slope_asked_for) {

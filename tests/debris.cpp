@@ -158,6 +158,44 @@ TEST(Debris, speeds_masses_and_extents_are_those_of_the_cloud) {
   EXPECT_NEAR(c.radial, 2970, 31);
 }
 
+TEST(Debris, melts_by_its_own_material_where_that_is_known) {
+  const Comm comm = testing_world();
+  const std::vector<Body> all{{1, 2, {0, 0, -20}, {0, 0, -50}, 3e6}, {0, 1, {0, 0, -20}, {}, 2e6}};
+  Target t = find_target(scene());
+  t.melt_energy = {1e6, 3e6};
+  EXPECT_EQ(measure_cloud(comm, bodies_of(comm, all), t, 1).projectile_melted, 1);
+  EXPECT_EQ(measure_cloud(comm, bodies_of(comm, all), t, 1).plate_melted, 0);
+  const Target of_two =
+      find_target(parse_case(scene().text + "[materials.cu.solid]\ndensity = 8930\n", "x.toml",
+                             {"groups.ball.material=cu"}));
+  EXPECT_EQ(of_two.melt_energy, (std::array{0.0, 1e6}));
+  const Cloud cloud = measure_cloud(comm, bodies_of(comm, all), of_two, 1);
+  EXPECT_TRUE(std::isnan(cloud.projectile_melted));
+  EXPECT_EQ(cloud.plate_melted, 1);
+}
+
+TEST(Debris, have_no_hole_where_the_line_of_flight_leaves_beside_the_plate) {
+  const Comm comm = testing_world();
+  const Target t = find_target(scene("[30000, 0, -6000]"));
+  EXPECT_LT(t.half_width, 0);
+  EXPECT_EQ(measure_cloud(comm, bodies_of(comm, plate(t, 0, Vec3::Zero())), t, 1).hole, 0);
+}
+
+TEST(Debris, maps_that_end_keep_the_line_of_flight_in_their_middle) {
+  const Comm comm = testing_world();
+  const Target t = find_target(scene());
+  const std::vector<Body> on_axis{{1, 3, {0.1, 0.1, -20}, {0, 0, -50}}};
+  for (double distance : {100.0, 1e4})
+    EXPECT_DOUBLE_EQ(load_wall(comm, bodies_of(comm, on_axis), t, distance).peak, 150 / 25.)
+        << distance;
+  std::vector<Body> all{{1, 1, {5000, 5000, -20}, {0, 0, -1}}};
+  for (double x = -9.75; x < 10; x += 0.5)
+    for (double y = -9.75; y < 10; y += 0.5)
+      for (double z = -20; z > -40; z -= 0.5)
+        all.push_back({1, 270 * 0.125, {x, y, z}, {0, 0, -1}});
+  EXPECT_NEAR(measure_cloud(comm, bodies_of(comm, all), t, 1).contour_width, 20, 5);
+}
+
 TEST(Debris, of_a_cloud_without_bodies_are_zeros) {
   const Target t = find_target(scene());
   const Cloud cloud = measure_cloud(testing_world(), {}, t, 0);

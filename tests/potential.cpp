@@ -382,9 +382,9 @@ TEST(PairPotential, bond_holds_a_weight_below_its_strength_and_parts_above) {
 
 TEST(PairPotential, too_long_a_step_is_refused_with_one_that_would_do) {
   const double m = 2, limit = 0.1 * std::sqrt(m / stiffness(morse));
-  EXPECT_NO_THROW(check_step(morse, 0.99 * limit, m, 0, "here"));
+  EXPECT_NO_THROW(check_step(morse, 0.99 * limit, {m, m / 2, 0}, "here"));
   const auto message = [&](double h, double speed, PairPotential p) -> std::string {
-    return complaint_of([&] { check_step(p, h, m, speed, "case.toml:7"); });
+    return complaint_of([&] { check_step(p, h, {m, m / 2, speed}, "case.toml:7"); });
   };
   EXPECT_NE(message(2 * limit, 0, morse).find(fmt::format("{:.3g} s", limit)), std::string::npos);
   EXPECT_NE(message(limit, 10, morse).find(fmt::format("{:.3g} s", 0.1 * morse.distance / 10)),

@@ -57,7 +57,8 @@ refuses() {  # name, ranks, file, words…
   [ $code -ne 0 ] || fail "$name: exit code is 0"
   [ $code -ne 124 ] && [ $code -ne 137 ] || fail "$name: hangs"
   [ "$(grep -c '^spall: ' stderr)" = 1 ] || fail "$name: not one message: $(cat stderr)"
-  [ "$(wc -l <stderr)" = 1 ] || fail "$name: more than one line: $(cat stderr)"
+  # On busy machines the launcher's event library tells of files that it has closed.
+  [ "$(grep -c -v '^\[warn\] Epoll' stderr)" = 1 ] || fail "$name: more than one line: $(cat stderr)"
   [ ! -e "${out:-out}" ] || fail "$name: leaves files"
   for word in "$@"; do
     grep '^spall: ' stderr | grep -qF -- "$word" || fail "$name: no '$word' in: $(cat stderr)"

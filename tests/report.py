@@ -175,7 +175,7 @@ class Verdicts(unittest.TestCase):
         self.check(self.of({}, under_way=True), "note", "under way")
 
     def test_steps_that_did_not_converge_are_bad(self):
-        solver = {"steps": 9, "steps_not_converged": 2, "residual_max": 1.0,
+        solver = {"steps": 99, "solved_steps": 9, "steps_not_converged": 2, "residual_max": 1.0,
                   "steps_over_tolerance": 0}
         self.check(self.of({"solver": solver}), "bad", "2 of 9 steps did not converge")
         solver |= {"steps_not_converged": 0}

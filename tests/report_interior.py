@@ -104,7 +104,8 @@ class Interior(unittest.TestCase):
         write(self.path / "after_settling.h5", crystal(9))
         write(self.path / "after_impact.h5", crystal(8))
         run = types.SimpleNamespace(folder=self.path,
-                                    case={"phases": [{"name": "settling"},
+                                    case={"gravity": {"method": "tree"},
+                                          "phases": [{"name": "settling"},
                                                      {"name": "impact", "impactor": {}}]},
                                     before=types.SimpleNamespace(radius=np.array([RADIUS])),
                                     flight=np.array([1.0, 0, 0]),
@@ -128,6 +129,28 @@ class Interior(unittest.TestCase):
         with h5py.File(self.path / "after_impact.h5", "a") as file:
             file["bodies/shape"][3] = 1
         self.assertIsNone(report_interior.interior(run), "clumps are no balls of their radius")
+
+    def test_other_forces_than_own_gravity_leave_the_virial_nothing_to_tell(self):
+        write(self.path / "after_rest.h5", crystal(9))
+
+        def of(gravity, **phase):
+            case = {"gravity": gravity, "phases": [{"name": "rest", **phase}]}
+            run = types.SimpleNamespace(folder=self.path, case=case)
+            run.before = types.SimpleNamespace(radius=np.array([RADIUS]))
+            run.flight = np.array([1.0, 0, 0])
+            run.side_view = lambda: (np.array([0, 1.0, 0]), np.array([0, 0, 1.0]))
+            return report_interior.interior(run)
+        self.assertIsNotNone(of({"method": "direct"}))
+        self.assertIsNone(of({}))
+        self.assertIsNone(of({"method": "direct", "uniform": [0, 0, -1]}))
+        self.assertIsNone(of({"method": "direct"}, method="penalty"))
+
+    def test_contacts_that_two_ranks_have_told_count_once(self):
+        pairs = [(0, 1), (0, 2)]
+        x = np.array([[0.0, 0, 0], [2 * RADIUS, 0, 0], [0, 2 * RADIUS, 0]])
+        once, twice = self.inside(x, pairs), self.inside(x, [*pairs, pairs[1]])
+        np.testing.assert_array_equal(once.coordination, twice.coordination)
+        np.testing.assert_array_equal(once.force, twice.force)
 
 
 if __name__ == "__main__":

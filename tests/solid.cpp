@@ -611,6 +611,10 @@ TEST(SolidCase, refuses_what_it_does_not_model) {
             "\"solid\" needs a solid of [materials]: one with a library, a file or a table "
             "[materials.rock.solid]");
   EXPECT_NE(complaint("", "gruneisen = 2.02\n", "").find("needs gruneisen"), std::string::npos);
+  EXPECT_NE(complaint("", "poisson_ratio = 0.34\n", "").find("needs poisson_ratio"),
+            std::string::npos);
+  EXPECT_NE(complaint("", "poisson_ratio = 0.34", "poisson_ratio = -1").find("-1"),
+            std::string::npos);
   EXPECT_NE(complaint("", "yield_strength = \"90 MPa\"\n", "")
                 .find("needs johnson_cook_a, steinberg_y0, yield_strength or"),
             std::string::npos);
@@ -630,6 +634,26 @@ TEST(SolidCase, refuses_what_it_does_not_model) {
   EXPECT_NE(complaint("[solid]\nfriction = 0.3\n").find("solid.friction"), std::string::npos);
   EXPECT_EQ(complaint("[solid]\ncourant = 2\n"),
             "x.toml:22:11: solid.courant = 2: 0 to 0.2 is wanted");
+}
+
+TEST(SolidCase, is_not_what_bonds_have_broken_in_nor_are_they_what_it_has) {
+  const std::string by_pairs =
+      "[[phases]]\nname = \"pairs\"\nmethod = \"potential\"\nstep = \"1 ns\"\nduration = \"2 "
+      "ns\"\n";
+  const std::string law = "[pair_potential]\nmaterial = \"cu\"\n";
+  std::string text = groups;
+  text.insert(text.find("[materials.rock]"), "spall_strength = \"1.2 GPa\"\n");
+  const std::string after = text + by_pairs + law;
+  std::string before = text + law;
+  before.insert(before.find("[[phases]]"), by_pairs);
+  for (const auto& [order, former, later] :
+       {std::tuple(after, "only", "pairs"), std::tuple(before, "pairs", "only")}) {
+    const std::string told = complaint_of([&] { parse_case(order, "x.toml"); });
+    EXPECT_NE(told.find(fmt::format("phases.{}.method", later)), std::string::npos) << told;
+    EXPECT_NE(told.find(fmt::format("stresses of phases.{}: what was broken", former)),
+              std::string::npos)
+        << told;
+  }
 }
 
 TEST(SolidCase, tells_a_step_that_would_do) {

@@ -86,6 +86,8 @@ refused() { # text that must be said, arguments
 refused "friktion" fall.toml --set contact.friktion=0.1,0.2 --out never
 [ ! -e never ] || fail "a refused sweep left a folder"
 refused "another case" fall.toml --set seed=1..2 --set contact.friction=0.3 --out out/fall-sweep
+"$spall" sweep fall.toml --set solver.tolerance=0.1,0.2 --out out/named >out.txt || fail "a sweep of the solver: $(cat out.txt)"
+refused "or with other keys" fall.toml --set phases.fall.solver.tolerance=0.1,0.2 --out out/named
 for forget in "" --overwrite; do
   # shellcheck disable=SC2086
   refused "another case" fall.toml --set seed=1..2 --set contact.friction=0.3 --out out/fall-sweep --commands $forget
@@ -107,6 +109,8 @@ refused "together: 120,000 runs" fall.toml --set seed=1..400 --set contact.frict
 refused "argument --jobs: 0 is less than 1" fall.toml --set seed=1..2 --out never --jobs 0
 refused "argument --ranks: -1 is less than 1" fall.toml --set seed=1..2 --out never --ranks -1
 refused "argument --jobs: invalid count value: 'two'" fall.toml --set seed=1..2 --out never --jobs two
+refused "radius=-3m_seed=1 is refused, so nothing is begun" fall.toml --set groups.ball.volume.radius=1,2,-3m --set seed=1..5 --out never
+refused "seed=-2 is refused" fall.toml --set seed=-2..5 --out never
 refused "no_such.toml" no_such.toml --set seed=1..2
 
 [ $failures = 0 ] && echo "all passed"

@@ -193,11 +193,14 @@ TEST(Threshold, longest_step_of_pairs_is_set_by_their_stiffness_or_by_their_damp
     }
     p.damping = 1.2;
     const double h = longest_step(p, m);
-    EXPECT_EQ(complaint_of([&] { check_step(p, h * (1 - 1e-9), m, 0, "here"); }), "");
-    EXPECT_NE(complaint_of([&] { check_step(p, h * (1 + 1e-9), m, 0, "here"); }), "");
+    EXPECT_EQ(complaint_of([&] { check_step(p, h * (1 - 1e-9), {m, m / 2, 0}, "here"); }), "");
+    EXPECT_NE(complaint_of([&] { check_step(p, h * (1 + 1e-9), {m, m / 2, 0}, "here"); }), "");
     const double speed = 0.1 * p.distance / h;  // a tenth of the distance, flown in a step
-    EXPECT_EQ(complaint_of([&] { check_step(p, h * 0.999, m, speed, "here"); }), "");
-    EXPECT_NE(complaint_of([&] { check_step(p, h * 0.999, m, 1.002 * speed, "here"); }), "");
+    EXPECT_EQ(complaint_of([&] { check_step(p, h * 0.999, {m, m / 2, speed}, "here"); }), "");
+    EXPECT_NE(complaint_of([&] {
+                check_step(p, h * 0.999, {m, m / 2, 1.002 * speed}, "here");
+              }),
+              "");
   }
 }
 

@@ -261,6 +261,48 @@ TEST(TwoSolids, plates_of_two_metals_meet_as_their_impedances_say) {
   }
 }
 
+/// What its steps are refused for; bodies of the second material may be held.
+std::string refused(const std::vector<Body>& bodies, const ByPair<PairPotential>& laws) {
+  Lab world = world_of(testing_world(), bodies, laws);
+  return complaint_of([&] { world.potential.check_steps(world, {1e-6, 1, "here"}); });
+}
+
+TEST(TwoSolids, steps_beside_a_material_that_is_held_are_checked_by_who_moves) {
+  std::vector<Body> bodies = two_balls(3, 1, 4, embedded, other);
+  for (Body& b : bodies)
+    if (b.material == 1) b.mass = infinity, b.velocity = Vec3::Zero();
+  EXPECT_EQ(refused(bodies, two_laws(embedded, other)), "");
+}
+
+TEST(TwoSolids, pass_through_each_other_by_the_energy_of_the_heaviest_that_meet) {
+  PairPotential soft = embedded;
+  soft.law = PairLaw::morse;
+  soft.embedding = {};
+  soft.steepness = 1;
+  soft.depth = 1;
+  const double wall = std::exp(2) - 2 * std::exp(1);  // J at distance 0
+  const auto three = [&](double other_mass, int other_material, double part) {
+    std::vector<Body> bodies(3);
+    for (int k = 0; k < 3; ++k) bodies[k].position = {2.0 * k, 0, 0};
+    bodies[0].mass = 1;
+    bodies[1].mass = 1000;
+    bodies[2].mass = other_mass;
+    bodies[2].material = other_material;
+    const double reduced = std::isinf(other_mass) ? 1000 : 1000 * other_mass / (1000 + other_mass);
+    bodies[1].velocity = {part * std::sqrt(2 * wall / reduced), 0, 0};
+    return bodies;
+  };
+  for (int material : {0, 1})
+    for (double mass : {1000.0, 500.0, infinity})
+      for (const ByPair<PairPotential>& laws :
+           {ByPair<PairPotential>(soft), two_laws(soft, soft, true)}) {
+        EXPECT_EQ(refused(three(mass, material, 0.99), laws), "") << mass;
+        EXPECT_NE(refused(three(mass, material, 1.01), laws).find("pass through"),
+                  std::string::npos)
+            << mass;
+      }
+}
+
 // How cases ask for it.
 
 const char* const two_groups = R"([materials.al.solid]
@@ -316,6 +358,10 @@ TEST(TwoSolids, a_case_gets_the_law_of_each_material_and_of_both) {
   EXPECT_DOUBLE_EQ(laws(0, 2).distance, 0.45e-3);
   EXPECT_FALSE(laws(0, 2).attracts());
   EXPECT_EQ(laws(2, 0).damping, 0.3);
+  EXPECT_EQ(complaint(both + "breaking_strain = 0\n")
+                .find("x.toml:37:19: pair_potential.breaking_strain is 0, but bonds"),
+            0)
+      << complaint(both + "breaking_strain = 0\n");
   const Case scene = case_with(both);
   const std::string words = describe_phases(scene, measure_groups(scene));
   for (const char* part : {"between bodies of al\n", "between bodies of steel\n",

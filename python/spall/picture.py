@@ -15,7 +15,8 @@ def draw_spheres(bodies, file, along, colour, size):
         colour, label = np.linalg.norm(bodies.velocity, axis=1), "speed, m/s"
     else:
         colour, label = np.asarray(colour), None
-    order = np.argsort(-place[:, depth], kind="stable")
+    # Who sees x to the right and z up looks along y; the other two are seen from where they end.
+    order = np.argsort(-place[:, depth] if along == "y" else place[:, depth], kind="stable")
     figure, axes = pyplot.subplots(figsize=(size, size), layout="constrained")
     disks = EllipseCollection(2 * radius[order], 2 * radius[order], np.zeros(len(order)),
                               units="xy",

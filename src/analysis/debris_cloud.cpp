@@ -85,15 +85,17 @@ std::vector<double> percentiles(const Comm& comm, std::vector<Sample> samples) {
   return result;
 }
 
-/// Sums on square pixels about the line of flight.
+/// Sums on square pixels from `low` on and about the line of flight, as many as are needed to reach
+/// so far, but no more than a thousand.
 class Map {
  public:
-  Map(double pixel, double low_x, double high_x, double half_y)
-      : pixel_(pixel),
-        low_{low_x, -half_y},
-        columns_(pixels(high_x - low_x)),
-        rows_(pixels(2 * half_y)),
-        sums_(columns_ * rows_, 0.0) {}
+  static Map along(double pixel, double low, double length, double half_width) {
+    return {pixel, low, pixels(length / pixel), pixels(2 * half_width / pixel)};
+  }
+  static Map across(double pixel, double half_width) {
+    const std::size_t count = pixels(2 * half_width / pixel);
+    return {pixel, -pixel * static_cast<double>(count) / 2, count, count};
+  }
   void add(double x, double y, double value) {
     const auto at = [&](double place, int k) {
       return static_cast<std::ptrdiff_t>(std::floor((place - low_[k]) / pixel_));
@@ -123,10 +125,16 @@ class Map {
   }
 
  private:
-  static constexpr double most = 1000;  // pixels: what flies further is not seen
-  std::size_t pixels(double extent) const {
-    return static_cast<std::size_t>(std::clamp(std::ceil(extent / pixel_), 1.0, most));
+  static std::size_t pixels(double count) {
+    constexpr double most = 1000;  // what flies further is not seen
+    return static_cast<std::size_t>(std::clamp(std::ceil(count), 1.0, most));
   }
+  Map(double pixel, double low, std::size_t columns, std::size_t rows)
+      : pixel_(pixel),
+        low_{low, -pixel * static_cast<double>(rows) / 2},
+        columns_(columns),
+        rows_(rows),
+        sums_(columns * rows, 0.0) {}
   double pixel_;
   std::array<double, 2> low_;
   std::size_t columns_, rows_;
@@ -142,7 +150,7 @@ void measure_contour(const Comm& comm, const Bodies& bodies, const Target& targe
   comm.max(reach);
   const double start = target.diameter / 4, pixel = target.diameter / 4;
   for (int view = 0; view < 2; ++view) {
-    Map map(pixel, start, reach[0] + pixel, reach[1] + pixel);
+    Map map = Map::along(pixel, start, reach[0] + pixel - start, reach[1] + pixel);
     for_each_body(bodies, target, [&](Index b, const Flight& f) {
       if (is_debris(target, f)) map.add(f.depth, f.across[view], bodies.mass[b]);
     });
@@ -155,12 +163,13 @@ void measure_contour(const Comm& comm, const Bodies& bodies, const Target& targe
 
 /// Seen along the normal, in rings of sectors: the first ring from which on, over the next D/4, the
 /// plate is there. 0 where that is narrower than three of the plate's bodies: so wide may gaps
-/// between them look in a whole plate.
+/// between them look in a whole plate, and where the line of flight leaves beside it.
 void measure_hole(const Comm& comm, const Bodies& bodies, const Target& target, Cloud& cloud) {
   constexpr int sectors = 12, ahead = 4;
   const double width = target.diameter / (4 * ahead);
   const int rings = static_cast<int>(target.half_width / width);
-  std::vector<double> part(static_cast<std::size_t>(sectors * std::max(rings, 0)), 0.0);
+  if (rings <= 0) return;
+  std::vector<double> part(static_cast<std::size_t>(sectors * rings), 0.0);
   const double reach = target.diameter / 4;
   double largest = 0;
   for_each_body(bodies, target, [&](Index b, const Flight& f) {
@@ -217,7 +226,10 @@ Target find_target(const Case& scene) {
   t.areal_density = plate.total_mass.value_or(scene.materials[plate.material].density * volume) *
                     t.thickness / volume;
   t.density = scene.materials[ball.material].density;
-  if (const auto& solid = scene.materials[ball.material].solid) t.melt_energy = solid->melt_energy;
+  for (std::size_t k = 0; const Group* group : {&ball, &plate}) {
+    const auto& solid = scene.materials[group->material].solid;
+    t.melt_energy[k++] = solid ? solid->melt_energy : 0;
+  }
 
   // Along the flight to the plate's middle; from there straight to its rear face.
   const double way = t.normal.dot(plate.volume.center - ball.volume.center);
@@ -244,8 +256,7 @@ Cloud measure_cloud(const Comm& comm, const Bodies& bodies, const Target& target
       double* const origin = &sums[of_plate ? 3 : 0];
       origin[0] += m;
       origin[1] += m * f.axial;
-      if (target.melt_energy > 0 && bodies.has(Field::heat) &&
-          bodies.heat[b] > target.melt_energy * m)
+      if (bodies.has(Field::heat) && bodies.heat[b] > target.melt_energy[of_plate ? 1 : 0] * m)
         origin[2] += m;
     } else if (f.depth < -target.thickness - target.diameter / 4 && f.axial < 0) {
       sums[6] += m;
@@ -257,12 +268,16 @@ Cloud measure_cloud(const Comm& comm, const Bodies& bodies, const Target& target
   });
   comm.sum(sums);
   const auto part = [](double of, double all) { return all > 0 ? of / all : 0; };
+  const auto melted = [&](int origin) {
+    const bool known = bodies.has(Field::heat) && target.melt_energy[origin] > 0;
+    return known ? part(sums[3 * origin + 2], sums[3 * origin]) : std::nan("");
+  };
   cloud.projectile_mass = sums[0];
   cloud.projectile_momentum = sums[1];
-  cloud.projectile_melted = part(sums[2], sums[0]);
+  cloud.projectile_melted = melted(0);
   cloud.plate_mass = sums[3];
   cloud.plate_momentum = sums[4];
-  cloud.plate_melted = part(sums[5], sums[3]);
+  cloud.plate_melted = melted(1);
   cloud.ejecta_mass = sums[6];
   cloud.ejecta_momentum = sums[7];
   cloud.centre = part(sums[1] + sums[4], sums[0] + sums[3]);
@@ -313,7 +328,7 @@ Fragments find_fragments(const Comm& comm, const Ghosts& ghosts, const Bodies& b
 WallLoad load_wall(const Comm& comm, const Bodies& bodies, const Target& target, double distance) {
   const double pixel = target.diameter / 2;
   std::vector<Sample> samples{{0.5}, {0.9}};
-  Map map(pixel, -2 * distance, 2 * distance, 2 * distance);
+  Map map = Map::across(pixel, 2 * distance);
   WallLoad load;
   for_each_body(bodies, target, [&](Index b, const Flight& f) {
     if (!is_debris(target, f) || f.axial <= 0) return;

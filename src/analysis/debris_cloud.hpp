@@ -21,13 +21,13 @@ struct Target {
   Vec3 origin = Vec3::Zero();              ///< m
   Vec3 normal = Vec3::UnitZ();             ///< to the rear
   std::array<Vec3, 2> across;
-  double diameter = 0;       ///< m, of the projectile, D
-  double speed = 0;          ///< m/s
-  double thickness = 0;      ///< m
-  double half_width = 0;     ///< m, of the plate about the origin
-  double areal_density = 0;  ///< kg/m^2, of the plate
-  double density = 0;        ///< kg/m^3, of the projectile's solid
-  double melt_energy = 0;    ///< J/kg; 0: not known
+  double diameter = 0;                  ///< m, of the projectile, D
+  double speed = 0;                     ///< m/s
+  double thickness = 0;                 ///< m
+  double half_width = 0;                ///< m, of the plate about the origin
+  double areal_density = 0;             ///< kg/m^2, of the plate
+  double density = 0;                   ///< kg/m^3, of the projectile's solid
+  std::array<double, 2> melt_energy{};  ///< J/kg, of projectile and plate; 0: not known
 };
 Target find_target(const Case& scene);
 
@@ -43,7 +43,7 @@ struct Cloud {
   double contour_length = 0, contour_width = 0;        ///< m
   double projectile_mass = 0, plate_mass = 0;          ///< kg, in the debris
   double projectile_momentum = 0, plate_momentum = 0;  ///< kg m/s along the normal
-  double projectile_melted = 0, plate_melted = 0;      ///< of these masses
+  double projectile_melted = 0, plate_melted = 0;      ///< of these masses; NaN: not known
   double ejecta_mass = 0, ejecta_momentum = 0;  ///< more than D/4 before the plate, flying back
   double hole = 0, hole_spread = 0;  ///< m: where the plate has half of its areal density, mean and
                                      ///< standard deviation over twelve sectors
@@ -68,8 +68,8 @@ void for_each_column(CloudLike& c, F&& f) {
   f("plate_mass", c.plate_mass, "kg", "of the plate");
   f("projectile_momentum", c.projectile_momentum, "kg m/s", "");
   f("plate_momentum", c.plate_momentum, "kg m/s", "");
-  f("projectile_melted", c.projectile_melted, "", "part of that mass hotter than melting needs");
-  f("plate_melted", c.plate_melted, "", "");
+  f("projectile_melted", c.projectile_melted, "", "part of that mass hotter than melt_energy");
+  f("plate_melted", c.plate_melted, "", "nan: no melt_energy, or a method without heat");
   f("ejecta_mass", c.ejecta_mass, "kg", "before the plate, flying back");
   f("ejecta_momentum", c.ejecta_momentum, "kg m/s", "");
   f("hole", c.hole, "m", "diameter at half of the areal density");

@@ -67,8 +67,8 @@ def pictures_of(run):
                          "A slice a sixth of a diameter thick through the axis, at the end. "
                          "Temperature: of the heat that damping left in a body, not of what its "
                          "motion holds.")
-        if "wall" in run.results:
-            pictures.add("wall", debris.wall(run, run.results["wall"]["distance"]),
+        if "wall" in run.results and (wall := debris.wall(run)):
+            pictures.add("wall", wall,
                          "Debris that fly on freely; within the circles half and 90 % of the "
                          "momentum.")
     if run.gravity and sorted(run.gravity.counts)[1] > 1:

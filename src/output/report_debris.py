@@ -23,11 +23,13 @@ class Flight:
         with h5py.File(os.path.join(run.folder, "trajectory.h5")) as file:
             all_bodies = file["particles/all"]
             self.time = all_bodies["position/time"][:]
-            self.group, self.mass = all_bodies["group"][:], all_bodies["mass"][:]
-            self.position = all_bodies["position/value"][:]
-            self.velocity = all_bodies["velocity/value"][:]
+            group = all_bodies["group"][:]
+            own = np.isin(group, (self.ball, self.plate))
+            self.group, self.mass = group[own], all_bodies["mass"][:][own]
+            self.position = all_bodies["position/value"][:][:, own]
+            self.velocity = all_bodies["velocity/value"][:][:, own]
             self.damage, self.temperature = (
-                all_bodies[name + "/value"][-1] if name in all_bodies else None
+                all_bodies[name + "/value"][-1][own] if name in all_bodies else None
                 for name in ("damage", "temperature"))
         table = run.results["debris"]
         self.diameter, self.speed = table["diameter"], table["speed"]
@@ -145,7 +147,7 @@ def state(run):
     x, y = 1e3 * flight.depth(k)[chosen], 1e3 * flight.height(k)[chosen]
     fields = [(flight.damage, "share of bonds broken", "inferno", 1)]
     if flight.temperature is not None:
-        top = np.quantile(flight.temperature[chosen], 0.99)
+        top = np.nanquantile(flight.temperature[chosen], 0.99)
         fields.append((flight.temperature, "temperature, K", "inferno", top))
     figure, axes = plt.subplots(1, len(fields), figsize=(6 * len(fields), 4.2), squeeze=False,
                                 layout="constrained")
@@ -159,12 +161,14 @@ def state(run):
     return figure
 
 
-def wall(run, distance):
-    """Momentum that debris flying on freely bring to each place of a wall."""
-    flight = flight_of(run)
+def wall(run):
+    """Momentum that debris flying on freely bring to each place of a wall. None without debris."""
+    flight, distance = flight_of(run), run.results["wall"]["distance"]
     k = len(flight.time) - 1
     axial, depth = flight.axial(k), flight.depth(k)
     chosen = (depth > flight.diameter / 4) & (axial > 0)
+    if not chosen.any():
+        return None
     left = np.maximum(0, distance - depth[chosen]) / axial[chosen]
     place = flight.position[k][chosen] - flight.origin + left[:, None] * flight.velocity[k][chosen]
     hit = [place @ flight.side, place @ np.cross(flight.normal, flight.side)]

@@ -29,7 +29,9 @@ class Inside:
             i, j, impulse = (file[f"contacts/{key}"][:] for key in ("i", "j", "impulse"))
         # What is fixed belongs to no pile.
         self.mass = np.where(np.isfinite(self.mass), self.mass, 0)
-        pair = (j >= 0) & (i < len(order)) & (j < len(order))
+        # Contacts between bodies of two ranks stand there by both.
+        _, once = np.unique(np.stack([i, j]), axis=1, return_index=True)
+        pair = once[(j[once] >= 0) & (i[once] < len(order)) & (j[once] < len(order))]
         i, j, impulse = i[pair], j[pair], impulse[pair]
         between = self.position[j] - self.position[i]
         distance = np.linalg.norm(between, axis=1)
@@ -125,14 +127,15 @@ def largest_voids(axis, distance, within, count):
 
 
 def restart_files(run):
-    """Name and path of the states before the impact and at the end, as far as they are there."""
+    """Name and path of the states before the impact and at the end, as far as they are there and
+    hold impulses."""
     phases = run.case.get("phases", [])
     impact = next((k for k, phase in enumerate(phases) if "impactor" in phase), None)
     wanted = [("at the end", len(phases) - 1)]
     if impact is not None:
         wanted = [("before the impact", impact - 1), ("after it", len(phases) - 1)]
     paths = [(name, os.path.join(run.folder, f"after_{phases[k]['name']}.h5")) for name, k in wanted
-             if k >= 0]
+             if k >= 0 and phases[k].get("method", "nonsmooth") == "nonsmooth"]
     return [(name, path) for name, path in paths if os.path.exists(path)]
 
 
@@ -143,8 +146,12 @@ def has_clumps(path):
 
 
 def interior(run):
-    """Figure and table rows of the inside, before and after; None without restart files, and of
+    """Figure and table rows of the inside, before and after; None without restart files, where
+    bodies are not held together by their own gravity alone, which the virial asks for, and of
     clumps: balls around them would fill more than all of the pile."""
+    gravity = run.case.get("gravity", {})
+    if gravity.get("method", "none") == "none" or "uniform" in gravity:
+        return None
     reach = 1e-3 * np.median(run.before.radius)
     files = restart_files(run)
     if any(has_clumps(path) for _, path in files):

@@ -252,17 +252,12 @@ def flat(case, place=""):
             yield inner, value
 
 
-def changes_of(run):
-    """What --set changed, where the run tells it."""
-    return dict(line.split("=", 1) for line in run.origin.get("overrides", "").splitlines())
-
-
 def differences(runs):
-    cases = [dict(flat(run.case)) | changes_of(run) for run in runs]
+    cases = [dict(flat(run.case)) for run in runs]
     keys = {key: None for case in cases for key in case}
     lines = [(escape(key), *(number(case[key]) if key in case else "" for case in cases))
              for key in keys
              if any(case.get(key) != cases[0].get(key) for case in cases)]
     if not lines:
-        return "<p>The files are the same.</p>"
+        return "<p>The cases are the same.</p>"
     return table(lines, ["", *(escape(name_of(run, runs)) for run in runs)], "values")

@@ -98,7 +98,7 @@ class Run:
             self.origin = {key: self.told(value) for key, value in file["parameters"].items()
                            if isinstance(value, h5py.Dataset)}
         self.case_text = self.origin.pop("case")
-        self.case = tomllib.loads(self.case_text)
+        self.case = self.case_as_run()
         self.flight = np.array([1.0, 0, 0])
         self.impactor_text, self.impact_phase = "", None
         for k, phase in enumerate(self.case.get("phases", [])):
@@ -110,6 +110,14 @@ class Run:
                 self.impactor_text = ", ".join(str(part) for part in parts if part is not None)
         self.rows, self.series = Series(self.file("series.csv")), {}
         self.update()
+
+    def case_as_run(self):
+        """With what --set changed."""
+        path = os.path.join(self.folder, "resolved_case.toml")
+        if not os.path.exists(path):
+            return tomllib.loads(self.case_text)
+        with open(path, "rb") as file:
+            return tomllib.load(file)
 
     @staticmethod
     def told(dataset):
@@ -152,12 +160,18 @@ class Run:
         with h5py.File(self.file("trajectory.h5")) as file:
             all_bodies, shapes = file["particles/all"], Shapes(file)
             time = all_bodies["position/time"][:]
-            before, after = (self.frame(all_bodies, k, time, shapes) for k in (0, len(time) - 1))
-            count = len(before.radius)
-            impactor = count if len(after.radius) == count + 1 else -1
-            if impactor >= 0:
-                there = ~np.isnan(all_bodies["position/value"][:, count, 0])
-                before = self.frame(all_bodies, int(np.argmax(there)) - 1, time, shapes)
+            before, impactor = 0, -1
+            if self.impact_phase is not None:  # an impactor comes last, in a group of its own
+                of_none = all_bodies["group"][:] == len(self.case.get("groups", []))
+                if of_none[-1:].all() and of_none.sum() == 1:
+                    impactor = len(of_none) - 1
+                    place = all_bodies["position/value"][:, impactor, 0]
+                    # A run that goes on from a restart file may have it from its first snapshot on.
+                    before = max(0, int(np.argmax(~np.isnan(place))) - 1)
+            before, after = (self.frame(all_bodies, k, time, shapes)
+                             for k in (before, len(time) - 1))
+            if len(before.radius) > impactor >= 0:
+                before = before.without(impactor)
         return before, after, impactor
 
     before = property(lambda self: self.frames[0])

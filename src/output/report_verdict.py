@@ -78,7 +78,7 @@ def shields(results):
 
 def converged(results):
     solver = results.get("solver", {})
-    steps, failed = solver.get("steps"), solver.get("steps_not_converged")
+    steps, failed = solver.get("solved_steps"), solver.get("steps_not_converged")
     if failed is None:
         return GOOD, ("Forces were smooth in all steps: no contact problem was solved, so there is "
                       "nothing to converge.")

@@ -25,9 +25,9 @@ namespace {
 constexpr unsigned in_snapshots = trait::written | trait::fixed;
 
 /// Beside the fields of the bodies.
-constexpr FieldInfo temperature_info{Field::heat, "temperature", "K",
-                                     "of a solid that had 298 K before it took up its heat",
-                                     trait::written};
+constexpr FieldInfo temperature_info{
+    Field::heat, "temperature", "K",
+    "of a solid that had 298 K before it took up its heat; nan of what is held", trait::written};
 
 /// Where the values of a field stand; what is fixed stands once, by H5MD's rules.
 std::string dataset(const FieldInfo& info) {
@@ -241,7 +241,7 @@ void SnapshotWriter::for_each_output(const Bodies& bodies, F&& f) const {
   std::vector<double> temperatures;
   for (Index b = 0; b < bodies.owned; ++b) {
     const Material& material = materials_[bodies.material[b]];
-    temperatures.push_back(warms(material)
+    temperatures.push_back(warms(material) && std::isfinite(bodies.mass[b])
                                ? temperature(*material.solid, bodies.heat[b] / bodies.mass[b])
                                : std::nan(""));
   }

@@ -125,11 +125,16 @@ Case with_stored_bodies(Case scene, const InputFiles& files) {
     require(!has_fixed || scene.gravity.method == GravityMethod::none,
             "{}: '{}' has fixed bodies, and self-gravity needs finite masses", group.place,
             group.packing.file);
-    for (const Phase& phase : scene.phases)
+    for (const Phase& phase : scene.phases) {
       require(!has_fixed || !phase.remove_drift,
               "{}: '{}' has fixed bodies: they would stay where they are while {}.remove_drift "
               "moves all others",
               group.place, group.packing.file, phase.place);
+      require(!has_fixed || !phase.impactor || !phase.impactor->coupling,
+              "{}: '{}' has fixed bodies: they would take a part of the recoil of {}.impactor, "
+              "which is the free target's",
+              group.place, group.packing.file, phase.place);
+    }
   }
   return scene;
 }

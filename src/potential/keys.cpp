@@ -79,6 +79,8 @@ void read_law(Section& in, PairPotential& p, bool hand) {
   if (in.reads(p.law != PairLaw::program)) {
     in.take("breaking_strain", "the force falls from this strain to none at twice of it",
             p.breaking_strain, Quantity{number, 0, 1});
+    in.check("breaking_strain", hand || !in.has("breaking_strain") || p.breaking_strain > 0,
+             "is 0, but bonds of laws that follow from materials break");
     if (by_hand(p.breaking_strain == 0)) read_strength(in, p);
   }
   if (by_hand(p.breaking_strain == 0)) {

@@ -94,8 +94,9 @@ double longest_step(const PairPotential& p, double mass) {
   return std::min(step_limit, damped_limit / p.damping) * std::sqrt(mass / stiffness(p));
 }
 
-void check_step(const PairPotential& p, double h, double mass, double speed,
+void check_step(const PairPotential& p, double h, const Encounter& encounter,
                 const std::string& place) {
+  const auto& [mass, reduced, speed] = encounter;
   const double k = stiffness(p), limit = longest_step(p, mass);
   require(
       h <= limit,
@@ -108,13 +109,14 @@ void check_step(const PairPotential& p, double h, double mass, double speed,
           place, h, h * speed, speed, longest_flight, longest_flight * p.distance / speed);
   if (p.law == PairLaw::morse) {
     const double e = std::exp(p.steepness);
-    const double wall = p.depth * (e * e - 2 * e), motion = mass * speed * speed / 4;
+    const double wall = p.depth * (e * e - 2 * e), motion = reduced * speed * speed / 2;
     require(
         motion < wall,
-        "{}: two bodies of {:g} kg pass through each other at {:g} m/s: their energy, {:.3g} J, "
-        "is more than the potential at distance 0, {:.3g} J; pair_potential.depth must be more "
-        "than {:.3g} J",
-        place, mass, speed, motion, wall, p.depth * motion / wall);
+        "{}: two bodies of reduced mass {:g} kg pass through each other at {:g} m/s: their energy, "
+        "{:.3g} J, is more than the potential at distance 0, {:.3g} J; pair_potential.depth must "
+        "be "
+        "more than {:.3g} J",
+        place, reduced, speed, motion, wall, p.depth * motion / wall);
   }
 }
 

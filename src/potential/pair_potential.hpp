@@ -75,10 +75,16 @@ double strain_of_energy(const PairPotential& potential, double energy);
 /// s, of steps for bodies of `mass` (kg, the lightest).
 double longest_step(const PairPotential& potential, double mass);
 
-/// Throws Error, which tells the step that would do, where `h` (s) is too long for bodies of `mass`
-/// (kg, the lightest) that meet at up to `speed` (m/s), or where such bodies would pass through
-/// each other.
-void check_step(const PairPotential& potential, double h, double mass, double speed,
+/// Of two bodies, whichever a law acts between.
+struct Encounter {
+  double lightest;  ///< kg, a body's
+  double reduced;   ///< kg, most of two: m_a m_b / (m_a + m_b)
+  double speed;     ///< m/s, at which they meet at most
+};
+
+/// Throws Error, which tells the step that would do, where `h` (s) is too long for bodies that meet
+/// so, or where they would pass through each other.
+void check_step(const PairPotential& potential, double h, const Encounter& encounter,
                 const std::string& place);
 
 }  // namespace spall

@@ -108,27 +108,61 @@ void update_pairs(World& world, Potential& engine, bool velocities) {
       engine.rows[world.bodies.owned + g].place += half_row(near.shifts[g], 0);
 }
 
-/// kg, of the lightest body of each material over all ranks; 0 without any. Collective.
-std::vector<double> lightest_bodies(const World& world, int materials) {
-  const Bodies& bodies = world.bodies;
-  std::vector<double> lightest;
-  for (int m = 0; m < materials; ++m) {
-    double mass = infinity, present = 0;
-    for (Index b = 0; b < bodies.owned; ++b)
-      if (bodies.material[b] == m) {
-        mass = std::min(mass, bodies.mass[b]);
-        present = 1;
-      }
-    mass = world.comm.min(mass);
-    lightest.push_back(world.comm.max(present) > 0 ? mass : 0);
+/// kg, of a kind of bodies over all ranks. What is held has no mass.
+struct Masses {
+  double lightest = infinity;
+  double heaviest = 0, next = 0;  ///< of those that move; 0 without any
+  bool held = false;
+
+  bool any() const { return held || heaviest > 0; }
+  /// Most that two of them have, or one of them and one of others.
+  double reduced() const { return held ? heaviest : reduced(heaviest, next); }
+  double reduced(const Masses& other) const {
+    if (held || other.held) return std::max(held ? other.heaviest : 0, other.held ? heaviest : 0);
+    return reduced(heaviest, other.heaviest);
   }
-  return lightest;
+
+ private:
+  static double reduced(double a, double b) { return a > 0 && b > 0 ? 1 / (1 / a + 1 / b) : 0; }
+};
+
+/// Of the bodies of each kind; `kind(b)` is less than `kinds`. Collective.
+template <class F>
+std::vector<Masses> masses_of(const World& world, int kinds, F&& kind) {
+  std::vector<double> lightest(kinds, infinity), heaviest(kinds, 0), next(kinds, 0), held(kinds, 0);
+  for (Index b = 0; b < world.bodies.owned; ++b) {
+    const int k = kind(b);
+    double mass = world.bodies.mass[b];
+    if (std::isinf(mass)) {
+      held[k] = 1;
+      continue;
+    }
+    lightest[k] = std::min(lightest[k], mass);
+    if (mass > heaviest[k]) std::swap(mass, heaviest[k]);
+    next[k] = std::max(next[k], mass);
+  }
+  for (double& mass : lightest) mass = world.comm.min(mass);
+  std::vector<double> most = heaviest, ranks(kinds);  // ranks that have one of the heaviest
+  world.comm.max(most);
+  for (int k = 0; k < kinds; ++k) {
+    ranks[k] = heaviest[k] == most[k] ? 1 : 0;
+    if (heaviest[k] < most[k]) next[k] = heaviest[k];
+  }
+  world.comm.sum(std::span<double>(ranks));
+  world.comm.max(next);
+  world.comm.max(held);
+  std::vector<Masses> all;
+  for (int k = 0; k < kinds; ++k)
+    all.push_back({lightest[k], most[k], ranks[k] > 1 ? most[k] : next[k], held[k] > 0});
+  return all;
 }
-/// The same of all bodies. Collective.
-double lightest_body(const World& world) {
-  const auto& mass = world.bodies.mass;
-  return world.comm.min(std::accumulate(mass.begin(), mass.begin() + world.bodies.owned, infinity,
-                                        [](double a, double b) { return std::min(a, b); }));
+/// By material. Collective.
+std::vector<Masses> masses_of(const World& world, int materials) {
+  return masses_of(world, materials, [&](Index b) { return world.bodies.material[b]; });
+}
+/// Of all bodies. Collective.
+Masses masses_of(const World& world) {
+  return masses_of(world, 1, [](Index) { return 0; })[0];
 }
 
 /// kg/s, c of the force -c u_n along the line of the centres that damps a pair. Collective.
@@ -139,12 +173,12 @@ ByPair<double> damping_of(const World& world, const ByPair<PairPotential>& laws)
   const auto c = [](const PairPotential& p, double mass) {
     return p.damping * std::sqrt(2 * stiffness(p) * mass);
   };
-  if (laws.uniform()) return c(laws.common(), lightest_body(world));
+  if (laws.uniform()) return c(laws.common(), masses_of(world).lightest);
   ByPair<double> of_pairs(laws.materials(), 0);
-  const std::vector<double> lightest = lightest_bodies(world, laws.materials());
+  const std::vector<Masses> masses = masses_of(world, laws.materials());
   for (int a = 0; a < laws.materials(); ++a)
     for (int b = 0; b <= a; ++b) {
-      const double mass = std::min(lightest[a], lightest[b]);
+      const double mass = std::min(masses[a].lightest, masses[b].lightest);
       if (laws(a, b).given() && std::isfinite(mass)) of_pairs.set(a, b, c(laws(a, b), mass));
     }
   return of_pairs;
@@ -384,22 +418,30 @@ void Potential::check_steps(const World& world, const PlannedSteps& steps) const
   const auto& [h, lasts, place] = steps;
   check_period(world.period, reach_of(law), place);
   const double speed = closing_speed(world, law, lasts);
-  if (law.uniform()) return check_step(law.common(), h, lightest_body(world), speed, place);
-  const std::vector<double> lightest = lightest_bodies(world, law.materials());
+  const Walls walls = world.walls();
+  if (law.uniform()) {
+    const Masses all = masses_of(world);
+    const double reduced = walls.size() > 0 ? all.heaviest : all.reduced();
+    return check_step(law.common(), h, {all.lightest, reduced, speed}, place);
+  }
+  const std::vector<Masses> masses = masses_of(world, law.materials());
   for (int a = 0; a < law.materials(); ++a)
     for (int b = 0; b <= a; ++b) {
-      if (lightest[a] == 0 || lightest[b] == 0) continue;
+      if (!masses[a].any() || !masses[b].any()) continue;
       const std::string pair = names_of_pair(world, b, a);
       require(law(a, b).given(), "{}: no law is given between {}", place, pair);
-      check_step(law(a, b), h, std::min(lightest[a], lightest[b]), speed,
+      check_step(law(a, b), h,
+                 {std::min(masses[a].lightest, masses[b].lightest),
+                  a == b ? masses[a].reduced() : masses[a].reduced(masses[b]), speed},
                  fmt::format("{}, {}", place, pair));
     }
-  const Walls walls = world.walls();
   for (std::size_t w = 0; w < walls.size(); ++w)
-    for (int a = 0; a < law.materials(); ++a)
-      if (const int b = walls.material(w); b != same_material && lightest[a] > 0)
-        check_step(law(a, b), h, lightest[a], speed,
-                   fmt::format("{}, {} at a wall", place, names_of_pair(world, b, a)));
+    for (int a = 0; a < law.materials(); ++a) {
+      if (!masses[a].any()) continue;
+      const int b = walls.material(w) == same_material ? a : walls.material(w);
+      check_step(law(a, b), h, {masses[a].lightest, masses[a].heaviest, speed},
+                 fmt::format("{}, {} at a wall", place, names_of_pair(world, b, a)));
+    }
 }
 
 StepReport Potential::advance(World& world, const StepRequest& request) {

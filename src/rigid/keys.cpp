@@ -69,8 +69,16 @@ FieldSet fields(const Surroundings& around, const EngineSettings&) {
 }
 
 std::string describe(const Surroundings& around, std::span<const MaterialUse>,
-                     const EngineSettings&) {
-  return has_friction(around) ? "" : "  no friction: one unknown a contact, no spins change\n";
+                     const EngineSettings& settings) {
+  const auto solver = settings.get<SolverSettings>();
+  std::string text =
+      has_friction(around) ? "" : "  no friction: one unknown a contact, no spins change\n";
+  const SolverSettings usual;
+  if (solver.relaxation != usual.relaxation && solver.method != SolverMethod::sor)
+    text += "  solver.relaxation is not used: it is of solver.method = \"sor\"\n";
+  if (solver.prox != usual.prox && solver.method != SolverMethod::accelerated)
+    text += "  solver.prox is not used: it is of solver.method = \"accelerated\"\n";
+  return text;
 }
 
 std::unique_ptr<Engine> make(const EngineSettings& settings) {

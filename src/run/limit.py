@@ -24,7 +24,7 @@ import tomllib
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from sweep import DONE, NUMBER, STOPPED, Run, claim
+from sweep import DONE, NUMBER, STOPPED, Run, claim, names_of
 
 NO_LIMIT = 4  # exit code: both ends have the same verdict
 NOT_FINAL = 0.01  # of the energy that flies at the wall, beyond which a verdict may change
@@ -92,7 +92,8 @@ class Search:
         self.known, self.states = {}, {}
 
     def run_of(self, part):
-        return Run(self.out, {**self.fixed, self.span.key: self.span.value(part)}, [self.span.key])
+        return Run(self.out, {**self.fixed, self.span.key: self.span.value(part)},
+                   names_of([self.span.key]))
 
     def verdict(self, run):
         """The section of the wall, of a run that is done; else None."""

@@ -47,7 +47,8 @@ void for_each_column(double phase, double contacts, const Balance& b, const Step
 
 }  // namespace
 
-void Record::book(const StepReport& report) {
+void Record::book(const StepReport& report, bool solved) {
+  solved_ += solved ? 1 : 0;
   products_ += report.solver.products;
   correction_products_ += report.correction_products;
   residual_max_ = std::max(residual_max_, report.solver.residual_max);
@@ -80,13 +81,15 @@ std::vector<double> Record::row(std::int64_t phase, std::int64_t contacts, const
 void Record::add_to(ResultTable& table, std::int64_t steps, bool solves) const {
   table.add("solver", "steps", steps);
   if (!solves) return;
-  const double count = static_cast<double>(std::max<std::int64_t>(steps, 1));
+  const double count = std::max(solved_, 1.0);
+  table.add("solver", "solved_steps", static_cast<std::int64_t>(solved_), "",
+            "of them, by a method that solves for impulses");
   table.add("solver", "residual_max", residual_max_, "m/s", "largest of all contacts and steps");
   table.add("solver", "residual_rms", std::sqrt(squares_ / count), "m/s",
-            "over contacts and steps");
+            "over contacts and solved steps");
   table.add("solver", "residual_relative", worst_relative_, "", "largest E of a step");
   table.add("solver", "products", static_cast<std::int64_t>(products_));
-  table.add("solver", "products_a_step", products_ / count);
+  table.add("solver", "products_a_step", products_ / count, "", "solved");
   table.add("solver", "steps_not_converged", static_cast<std::int64_t>(unconverged_));
   table.add("solver", "steps_over_tolerance", static_cast<std::int64_t>(over_tolerance_), "",
             "whose residual, without the proximal term, missed the tolerance");

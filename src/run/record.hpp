@@ -17,8 +17,8 @@ extern const std::vector<std::string> stages;
 
 class Record {
  public:
-  /// Called after every step.
-  void book(const StepReport& report);
+  /// Called after every step, or several at once that solve for nothing.
+  void book(const StepReport& report, bool solved);
   double relaxed() const { return relaxed_; }  ///< steps
 
   static std::vector<Column> columns();  ///< beside step and time
@@ -32,6 +32,7 @@ class Record {
   /// What a restart file keeps.
   template <class Self, class F>
   static void for_each_scalar(Self& self, F&& f) {
+    f("record.solved", self.solved_);
     f("record.products", self.products_);
     f("record.correction_products", self.correction_products_);
     f("record.residual_max", self.residual_max_);
@@ -43,6 +44,7 @@ class Record {
   }
 
  private:
+  double solved_ = 0;  // steps
   double products_ = 0, correction_products_ = 0, residual_max_ = 0, squares_ = 0;
   double worst_relative_ = 0, unconverged_ = 0, over_tolerance_ = 0, relaxed_ = 0;
 };

@@ -207,7 +207,7 @@ class Run {
       }
       const Clock start = clock();
       const StepReport report = advance(row);
-      record_.book(report);
+      record_.book(report, phase().engine->solves);
       ghosts_ = simulation_->engine().ghosts(world());
       shown_.residual = report.solver.residual;
       if (row) write_row(start, sums, report, received);

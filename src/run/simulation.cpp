@@ -361,7 +361,11 @@ PhaseEvents Simulation::begin_phase(const std::function<void(const World&)>& bef
   const double held = other_law ? engine->energy(world) : 0;
   PairMemory memory = engine->remember(world);
   resize(world.bodies, world.bodies.owned);
-  if (phase().engine != state_->type) memory = {};
+  if (phase().engine != state_->type) {
+    memory = {};
+    // Of what another method did, bodies at rest have their heat.
+    if (world.bodies.has(Field::internal_energy)) world.bodies.internal_energy = world.bodies.heat;
+  }
   state_->set_engine(phase());
   if (phase().remove_drift || phase().impactor)
     state_->book_change([&](const Diagnostics& before) {

@@ -6,9 +6,9 @@
 
 Values stand one after another: 1,10,100N is 1 N, 10 N, 100 N; a list in brackets is one value.
 A range is of whole numbers without a unit: 1..5 is 1, 2, 3, 4, 5. A sweep has up to 100,000 runs.
-Each run has a folder of its own below --out. What is done stays; what was stopped goes on: say the
-same again. table.csv and table.json hold what was changed and all numbers and verdicts of
-results.toml; sweep.png shows those of --show.
+Each value is checked before any run begins. Each run has a folder of its own below --out. What is
+done stays; what was stopped goes on: say the same again. table.csv and table.json hold what was
+changed and all numbers and verdicts of results.toml; sweep.png shows those of --show.
 """
 import argparse
 import csv
@@ -31,6 +31,7 @@ DONE, STOPPED = 0, 3  # exit codes of spall
 MOST_RUNS = 100_000  # each has a folder and a row; more are a slip, and would fill the memory
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 UNIT = r"(?:\s*[A-Za-zµ°%][^.]*)?"
+WHOLE_RANGE = r"\s*([-+]?\d+)\s*\.\.\s*([-+]?\d+)\s*"
 RANGE = rf"{NUMBER}{UNIT}\s*\.\.\s*{NUMBER}{UNIT}"  # of numbers of any kind; paths are none
 
 
@@ -42,7 +43,7 @@ def refuse_too_many(runs, told):
 def values_of(text):
     """'1,10,100N' -> ['1N', '10N', '100N']; a unit or name behind the last number is that of
     all."""
-    if found := re.fullmatch(r"\s*([-+]?\d+)\s*\.\.\s*([-+]?\d+)\s*", text):
+    if found := re.fullmatch(WHOLE_RANGE, text):
         first, last = int(found[1]), int(found[2])
         if first > last:
             sys.exit(f"spall sweep: {text}: the first number is larger than the last")
@@ -60,15 +61,19 @@ def values_of(text):
     return parts
 
 
+def names_of(keys):
+    """What folders call each key: its last word, where no other key has the same."""
+    last = [key.split(".")[-1] for key in keys]
+    return {word if last.count(word) == 1 else key: key for word, key in zip(last, keys)}
+
+
 class Run:
     """One combination: what is changed, and the folder of its results."""
 
-    def __init__(self, out, changes, swept):
+    def __init__(self, out, changes, names):
         self.changes = changes  # key -> value, all
-        short = {key: key.split(".")[-1] for key in swept}
-        names = [f"{short[k] if list(short.values()).count(short[k]) == 1 else k}={changes[k]}"
-                 for k in swept]
-        self.name = "_".join(re.sub(r"[^\w.=+-]+", "-", name) for name in names) or "run"
+        told = [f"{name}={changes[key]}" for name, key in names.items()]
+        self.name = "_".join(re.sub(r"[^\w.=+-]+", "-", name) for name in told) or "run"
         self.folder = out / self.name
 
     def options(self):
@@ -101,24 +106,39 @@ class Run:
         return flat
 
 
-def claim(out, case, fixed, overwrite, program="spall sweep", write=True):
-    """Runs of another case, or with other fixed keys, must not stand in the same table. Without
-    `write` it is only compared."""
+def to_try(runs, ends):
+    """A run for each value of each key, but for those of a range between its `ends`."""
+    seen = set()
+    for run in runs:
+        new = {(key, value) for key, value in run.changes.items()
+               if (key, value) not in seen and value in ends.get(key, [value])}
+        seen |= new
+        if new:
+            yield run
+
+
+def claim(out, case, fixed, overwrite, program="spall sweep", write=True, names=None):
+    """Runs of another case, with other fixed keys or of keys that only have the same `names` must
+    not stand in the same table. Without `write` it is only compared."""
     own = {"case": str(case), "sha256": hashlib.sha256(case.read_bytes()).hexdigest(),
            "fixed": fixed}
     path = out / "sweep.json"
-    if path.is_file() and json.loads(path.read_text()) != own:
+    names = names or {}
+    former = json.loads(path.read_text()) if path.is_file() else {"names": {}} | own
+    named = former.pop("names", {})
+    if former != own or any(named.get(name, key) != key for name, key in names.items()):
         if not (overwrite and write):
             forget = "--overwrite" if write else "--overwrite, without --commands,"
-            sys.exit(f"{program}: {out} holds runs of another case or with other fixed keys "
-                     f"({path}); {forget} forgets them, --out names another folder")
+            sys.exit(f"{program}: {out} holds runs of another case or with other keys ({path}); "
+                     f"{forget} forgets them, --out names another folder")
         for old in [*out.glob("*/results.toml"), *out.glob("*/restart*.h5"), *out.glob("table.*")]:
             old.unlink()
+        named = {}
     if not write:
         return
     out.mkdir(parents=True, exist_ok=True)
     whole = path.with_suffix(f".{os.getpid()}")  # jobs of an array write it side by side
-    whole.write_text(json.dumps(own, indent=1) + "\n")
+    whole.write_text(json.dumps({**own, "names": named | names}, indent=1) + "\n")
     whole.replace(path)
 
 
@@ -212,29 +232,35 @@ def main():
     out = options.out or Path(
         "out") / f"{case.parent.name if case.stem == 'case' else case.stem}-sweep"
 
-    keys = {}
+    keys, ends = {}, {}
     for text in options.set:
         key, equals, value = text.partition("=")
         if not equals or key in keys:
             sys.exit(
                 f"spall sweep: --set {text}: {'told twice' if equals else 'KEY=VALUES is wanted'}")
         keys[key] = values_of(value)
+        if re.fullmatch(WHOLE_RANGE, value):
+            ends[key] = {keys[key][0], keys[key][-1]}
     swept = [key for key, values in keys.items() if len(values) > 1]
     refuse_too_many(math.prod(map(len, keys.values())), "all --set together")
-    runs = [Run(out, dict(zip(keys, values)), swept)
+    names = names_of(swept)
+    runs = [Run(out, dict(zip(keys, values)), names)
             for values in itertools.product(*keys.values())]
     if len({run.name for run in runs}) < len(runs):
         sys.exit("spall sweep: two combinations are the same")
     if options.only is not None and not 1 <= options.only <= len(runs):
         sys.exit(f"spall sweep: --only {options.only}: there are combinations 1 to {len(runs)}")
 
-    # What the first refuses would be refused by all: nothing is begun then.
-    checked = subprocess.run([spall, "check", options.case, *runs[0].options()],
-                             stdout=subprocess.DEVNULL)
-    if checked.returncode != 0:
-        sys.exit(checked.returncode)
+    # A typo in the last value would else be found when its run begins, hours later.
+    begins = options.only is None and not options.table
+    for run in to_try(runs, ends) if begins else runs[:1]:
+        checked = subprocess.run([spall, "check", options.case, *run.options()],
+                                 stdout=subprocess.DEVNULL)
+        if checked.returncode != 0:
+            print(f"spall sweep: {run.name} is refused, so nothing is begun", file=sys.stderr)
+            sys.exit(checked.returncode)
     claim(out, case, {key: values[0] for key, values in keys.items() if len(values) == 1},
-          options.overwrite, write=not options.commands)
+          options.overwrite, write=not options.commands, names=names)
     if options.commands:
         commands = [run.command(spall, options.case, options.ranks) for run in runs]
         for command in filter(None, commands):

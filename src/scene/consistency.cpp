@@ -144,6 +144,13 @@ void check_methods(const Case& scene) {
             "{}.method = \"{}\": phases.{} has moved the bodies of phases.{} by another method, "
             "without their bonds and stresses: what was broken would be whole again",
             later->place, later->engine->name, other->name, first->name);
+    const auto former = std::find_if(scene.phases.begin(), later, [&](const Phase& phase) {
+      return phase.engine != later->engine && keeps_damage(scene, phase);
+    });
+    require(former == later,
+            "{}.method = \"{}\": it knows nothing of the bonds and stresses of phases.{}: what was "
+            "broken would be whole again",
+            later->place, later->engine->name, former == later ? "" : former->name);
   }
 }
 
@@ -154,9 +161,10 @@ std::vector<std::string> lost_bonds(const Case& scene) {
   for (std::size_t p = 1; p < scene.phases.size(); ++p) {
     const Phase &former = scene.phases[p - 1], &next = scene.phases[p];
     if (next.engine != former.engine && keeps_damage(scene, former))
-      told.push_back(fmt::format(
-          "phases.{}: bonds and stresses of method = \"{}\" end here: its bodies are loose spheres",
-          next.name, former.engine->name));
+      told.push_back(
+          fmt::format("phases.{}: bonds and stresses of method = \"{}\" end here: its bodies go on "
+                      "without them",
+                      next.name, former.engine->name));
   }
   return told;
 }

@@ -26,7 +26,7 @@ void read_solid(Section& in, Solid& solid) {
   in.take("hugoniot_slope", "s of it", solid.hugoniot_slope, positive(number));
   in.take("gruneisen", "Gruneisen's parameter", solid.gruneisen, positive(number));
   in.take("youngs_modulus", "", solid.youngs_modulus, positive(pressure));
-  in.take("poisson_ratio", "", solid.poisson_ratio, Quantity{number, -1, 0.5});
+  in.take("poisson_ratio", "", solid.poisson_ratio, Quantity{number, -1, 0.5, false});
   in.take("yield_strength", "", solid.yield_strength, positive(pressure));
   in.take("tensile_strength", "", solid.tensile_strength, positive(pressure));
   in.take("spall_strength", "at which a shock tears it", solid.spall_strength, positive(pressure));

@@ -169,7 +169,8 @@ Sheared sheared_metal(Bodies& bodies, const Body& b, double hot) {
       const double stress = left.scale * b.mises;
       const double triaxiality = stress > 0 ? std::max(-most_triaxial, -b.around / stress) : 0;
       const double most = law.failure_strain(triaxiality, left.strained / b.h, hot);
-      if (triaxiality <= most_triaxial && most > 0) damage += left.strained / most;
+      if (triaxiality <= most_triaxial)
+        damage = most > 0 ? damage + left.strained / most : std::max(damage, 1.0);
       if (damage >= 1) left.scale = 0;
     }
   }

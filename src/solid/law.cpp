@@ -124,6 +124,7 @@ SolidLaw solid_law(const Solid& solid, bool yields, const std::string& place) {
   need(solid.hugoniot_slope, "hugoniot_slope");
   need(solid.gruneisen, "gruneisen");
   need(solid.youngs_modulus, "youngs_modulus");
+  require(solid.poisson_ratio != 0, "{}: a solid with a stress needs poisson_ratio", place);
   const Pores& pores = solid.pores;
   if (pores.any() || pores.elastic > 0 || pores.compacted > 0) {
     require(pores.any(),

@@ -9,7 +9,9 @@ namespace spall {
 double temperature(const Solid& solid, double heat) {
   const double c = solid.specific_heat, T = room_temperature + heat / c;
   if (solid.melting_point == 0 || T < solid.melting_point) return T;
-  return std::max(solid.melting_point, solid.melting_point + (heat - solid.melt_energy) / c);
+  const double warming = c * (solid.melting_point - room_temperature);  // all, where none is told
+  const double melting = std::max(solid.melt_energy, warming);
+  return solid.melting_point + std::max(0.0, heat - melting) / c;
 }
 
 double sphere_mass(const Solid& solid, const Lattice& lattice) {
