@@ -167,7 +167,7 @@ def picture(rows, deflection):
 
 def main():
     options = argparse.ArgumentParser(description=__doc__)
-    options.add_argument("--cohesions", default="500", help="N")
+    options.add_argument("--cohesions", default="100,200,300,400,500,1000,2000", help="N")
     options.add_argument("--piles", type=int, default=5)
     options.add_argument("--cores", type=int, default=os.cpu_count())
     options.add_argument("--only-table", action="store_true")
