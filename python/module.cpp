@@ -211,8 +211,13 @@ PYBIND11_MODULE(_spall, module) {
       .def_property_readonly("phase", [](Running& r) { return r.get().phase_name(); })
       .def_property_readonly("over", [](Running& r) { return r.get().over(); })
       .def("step", [](Running& r, int most) { return summary_of(r.get().step(most)); })
-      .def("run_until", [](Running& r, double time,
-                           const std::function<void()>& each) { r.get().run_until(time, each); })
+      .def("run_until",
+           [](Running& r, double time, const std::function<void()>& each) {
+             r.get().run_until(time, [&] {
+               if (each) each();
+               if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+             });
+           })
       .def("energies", [](Running& r) { return energies_of(r.get().energies()); })
       .def("pairs", [](Running& r) { return pairs_of(r.get()); })
       .def("bodies", [](py::object self) { return Fields(std::move(self)); })

@@ -212,6 +212,7 @@ TEST(Snapshot, a_resumed_run_goes_on_and_a_new_one_starts_over) {
   };
   for (int run = 0; run < 2; ++run) {
     SnapshotWriter writer(comm, folder, {}, {});
+    writer.begin();
     for (int step : {10, 20, 30}) writer.write(dealt(comm, 5), step, step);
   }
   if (comm.rank == 0) {
@@ -221,6 +222,8 @@ TEST(Snapshot, a_resumed_run_goes_on_and_a_new_one_starts_over) {
     std::ofstream(folder + "/snapshots/averages.h5") << "of somebody else";
   }
   SnapshotWriter writer(comm, folder, {}, {}, 2);  // the restart was written before the third
+  EXPECT_EQ(writer.last_step(), 20);
+  writer.begin();
   writer.write(dealt(comm, 5), 25, 25);
   if (comm.rank == 0) {
     EXPECT_EQ(times(), (std::vector<double>{10, 20, 25}));
@@ -254,6 +257,8 @@ TEST(Snapshot, that_is_lost_or_damaged_is_named_and_none_is_removed) {
   EXPECT_TRUE(resumed(3).starts_with("'" + second + "' is lost, one of 3 snapshots"));
   EXPECT_TRUE(std::filesystem::exists(folder + "/snapshots/000003.h5"));
   EXPECT_EQ(resumed(1), "");
+  EXPECT_TRUE(std::filesystem::exists(folder + "/snapshots/000003.h5"));
+  SnapshotWriter(comm, folder, {}, {}, 1).begin();
   EXPECT_FALSE(std::filesystem::exists(folder + "/snapshots/000003.h5"));
 }
 
@@ -350,6 +355,28 @@ TEST(Restart, the_generation_before_stays_beside_it) {
   }
   EXPECT_EQ(read_restart(comm, path).clock.step, 3);
   EXPECT_EQ(read_restart(comm, former_restart(path)).clock.step, 2);
+}
+
+TEST(Restart, a_damaged_file_does_not_take_the_place_of_the_one_before) {
+  const Comm comm = testing_world();
+  const std::string path = fresh_folder(comm) + "/restart.h5";
+  RestartState state = some_state(comm, 20);
+  for (std::int64_t step : {1, 2}) {
+    state.clock.step = step;
+    write_restart(comm, path, state);
+  }
+  remove_unless_whole(comm, path);
+  EXPECT_TRUE(std::filesystem::exists(path));
+  on_first_rank(comm, [&] {
+    std::fstream file(path, std::ios::binary | std::ios::in | std::ios::out);
+    file.seekp(3000);
+    file.put('x');
+  });
+  remove_unless_whole(comm, path);
+  state.clock.step = 3;
+  write_restart(comm, path, state);
+  EXPECT_EQ(read_restart(comm, path).clock.step, 3);
+  EXPECT_EQ(read_restart(comm, former_restart(path)).clock.step, 1);
 }
 
 TEST(FirstRank, what_it_throws_all_ranks_throw) {

@@ -575,7 +575,7 @@ TEST(Prescribed, what_cannot_be_is_refused_with_file_line_and_key) {
        "x.toml:2:1: groups.wall: phases.only.impactor is aimed at bodies where they are: no group "
        "may move as prescribed meanwhile"},
       {{"fixed = true", "[[planes]]\nname = \"wall\"\n"},
-       "x.toml: two walls, or a wall and a group, are named \"wall\""},
+       "x.toml: walls and held groups have columns of the same name: \"wall\""},
       {{"", "[[planes]]\nname = \"a floor\"\n"},
        "x.toml:17:8: planes.a floor.name = \"a floor\": letters, digits, _ and - are wanted"},
   };

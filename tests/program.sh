@@ -314,6 +314,52 @@ refuses "'small.toml' has changed since" resume whole/after_aggregation.h5
 on_ranks "$ranks" resume whole/after_aggregation.h5 --stored-case || fail "resume: $(cat stderr)"
 mv kept.toml small.toml
 
+# What --set changed stands in the first file that such a run writes, too, before it has kept a state of its own.
+cat >glide.toml <<'END'
+[materials.rock]
+density = 1000
+[contact]
+restitution = 0.5
+[penalty]
+model = "hooke"
+stiffness = 1
+[gravity]
+uniform = [0, 0, -1]
+[[groups]]
+name = "left"
+material = "rock"
+volume = {shape = "sphere", radius = 0.1}
+[[groups]]
+name = "right"
+material = "rock"
+volume = {shape = "sphere", radius = 0.1, center = [3, 0, 0]}
+[[phases]]
+name = "fall"
+method = "penalty"
+step = 0.125
+duration = 5
+[[phases]]
+name = "glide"
+step = 0.125
+duration = 1
+[output]
+snapshot_every = 0.3125
+END
+on_ranks "$ranks" run glide.toml --out glide || fail "a fall: $(cat stderr)"
+# Times midway between two steps count at the first of them, and none is lost where steps are made at once.
+[ "$(find glide/snapshots -name '*.h5' | wc -l)" = 21 ] || fail "snapshots midway between steps: $(ls glide/snapshots)"
+on_ranks "$ranks" resume glide/after_fall.h5 --out pulled --set "gravity.uniform=[0,0,-2]" --set "output.restart_every=1 ns" ||
+  fail "a fall by other gravity: $(cat stderr)"
+on_ranks "$ranks" resume pulled/after_glide.h5 --set "output.restart_every=1 h" --out over || fail "a run that is over goes on otherwise: $(cat stderr)"
+on_ranks "$ranks" resume pulled/restart.h5 --out pulled_on || fail "a fall goes on again: $(cat stderr)"
+diff <(series_of pulled) <(series_of pulled_on) || fail "what --set changed is lost on the way"
+# What cannot go on leaves what is there.
+cp glide/series.csv rows.csv
+rm glide/snapshots/000003.h5
+refuses "000003.h5' is lost, one of" resume glide/after_fall.h5
+cmp glide/series.csv rows.csv || fail "a refused run has cut the series"
+refuses "after_meet_before.h5 is the file before that of phases.meet" check glide.toml --set 'phases.fall.name="meet"' 'phases.glide.name="meet_before"'
+
 # The same in penalty contact, whose springs go on too.
 sed 's/"30 mm"/"8 mm"/g; s/"16.5 mm"/"6 mm"/; s/duration = ".*"/duration = "2 ms"/' \
   "$cases/column/case.toml" >grains.toml

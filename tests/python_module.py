@@ -8,6 +8,7 @@ import math
 import os
 import sys
 import tomllib
+import types
 import unittest
 
 from mpi4py import MPI
@@ -223,6 +224,15 @@ class Module(unittest.TestCase):
             sim.add("rock", 0.5, position=(9, 0, 0))
         with self.assertRaisesRegex(TypeError, "a case and tables of one"):
             spall.Scene(f"{cases}/hello/case.toml", contact={})
+
+    def test_pictures_draw_last_what_is_next_to_who_sees_their_axes_so(self):
+        bodies = types.SimpleNamespace(position=[[1, 2, 3], [4, 5, 6]], radius=[1, 1],
+                                       velocity=[[0, 0, 0], [0, 0, 1]])
+        for along, last in (("x", 1), ("y", 0), ("z", 1)):
+            disks = spall.draw(bodies, "drawn.png", along=along).axes[0].collections[0]
+            across = [k for k in range(3) if "xyz"[k] != along]
+            np.testing.assert_array_equal(disks.get_offsets()[-1],
+                                          np.array(bodies.position[last])[across])
 
     def test_tables_become_the_toml_that_they_are(self):
         tables = {"title": 'a "b"\\\n', "a b": {"x": 1, "y": [1.5, True], "z": {"u": 1e-300}},

@@ -89,6 +89,18 @@ class Page(unittest.TestCase):
         np.testing.assert_array_equal(unpack(series["values"], "<f8").reshape(-1, series["rows"]).T,
                                       rows)
 
+    def test_a_run_that_goes_on_after_the_impact_with_other_keys_is_seen_as_it_was_run(self):
+        subprocess.run([SPALL, "resume", self.folder / "after_aggregation.h5", "--out", WORK / "on",
+                        "--overwrite", "--set", "phases.impact.impactor.direction=[0,0,1]",
+                        "phases.impact.impactor.speed=2 km/s"],
+                       check=True, stdout=subprocess.DEVNULL)
+        run = Run(WORK / "on", "test")
+        self.assertTrue(run.has_impact)
+        self.assertEqual((len(run.before.radius), len(run.after.radius), run.impactor),
+                         (40, 41, 40))
+        np.testing.assert_array_equal(run.flight, [0, 0, 1])
+        self.assertIn("2 km/s", run.impactor_text)
+
     def test_it_names_what_made_the_run(self):
         text = self.page.read_text()
         version = subprocess.run([SPALL, "--version"], capture_output=True, text=True,

@@ -112,6 +112,75 @@ TEST(Simulation, an_own_force_like_gravity_does_what_gravity_does_with_every_eng
   }
 }
 
+double fastest(const Simulation& simulation) {
+  double most = 0;
+  for (Index b = 0; b < simulation.bodies().owned; ++b)
+    most = std::max(most, simulation.bodies().velocity[b].norm());
+  return testing_world().max(most);
+}
+
+const std::string on_a_floor = rock +
+                               "[[planes]]\npoint = [0, 0, -0.5]\nnormal = [0, 0, 1]\n"
+                               "[penalty]\nmodel = \"hooke\"\nstiffness = 1e7\n";
+const std::string falling = "[gravity]\nuniform = [0, 0, -9.81]\n";
+const std::string then = "[[phases]]\nname = \"then\"\n";
+
+TEST(Simulation, what_rests_stays_at_rest_where_steps_become_shorter) {
+  Simulation simulation(testing_world(),
+                        four(on_a_floor + falling + phase("step = 0.1\nduration = 1\n") + then +
+                             "step = 1e-3\nduration = 0.1\n"));
+  while (!simulation.over()) {
+    simulation.step();
+    EXPECT_LT(fastest(simulation), 1e-6) << simulation.time();
+  }
+}
+
+TEST(Simulation, what_rests_stays_at_rest_where_the_method_changes) {
+  Simulation simulation(testing_world(),
+                        four(on_a_floor + falling + phase("step = 0.01\nduration = 1\n") + then +
+                             "method = \"penalty\"\nstep = 1e-5\nduration = 1e-3\n"));
+  while (!simulation.over()) {
+    simulation.step();
+    // It sinks into its spring, from rest.
+    EXPECT_LT(fastest(simulation), 9.81 * std::max(0.0, simulation.time() - 1) + 1e-6);
+  }
+}
+
+TEST(Simulation, what_is_about_to_land_flies_on_where_the_method_changes) {
+  const std::string above = std::string(on_a_floor).replace(on_a_floor.find("-0.5]"), 4, "-0.8");
+  Simulation simulation(testing_world(),
+                        four(above + falling + phase("step = 0.1\nduration = 0.2\n") + then +
+                             "method = \"penalty\"\nstep = 1e-5\nduration = 1e-4\n"));
+  while (!simulation.over()) simulation.step();
+  EXPECT_NEAR(fastest(simulation), 9.81 * 0.2, 1e-2);  // 0.1 m above the floor
+}
+
+TEST(Simulation, what_falls_freely_goes_on_so_where_an_impactor_is_added) {
+  Scene scene = four(rock + falling + phase("step = 0.1\nduration = 1\n") + then +
+                     "step = 1e-3\nduration = 0.01\n"
+                     "impactor = {mass = 1, radius = 0.1, speed = 1, distance = 1e4}\n");
+  Simulation simulation(testing_world(), scene);
+  while (!simulation.over()) simulation.step();
+  const double t = 1.01 - 1e-3 / 2;  // velocities are those of half a step before
+  EXPECT_NEAR(fastest(simulation), std::hypot(9.81 * t, 1), 1e-9);
+  double slowest = infinity;
+  for (Index b = 0; b < simulation.bodies().owned; ++b)
+    slowest = std::min(slowest, simulation.bodies().velocity[b].norm());
+  EXPECT_NEAR(testing_world().min(slowest), 9.81 * t, 1e-9);
+}
+
+TEST(Simulation, what_an_own_force_presses_down_rests) {
+  Simulation simulation(testing_world(),
+                        four(on_a_floor + phase("step = 1e-3\nduration = 0.05\n")));
+  simulation.add_force([](const Bodies& bodies, std::span<Vec3> force) {
+    for (Index b = 0; b < bodies.owned; ++b) force[b].z() -= 9.81 * bodies.mass[b];
+  });
+  while (!simulation.over()) {
+    simulation.step();
+    EXPECT_LT(fastest(simulation), 1e-9) << simulation.time();
+  }
+}
+
 TEST(Simulation, questions_move_nothing) {
   const std::string text =
       rock + "[gravity]\nmethod = \"direct\"\n" + phase("step = 1\nduration = 4000\n");

@@ -83,9 +83,15 @@ class Scene:
 
     def run(self, out, overwrite=False):
         """Runs it to its end and writes the files of `spall run` into the folder `out`; returns its
-        Run."""
-        self._scene.run(str(out), overwrite)
-        return Run(out)
+        Run. A signal that ends it, such as Ctrl-C, leaves a restart file and raises
+        KeyboardInterrupt."""
+        return _run_of(self._scene.run(str(out), overwrite), out)
+
+
+def _run_of(ended, out):
+    if not ended:
+        raise KeyboardInterrupt(f"stopped by a signal; spall.resume('{out}/restart.h5') goes on")
+    return Run(out)
 
 
 class Bodies:
@@ -124,8 +130,9 @@ class Bodies:
         for name in self._fields.names():
             values = self._fields.get(name)
             if values.ndim == 2:
-                columns.update(
-                    {f"{name}_{axis}": values[:, k].copy() for k, axis in enumerate("xyz")})
+                axes = "xyzw"[:values.shape[1]]
+                columns.update({f"{name}_{axis}": values[:, k].copy()
+                                for k, axis in enumerate(axes)})
             else:
                 columns[name] = values.copy()
         return pandas.DataFrame(columns).set_index("id").sort_index()
@@ -169,6 +176,8 @@ class Simulation:
     """A scene on its way through time, without files. Takes a Scene, or what a Scene takes."""
 
     def __init__(self, case=None, set=None, **tables):
+        if isinstance(case, Scene) and (set or tables):
+            raise TypeError("a Scene is made already: `set` and tables are given to Scene")
         self._scene = case if isinstance(case, Scene) else Scene(case, set, **tables)
         self._made = None
         self._bodies = None
@@ -292,8 +301,8 @@ def run(case, out, set=None, overwrite=False):
 def resume(restart, out="", set=None, overwrite=False):
     """Goes on from a restart file, as `spall resume` does, and returns the Run."""
     from pathlib import Path
-    _spall.resume(str(restart), str(out), overwrite, overrides_of(set))
-    return Run(out or Path(restart).parent)
+    out = out or Path(restart).parent
+    return _run_of(_spall.resume(str(restart), str(out), overwrite, overrides_of(set)), out)
 
 
 def draw(bodies, file=None, along="y", colour=None, size=6):

@@ -75,6 +75,10 @@ class Engine {
   /// last of which ends at the next kick of gravity at the latest.
   virtual StepReport advance(World& world, const StepRequest& request) = 0;
 
+  /// Brings velocities, which lag behind by half of the last interval between kicks of gravity, to
+  /// the instant of the positions; `h` is the step that was made last (s).
+  virtual SolverReport close_kick(World& world, double h);
+
   /// J over all ranks: what pairs hold, as they are.
   virtual double energy(const World& world) const = 0;
 

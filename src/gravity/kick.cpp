@@ -96,22 +96,25 @@ void close_kick(World& world) {
   kick_bodies(world);
 }
 
-void kick_by_own_forces(World& world, double h) {
-  if (world.own_forces.empty()) return;
+double kick_by_own_forces(World& world, double h) {
+  if (world.own_forces.empty()) return 0;
   Bodies& bodies = world.bodies;
   std::vector<Vec3> force(bodies.owned, Vec3::Zero());
   for (const OwnForce& add_force : world.own_forces) add_force(bodies, force);
-  double broken = -1;
-  for (Index b = 0; b < bodies.owned; ++b)
-    if (!force[b].allFinite()) broken = static_cast<double>(bodies.id[b]);
-  broken = world.comm.max(broken);
-  require(broken < 0, "the program's own force on body {:.0f} is not finite", broken);
+  std::array<double, 2> most{-1, 0};  // id of a body whose force is no number; m/s
+  for (Index b = 0; b < bodies.owned; ++b) {
+    if (!force[b].allFinite()) most[0] = static_cast<double>(bodies.id[b]);
+    most[1] = std::max(most[1], h / bodies.mass[b] * force[b].norm());
+  }
+  world.comm.max(most);
+  require(most[0] < 0, "the program's own force on body {:.0f} is not finite", most[0]);
   for (Index b = 0; b < bodies.owned; ++b) {
     if (force[b].isZero(0) || !std::isfinite(bodies.mass[b])) continue;
     const Vec3 change = h / bodies.mass[b] * force[b];
     world.ledger.own_work += bodies.mass[b] * change.dot(bodies.velocity[b] + change / 2);
     bodies.velocity[b] += change;
   }
+  return most[1];
 }
 
 double work_of_kick(const World& world) {

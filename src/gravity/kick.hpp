@@ -21,8 +21,8 @@ void give_kick(World& world, double h, int most_steps);
 void close_kick(World& world);
 
 /// The kick over `h` (s) by the forces of the program that uses Spall, at present positions; its
-/// work is booked.
-void kick_by_own_forces(World& world, double h);
+/// work is booked. Returns m/s, the most that it gave a body of any rank. Collective.
+double kick_by_own_forces(World& world, double h);
 
 /// J on this rank, of the kick that was just given.
 double work_of_kick(const World& world);

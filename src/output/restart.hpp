@@ -61,6 +61,10 @@ struct RestartState {
 /// as `former_restart` names it. Collective.
 void write_restart(const Comm& comm, const std::string& path, const RestartState& state);
 
+/// Removes a file that is damaged, before a run writes there: it would become the one before, in
+/// place of the whole one from which the run goes on. Collective.
+void remove_unless_whole(const Comm& comm, const std::string& path);
+
 /// The generation before: <name>_before.h5 beside <name>.h5.
 std::string former_restart(const std::string& path);
 

@@ -20,11 +20,18 @@ namespace {
 
 constexpr std::size_t word_size = sizeof(std::uint64_t);
 
-/// The seal that the bytes of a file ask for. Collective.
+/// The seal that the bytes of a file ask for; Error on all ranks where one cannot read its part.
+/// Collective.
 std::string wanted_seal(const Comm& comm, const std::string& path) {
   errno = 0;
   std::ifstream file(path, std::ios::binary | std::ios::ate);
-  require(file.good(), "cannot read '{}': {}", path, std::strerror(errno));
+  const auto require_all = [&](bool own) {
+    const int reason = errno;
+    const bool failed = comm.any(!own);
+    require(!failed, "cannot read '{}': {}", path,
+            own ? "another rank cannot" : std::strerror(reason));
+  };
+  require_all(file.good());
   const auto size = static_cast<std::int64_t>(file.tellg());
   const std::int64_t behind = std::max<std::int64_t>(size - std::int64_t{seal_size}, 0);
   const std::int64_t words = (behind + word_size - 1) / word_size;
@@ -34,15 +41,17 @@ std::string wanted_seal(const Comm& comm, const std::string& path) {
   constexpr std::int64_t words_at_once = 1 << 17;
   std::vector<std::uint64_t> block;
   std::uint64_t sum = 0;
-  while (word < end) {
+  bool whole = true;
+  while (whole && word < end) {
     block.assign(std::min(words_at_once, end - word), 0);  // zeros fill up the last word
     const auto bytes =
         std::min<std::int64_t>(std::ssize(block) * word_size, behind - word * word_size);
     errno = 0;
     file.read(reinterpret_cast<char*>(block.data()), bytes);
-    require(file.gcount() == bytes, "cannot read '{}': {}", path, std::strerror(errno));
+    whole = file.gcount() == bytes;
     for (std::uint64_t bits : block) sum += mix(mix(++word) ^ bits);
   }
+  require_all(whole);
   const auto all = std::bit_cast<std::uint64_t>(comm.sum(std::bit_cast<std::int64_t>(sum)));
   std::string text = fmt::format("Spall: {} bytes, checksum {:016x}\n", size, all);
   text.resize(seal_size, '\0');

@@ -16,7 +16,8 @@ inline constexpr std::size_t seal_size = 512;
 /// part of it. Collective.
 void seal(const Comm& comm, const std::string& path);
 
-/// Throws Error unless each byte is as it was sealed, before HDF5 sees any. Collective.
+/// Throws Error, on all ranks, unless each byte is as it was sealed, before HDF5 sees any.
+/// Collective.
 void check_seal(const Comm& comm, const std::string& path);
 
 /// Whether HDF5's own bytes come first: then others wrote it, and there is no seal to check.

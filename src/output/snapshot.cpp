@@ -111,7 +111,8 @@ void write_frames(h5::File& file, const std::string& field, std::string& first,
   }
 }
 
-/// Names of groups and materials; the impactor comes last.
+/// Names of groups and materials; then come the impactor and what a program has added, of which a
+/// run that goes on knows by the lack of groups alone.
 FieldNames names_of(const Case& scene) {
   FieldNames names;
   const auto add = [&](Field field, std::string name) {
@@ -122,8 +123,11 @@ FieldNames names_of(const Case& scene) {
   for (const Group& group : scene.groups) add(Field::group, group.name);
   for (const Material& material : scene.materials) add(Field::material, material.name);
   for (const BodyShape& shape : scene.shapes) add(Field::shape, shape.name);
-  for (const Phase& phase : scene.phases)
-    if (phase.impactor) add(Field::group, "impactor");
+  const bool added = !scene.spheres.empty() || scene.groups.empty();
+  if (added ||
+      std::ranges::any_of(scene.phases, [](const Phase& p) { return p.impactor.has_value(); }))
+    add(Field::group, "impactor");
+  if (added) add(Field::group, "spheres");
   return names;
 }
 
@@ -223,12 +227,18 @@ void SnapshotWriter::find_written(std::int64_t kept) {
     }
     for (std::size_t k = 0; k < found.size() / 3; ++k)
       files.erase(fs::path(folder_) / snapshot_name(k));
-    for (const auto& path : files) fs::remove(path);
+    others_.assign(files.begin(), files.end());
   });
   found = comm_.all_gather(found);  // only rank 0 has any
   for (std::size_t k = 0; k < found.size(); k += 3)
     written_.push_back({static_cast<std::int64_t>(found[k]), found[k + 1],
                         static_cast<std::int64_t>(found[k + 2])});
+}
+
+void SnapshotWriter::begin() {
+  on_first_rank(comm_, [&] {
+    for (const auto& path : others_) std::filesystem::remove(path);
+  });
 }
 
 template <class F>

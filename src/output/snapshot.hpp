@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -39,12 +40,14 @@ using FieldNames = std::array<std::vector<std::string>, field_table.size()>;
 /// end.
 class SnapshotWriter {
  public:
-  /// Removes snapshots of an earlier run in the same folder, on resuming only those that follow the
-  /// first `kept`: where one of these is lost or cannot be read, an Error names it, and nothing is
-  /// removed. A folder without snapshots begins anew. Collective.
+  /// Looks for the first `kept` snapshots, on resuming: where one of these is lost or cannot be
+  /// read, an Error names it. A folder without snapshots begins anew. Collective.
   SnapshotWriter(Comm comm, std::string folder, const Case& scene, Provenance provenance,
                  std::int64_t kept = 0);
 
+  /// Removes the snapshots of an earlier run that follow those. Before the first is written.
+  /// Collective.
+  void begin();
   /// Ids of the owned bodies of all ranks are 0 … N-1, in any distribution. Where the case asks for
   /// a map of gravity, the file holds it as /fields/gravity: potential and acceleration, row k at
   /// point k of the grid, whose counts, low corner (m) and spacing (m) are there too. Collective.
@@ -52,6 +55,8 @@ class SnapshotWriter {
   /// Brings the trajectory up to the last snapshot: for the end of a run.
   void write_index();
   std::int64_t count() const { return std::ssize(written_); }
+  /// Of the last one; negative where none is.
+  std::int64_t last_step() const { return written_.empty() ? -1 : written_.back().step; }
 
  private:
   struct Written {
@@ -77,9 +82,10 @@ class SnapshotWriter {
   Period period_;
   GravitySettings gravity_;
   std::optional<Grid> map_;
-  FieldSet fields_;               // of the bodies, as last written
-  std::vector<Written> written_;  // the same on all ranks
-  std::size_t indexed_ = 0;       // how many of them the index has
+  FieldSet fields_;                            // of the bodies, as last written
+  std::vector<Written> written_;               // the same on all ranks
+  std::size_t indexed_ = 0;                    // how many of them the index has
+  std::vector<std::filesystem::path> others_;  // of an earlier run, on rank 0
 };
 
 }  // namespace spall

@@ -22,6 +22,10 @@ StepReport Rigid::advance(World& world, const StepRequest& request) {
   return nonsmooth_step(world, *this, request);
 }
 
+SolverReport Rigid::close_kick(World& world, double h) {
+  return close_nonsmooth_kick(world, *this, h);
+}
+
 namespace {
 
 /// Contacts and pairs within the range of cohesion as bodies are now. They are found anew, in a

@@ -16,6 +16,8 @@ struct Rigid final : Engine {
 
   void check_steps(const World&, const PlannedSteps&) const override {}
   StepReport advance(World& world, const StepRequest& request) override;
+  /// Contacts carry their share, so what rests stays at rest.
+  SolverReport close_kick(World& world, double h) override;
   double energy(const World& world) const override;
   PairMemory remember(const World& world) const override;
   void restart_pairs(World& world, PairMemory memory) override;

@@ -71,8 +71,9 @@ FieldSet fields(const Surroundings& around, const EngineSettings&) {
 std::string describe(const Surroundings& around, std::span<const MaterialUse>,
                      const EngineSettings& settings) {
   const auto solver = settings.get<SolverSettings>();
-  std::string text =
-      has_friction(around) ? "" : "  no friction: one unknown a contact, no spins change\n";
+  std::string text = has_friction(around) || !around.shapes.empty()
+                         ? ""
+                         : "  no friction: one unknown a contact, no spins change\n";
   const SolverSettings usual;
   if (solver.relaxation != usual.relaxation && solver.method != SolverMethod::sor)
     text += "  solver.relaxation is not used: it is of solver.method = \"sor\"\n";

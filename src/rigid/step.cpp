@@ -89,12 +89,12 @@ double rebound(double closing, double gap, double a, double e) {
 }
 
 /// Signorini with restitution on velocity level: u_n+ >= -g/h before contact, u_n+ >= 0 in it,
-/// u_n+ >= -e u_n- where the pair would close within the step faster than gravity, cohesion or the
-/// prescribed motion of one of both (`accelerations`, m/s^2, by group) alone can drive a resting
-/// contact. The law of impact
-/// is about velocities of this instant, at the surface: leapfrog's are those of the middle between
-/// kicks, and the step begins at the gap.
-ProblemData pose(const World& world, const Contacts& contacts, double h,
+/// u_n+ >= -e u_n- where the pair would close within the step faster than gravity, other forces (by
+/// `own` m/s at most), cohesion or the prescribed motion of one of both (`accelerations`, m/s^2, by
+/// group) alone can drive a resting contact. The law of impact is about velocities of this instant,
+/// at the surface: leapfrog's are those of the middle between kicks, and the step begins at the
+/// gap.
+ProblemData pose(const World& world, const Contacts& contacts, double h, double own,
                  const std::vector<double>& accelerations) {
   const Bodies& bodies = world.bodies;
   ProblemData data;
@@ -104,7 +104,9 @@ ProblemData pose(const World& world, const Contacts& contacts, double h,
   if (has_cohesion(world)) data.cohesive_impulse.assign(contacts.size(), 0);
   data.levers = lever_arms(world, contacts);
   const GravityKick& kick = world.kick;
-  const double by_gravity = world.has_gravity() ? kick.interval * kick.largest : 0;
+  // A kick closes the interval before it, which may have been longer.
+  const double by_gravity =
+      world.has_gravity() ? std::max(kick.interval, kick.load) * kick.largest : 0;
   const auto driven_by = [&](Index b) {
     if (accelerations.empty() || b == ground) return 0.0;
     const std::int32_t group = bodies.group[b];  // an impactor has none
@@ -129,7 +131,7 @@ ProblemData pose(const World& world, const Contacts& contacts, double h,
     }
     const double open = std::max(gap, 0.0);
     double bias = open / h;
-    const double driven = 2 * (by_gravity + std::max(driven_by(i), driven_by(j)));
+    const double driven = 2 * (by_gravity + own + std::max(driven_by(i), driven_by(j)));
     const bool meets = gap + h * closing < 0 && -closing > driven + 2 * pulled;
     data.impact |= meets;
     if (meets && law.restitution > 0) {
@@ -297,25 +299,9 @@ void keep_impulses(const Contacts& contacts, Pairs& pairs) {
   }
 }
 
-}  // namespace
-
-StepReport nonsmooth_step(World& world, Rigid& rigid, const StepRequest& request) {
-  StepReport report;
+/// Contacts as bodies are now, with what they carried at the last kick.
+Contacts find_step_contacts(World& world, Rigid& rigid, double h, StepReport& report) {
   Bodies& bodies = world.bodies;
-  GravityKick& kick = world.kick;
-  const double h = request.h;
-  require(bodies.has(Field::angular_velocity) && bodies.has(Field::acceleration),
-          "steps of rigid spheres need fields that the bodies were made without");
-
-  // Before gravity's kick, whose work is then told from velocities that hold these changes; and
-  // before the search for pairs, after which bodies may be others' or have other rows.
-  kick_by_own_forces(world, h);
-  set_prescribed_velocities(world, world.time, h);
-  if (kick.steps_left == 0) {
-    evaluate_field(world);
-    give_kick(world, h, world.own_forces.empty() ? request.most_steps : 1);
-  }
-  Contacts contacts;
   {
     StageTimer timer(world.stages, "neighbours");
     rigid.neighbours.cut = world.cut;
@@ -323,48 +309,116 @@ StepReport nonsmooth_step(World& world, Rigid& rigid, const StepRequest& request
                       rigid.neighbours);
   }
   Pairs& pairs = rigid.neighbours.pairs;
-  {
-    StageTimer timer(world.stages, "contacts");
-    contacts = find_contacts(bodies, world.shapes, world.planes, pairs, h, world.contact);
-    if (kick.load > 0) let_go(pairs.carried);  // kept anew; until then the solver needs the memory
-  }
+  StageTimer timer(world.stages, "contacts");
+  Contacts contacts = find_contacts(bodies, world.shapes, world.planes, pairs, h, world.contact);
+  // Kept anew; until then the solver needs the memory.
+  if (world.kick.load > 0) let_go(pairs.carried);
   report.energy = energy_of_bonds(world, contacts);
   report.contacts = std::count_if(contacts.i.begin(), contacts.i.end(),
                                   [&](Index i) { return i < bodies.owned; });
-  {
-    StageTimer timer(world.stages, "solver");
-    // Between kicks nothing loads a resting pile: what the contacts carried at the last kick says
-    // nothing about such a step, and all about the next kick.
-    const double scale = kick.remembered_load > 0 ? kick.load / kick.remembered_load : 0;
-    for (Vec3& impulse : contacts.impulse) impulse *= scale;
-    const auto pose_step = [&] {
-      return pose(world, contacts, h,
-                  prescribed_accelerations(world, world.time - h, world.time + h));
-    };
-    ProblemData data = pose_step();
-    const int dimension = has_friction(world) || !world.shapes.empty() ? 3 : 1;
-    SolverSettings settings = rigid.solver;
-    // Without friction both laws are one, and methods that minimise want it named so.
-    if (!world.shapes.empty() && !has_friction(world)) settings.friction = FrictionModel::convex;
-    // A kick's step has impulses of the last one to be judged by; between kicks there are none.
-    const bool met = world.comm.any(data.impact);
-    settings.impact = met || kick.load > 0;
-    if (!settings.impact) settings.least_scale = kick.remembered_scale;
-    const SolverResult result =
-        solve_or_relax(data, pose_step, contacts, dimension, rigid.neighbours.ghosts, settings);
-    report.solver = result.report;
-    kick_by_impulses(world, contacts, data, result.change, met, report);
-    if (kick.load > 0) {
-      keep_impulses(contacts, pairs);
-      kick.remembered_load = kick.load;
-      kick.remembered_scale = met ? 0 : result.report.scale;
-    }
+  return contacts;
+}
+
+/// Leaves the contacts that carried something at the last kick.
+void keep_carrying(Contacts& contacts) {
+  std::vector<char> carries;
+  for (const Vec3& impulse : contacts.impulse) carries.push_back(impulse.isZero(0) ? 0 : 1);
+  const auto begin = carries.begin();
+  contacts.boundary = static_cast<Index>(std::count(begin, begin + contacts.boundary, 1));
+  const auto keep = [&](auto& values) {
+    std::size_t at = 0;
+    std::erase_if(values, [&](const auto&) { return carries[at++] == 0; });
+  };
+  keep(contacts.i);
+  keep(contacts.j);
+  keep(contacts.plane);
+  keep(contacts.normal);
+  keep(contacts.gap);
+  keep(contacts.kappa);
+  keep(contacts.impulse);
+  keep(contacts.pair);
+  if (!contacts.spheres.empty()) keep(contacts.spheres);
+}
+
+/// What a step's contacts are asked for.
+struct Push {
+  double h = 0;         ///< s, over which pairs may meet
+  double driven = 0;    ///< m/s that other forces gave a body at most; infinity: nothing hits
+  double cohesion = 1;  ///< of that of a step
+};
+
+/// Solves for what contacts do against the kick and against each other.
+void push_contacts(World& world, Rigid& rigid, Contacts& contacts, const Push& push,
+                   StepReport& report) {
+  StageTimer timer(world.stages, "solver");
+  GravityKick& kick = world.kick;
+  // Between kicks nothing loads a resting pile: what the contacts carried at the last kick says
+  // nothing about such a step, and all about the next kick.
+  const double scale = kick.remembered_load > 0 ? kick.load / kick.remembered_load : 0;
+  for (Vec3& impulse : contacts.impulse) impulse *= scale;
+  const auto pose_step = [&] {
+    ProblemData data =
+        pose(world, contacts, push.h, push.driven,
+             prescribed_accelerations(world, world.time - push.h, world.time + push.h));
+    for (double& cohesive : data.cohesive_impulse) cohesive *= push.cohesion;
+    return data;
+  };
+  ProblemData data = pose_step();
+  const int dimension = has_friction(world) || !world.shapes.empty() ? 3 : 1;
+  SolverSettings settings = rigid.solver;
+  // Without friction both laws are one, and methods that minimise want it named so.
+  if (!has_friction(world)) settings.friction = FrictionModel::convex;
+  // A kick's step has impulses of the last one to be judged by; between kicks there are none.
+  const bool met = world.comm.any(data.impact);
+  settings.impact = met || kick.load > 0;
+  if (!settings.impact) settings.least_scale = kick.remembered_scale;
+  const SolverResult result =
+      solve_or_relax(data, pose_step, contacts, dimension, rigid.neighbours.ghosts, settings);
+  report.solver = result.report;
+  kick_by_impulses(world, contacts, data, result.change, met, report);
+  if (kick.load > 0) {
+    keep_impulses(contacts, rigid.neighbours.pairs);
+    kick.remembered_load = kick.load;
+    kick.remembered_scale = met ? 0 : result.report.scale;
   }
+}
+
+}  // namespace
+
+SolverReport close_nonsmooth_kick(World& world, Rigid& rigid, double h) {
+  StepReport report{.solver = {.converged = true}};
+  close_kick(world);
+  if (world.kick.load == 0) return report.solver;
+  Contacts contacts = find_step_contacts(world, rigid, h, report);
+  keep_carrying(contacts);  // no time passes in which others could meet
+  push_contacts(world, rigid, contacts, {.h = h, .driven = infinity, .cohesion = 0.5}, report);
+  world.kick.load = 0;
+  return report.solver;
+}
+
+StepReport nonsmooth_step(World& world, Rigid& rigid, const StepRequest& request) {
+  StepReport report;
+  GravityKick& kick = world.kick;
+  const double h = request.h;
+  require(world.bodies.has(Field::angular_velocity) && world.bodies.has(Field::acceleration),
+          "steps of rigid spheres need fields that the bodies were made without");
+
+  // Before gravity's kick, whose work is then told from velocities that hold these changes; and
+  // before the search for pairs, after which bodies may be others' or have other rows.
+  const double driven = kick_by_own_forces(world, h);
+  set_prescribed_velocities(world, world.time, h);
+  if (kick.steps_left == 0) {
+    evaluate_field(world);
+    give_kick(world, h, world.own_forces.empty() ? request.most_steps : 1);
+  }
+  Contacts contacts = find_step_contacts(world, rigid, h, report);
+  push_contacts(world, rigid, contacts, {.h = h, .driven = driven}, report);
   {
     StageTimer timer(world.stages, "motion");
     // What takes overlaps apart asks where bodies touch alone, and needs the memory.
     let_go(contacts.gap, contacts.kappa, contacts.impulse, contacts.pair);
-    const DriftReport drifted = drift_apart(world, rigid.neighbours.ghosts, pairs, contacts, h);
+    const DriftReport drifted =
+        drift_apart(world, rigid.neighbours.ghosts, rigid.neighbours.pairs, contacts, h);
     move_prescribed(world, h);
     report.overlap = drifted.overlap;
     report.correction_products = drifted.products;

@@ -26,6 +26,8 @@ Balance Account::balance(const Diagnostics& sums, double potential, double bonds
     momentum_ = momentum;
     angular_momentum_ = angular_momentum;
   }
+  if (reopens_ == 1) initial_ = energy - unexplained_;
+  reopens_ = 0;
   result.unexplained_energy = energy - initial_;
   result.momentum_drift = (momentum - momentum_).norm();
   result.angular_momentum_drift = (angular_momentum - angular_momentum_).norm();

@@ -31,6 +31,9 @@ class Account {
   /// An event gave this much (J).
   void book_energy(double given) { given_ += given; }
 
+  /// The run goes on with other laws: what bodies hold by them now is none of their doing.
+  void change_laws() { reopens_ = opened_; }
+
   /// `potential`: J, of gravity with bodies where they are.
   Balance balance(const Diagnostics& sums, double potential, double bonds);
 
@@ -44,6 +47,7 @@ class Account {
   template <class Self, class F>
   static void for_each_scalar(Self& self, F&& f) {
     f("account.opened", self.opened_);
+    f("account.reopens", self.reopens_);
     f("account.initial", self.initial_);
     f("account.given", self.given_);
     for (int k = 0; k < 3; ++k) {
@@ -59,6 +63,7 @@ class Account {
 
  private:
   double opened_ = 0;   // 1 when the first balance has set what follows
+  double reopens_ = 0;  // 1 when the next balance sets the energy at the start anew
   double initial_ = 0;  // J, energy at the start
   double given_ = 0;    // J, by events
   // What the bodies must have, but for what walls and held bodies gave.

@@ -27,8 +27,10 @@ Sample sample_steps(Simulation& simulation, double seconds) {
   };
   begin();
   bool first = true;
+  Clock looked = simulation.clock();
   while (simulation.steps_left() > 0) {
-    const bool row = simulation.synchronous() && row_due(scene, simulation.clock());
+    const bool row = simulation.synchronous() && row_due(scene, looked, simulation.clock());
+    if (simulation.synchronous()) looked = simulation.clock();
     if (row) {
       evaluate_field(world);
       if (simulation.settled(diagnose(world))) break;

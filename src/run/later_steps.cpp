@@ -22,9 +22,10 @@ void check_later_steps(const World& world, const Case& scene, const Clock& clock
     if (former.until == PhaseEnd::settled) later.motions.clear();  // it may end sooner
     std::ranges::fill(bodies.velocity, Vec3::Zero());
     if (one.cohesion) set_cohesion(later.contact, *one.cohesion);
-    // Bodies may lie elsewhere then: an impactor that would miss them now may hit.
+    // Bodies may lie elsewhere then: an impactor that would miss them now may hit, and one that
+    // would begin in a wall may not.
     if (one.impactor && would_hit(later.comm, *one.impactor, bodies, scene.shapes))
-      add_impactor(later.comm, scene, *one.impactor, bodies);
+      place_impactor(later.comm, scene, *one.impactor, bodies);
     one.engine->make(one.settings)
         ->check_steps(later, {.h = one.step, .lasts = one.duration, .place = one.place});
   }

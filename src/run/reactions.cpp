@@ -2,20 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "run/reactions.hpp"
 
-#include <algorithm>
+#include "scene/read_walls.hpp"
 
 namespace spall {
 namespace {
 
 constexpr std::size_t components = 6;  // of an obstacle: impulse, then moment about its point
-
-/// Names of groups are free, those of columns are not.
-std::string column_name(std::string name) {
-  std::ranges::replace_if(
-      name, [](char c) { return std::string_view(",/\"\n").find(c) != std::string_view::npos; },
-      '_');
-  return name;
-}
 
 }  // namespace
 

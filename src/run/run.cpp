@@ -57,6 +57,12 @@ class Run {
       simulation_.emplace(comm, parts, *from);
       load(from->scalars);
       kept_ = *from;
+      kept_.overrides = scene_.overrides;  // what goes on from it before the next has them, too
+      kept_.constants = scene_.constants;
+      if (from->overridden) {
+        kept_.scalars["kick.evaluated"] = 0;
+        save_scalars(simulation_->account(), kept_.scalars);
+      }
       std::string changes;
       for (const std::string& change : scene_.overrides) changes += " --set " + change;
       progress_.say(fmt::format("goes on: {}{}, step {}", scene_.file, changes, clock().step));
@@ -92,6 +98,7 @@ class Run {
     f("run.rows", self.rows_.count);
     f("run.rows_checksum", self.rows_.checksum);
     f("run.snapshots", self.snapshots_written_);
+    f("run.row", self.row_);
   }
 
  private:
@@ -111,9 +118,10 @@ class Run {
 
   void open_files() {
     if (!folder_.goes_on()) folder_.begin(comm_);
-    series_.emplace(comm_, folder_.path(), columns(), resumes_at_ - 1, rows_);
     snapshots_.emplace(comm_, folder_.path(), scene_, provenance_, snapshots_written_);
-    if (folder_.goes_on()) folder_.begin(comm_);  // nothing that it needs is lost
+    series_.emplace(comm_, folder_.path(), columns(), resumes_at_ - 1, rows_);
+    snapshots_->begin();  // nothing that either needs is lost
+    if (folder_.goes_on()) folder_.begin(comm_);
     count_files();
     save_scalars(*this, kept_.scalars);  // another folder has others than those of the state
     keep_reference(comm_, folder_.path(), scene_.reference);
@@ -131,6 +139,11 @@ class Run {
         phase().until == PhaseEnd::settled ? "at most " : "", readable_time(phase().duration)));
     const PhaseEvents events =
         simulation_->begin_phase([&](const World& world) { verdict_.look_at_pile(world); });
+    if (!events.closing.converged)
+      progress_.say(fmt::format(
+          "WARNING: what contacts do at the end of the phase before was found to a residual of "
+          "{:.2g} only",
+          events.closing.residual));
     if (!events.aim) return;
     const Bodies& bodies = world().bodies;
     const auto struck = std::ranges::find(bodies.id, events.aim->struck);
@@ -191,8 +204,10 @@ class Run {
 
   /// False where a signal ended it.
   bool run_phase(SignalGuard& signals) {
+    Clock looked = clock();
+    row_ = row_ || row_due(scene_, looked, looked);
     while (simulation_->steps_left() > 0) {
-      const bool row = simulation_->synchronous() && row_due(scene_, clock());
+      const bool row = std::exchange(row_, false);
       Diagnostics sums;
       std::vector<double> received;  // by walls and held groups
       if (row) {
@@ -212,7 +227,11 @@ class Run {
       shown_.residual = report.solver.residual;
       if (row) write_row(start, sums, report, received);
       if (progress_.due()) progress_.show(clock(), shown_);
-      if (simulation_->synchronous()) at_instant(start);
+      if (simulation_->synchronous()) {
+        at_instant(looked);
+        row_ = row_due(scene_, looked, clock());
+        looked = clock();
+      }
       const News news = news_of_ranks(signals);
       if (news == News::lost) end_as_lost();
       if (keep_due(scene_, clock())) keep();
@@ -237,17 +256,17 @@ class Run {
     }
   }
 
-  bool passed_multiple(double every) const {
-    return spall::passed_multiple(clock(), phase().step, every);
-  }
-
-  /// Snapshots and read-outs at the instant that the clock has just reached, from `before`.
+  /// Snapshots and read-outs at the instant that the clock has just reached; `before` is the last
+  /// one that was looked at.
   void at_instant(const Clock& before) {
-    if (passed_multiple(scene_.output.snapshot_every)) {
+    const auto passed = [&](double every) {
+      return passed_multiple(scene_, before, clock(), every);
+    };
+    if (passed(scene_.output.snapshot_every)) {
       snapshot();
       judge_walls();
     }
-    if (passed_multiple(debris_.every())) {
+    if (passed(debris_.every())) {
       StageTimer timer(world().stages, "analysis");
       progress_.say(debris_.read_out(world(), clock().time));
     }
@@ -298,7 +317,7 @@ class Run {
   }
 
   void end_phase() {
-    if (!passed_multiple(scene_.output.snapshot_every)) snapshot();
+    if (snapshots_->last_step() != clock().step) snapshot();
     progress_.say(fmt::format("phase {} done at {}: {} steps", phase().name,
                               readable_time(clock().time), clock().step_in_phase));
     const std::string file = folder_.path() + "/after_" + phase().name + ".h5";
@@ -343,6 +362,7 @@ class Run {
 
   /// Both generations would be the same where nothing was kept since.
   void write_newest() {
+    if (restart_holds_ < 0) remove_unless_whole(comm_, restart_file());
     if (restart_holds_ != kept_.clock.step) write(restart_file());
     restart_holds_ = kept_.clock.step;
     last_restart_ = MPI_Wtime();
@@ -397,9 +417,9 @@ class Run {
           "nothing is gained",
           sums.gained, sums.kinetic));
     for (const std::string& line : judged) progress_.say(line);
-    write_results(comm_, folder_.path(), table, provenance_);
     snapshots_->write_index();
     series_->write_hdf5();
+    write_results(comm_, folder_.path(), table, provenance_);  // the last: then the run is done
   }
 
   /// What tells the runs of a sweep apart.
@@ -418,7 +438,7 @@ class Run {
   /// of gravity, only the next step would tell its work: there the last row closes the account.
   void close_account(const Diagnostics& sums) {
     const GravityKick& kick = world().kick;
-    if (kick.closed > 0) return;
+    if (kick.interval > 0) return;
     simulation_->account().balance(sums, kick.potential, simulation_->engine().energy(world()));
   }
 
@@ -455,6 +475,7 @@ class Run {
   std::int64_t restart_holds_ = -1;  // the step of the state that this run wrote into it last
   SeriesRows rows_;                  // that the folder has of this run
   std::int64_t snapshots_written_ = 0;
+  bool row_ = false;  // whether the series has one of this instant
   double seconds_before_ = 0, seconds_at_start_, last_restart_;
 };
 
@@ -518,7 +539,7 @@ bool run_case(const Comm& comm, const Case& scene, const std::string& folder, Fo
 Case stored_case(const RestartState& state, const std::vector<std::string>& overrides,
                  const InputFiles& files) {
   const auto with = [&](const std::vector<std::string>& all) {
-    return parse_case(state.case_text, state.case_file, all, Groups::needed, files,
+    return parse_case(state.case_text, state.case_file, all, Groups::may_lack, files,
                       state.constants);
   };
   const Case before = with(state.overrides);

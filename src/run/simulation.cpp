@@ -179,6 +179,7 @@ Simulation::Simulation(const Comm& comm, const Scene& scene, const RestartState&
       all->assign(all->size(), {});
   }
   load_scalars(state_->account, from.scalars);
+  if (from.overridden) state_->account.change_laws();
   load_scalars(*state_, from.scalars);
   set_cohesion(world.contact, find_scalar(from.scalars, "law.cohesion"));
   if (!over() && clock.step_in_phase > 0) {
@@ -231,6 +232,7 @@ void Simulation::measure_fields() {
   state_->engine->measure_fields(world());
 }
 void Simulation::add_force(OwnForce force) {
+  const Alone alone(state_->busy, "add_force");
   world().own_forces.push_back(std::move(force));
 }
 
@@ -356,6 +358,10 @@ PhaseEvents Simulation::begin_phase(const std::function<void(const World&)>& bef
   World& world = state_->world;
   std::unique_ptr<Engine>& engine = state_->engine;
   state_->has_moved = false;
+  // Events are of one instant, and another method's forces act on velocities of this instant.
+  if (clock().phase > 0 &&
+      (phase().engine != state_->type || phase().remove_drift || phase().impactor))
+    events.closing = engine->close_kick(world, scene().phases[clock().phase - 1].step);
   const bool other_law = phase().engine != state_->type || phase().cohesion;
   // What pairs hold changes hands: from the former engine and cohesion to these.
   const double held = other_law ? engine->energy(world) : 0;
@@ -385,7 +391,6 @@ PhaseEvents Simulation::begin_phase(const std::function<void(const World&)>& bef
           events.flow = hand_over_flow(world.comm, *phase().impactor, id, world.bodies);
         state_->clock.since_impact = 0;
       }
-      world.kick.interval = 0;
     });
   if (events.flow) {  // all that the impactor brought and no body carries
     if (world.comm.rank == 0) world.ledger.dissipated += events.flow->heat;

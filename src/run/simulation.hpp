@@ -17,9 +17,10 @@ namespace spall {
 
 /// What changed the bodies at the start of a phase.
 struct PhaseEvents {
-  std::optional<Aim> aim;        ///< of the impactor, where one was added
-  BeforeImpact before;           ///< as it flies at the target
-  std::optional<HandOver> flow;  ///< where its flow was handed to the bodies
+  SolverReport closing{.converged = true};  ///< of contacts at the former phase's last instant
+  std::optional<Aim> aim;                   ///< of the impactor, where one was added
+  BeforeImpact before;                      ///< as it flies at the target
+  std::optional<HandOver> flow;             ///< where its flow was handed to the bodies
 };
 
 }  // namespace spall

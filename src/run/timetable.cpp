@@ -11,20 +11,29 @@
 namespace spall {
 namespace {
 
-/// Steps of `h` from `time` until the next multiple of `every`; at least 1.
-std::int64_t steps_to_multiple(double time, double h, double every) {
-  const double next = (std::floor((time + h / 2) / every) + 1) * every;
-  return std::max<std::int64_t>(1, std::llround((next - time) / h));
+/// Steps of `h` to the instant that is nearest to what is `ahead` (s), the earlier of two; at least
+/// 1.
+std::int64_t steps_to(double ahead, double h) {
+  return std::max<std::int64_t>(1, static_cast<std::int64_t>(std::ceil(ahead / h - 0.5)));
 }
 
-/// s after the impact, up to which read-outs have been made where the clock stands: those that are
-/// nearer to this instant than to the next, and before the first step of a phase those of the
-/// former phase's last one.
+/// s: up to what is nearer to this `instant` than to the next, and before the first step of a phase
+/// up to what was so at the former phase's last one.
+double seen_until(const Case& scene, const Clock& clock, double instant) {
+  const bool begins = clock.step_in_phase == 0 && clock.phase > 0;
+  return instant + scene.phases[clock.phase - (begins ? 1 : 0)].step / 2;
+}
+
+/// How many multiples of `every` are seen.
+double multiples(const Case& scene, const Clock& clock, double every) {
+  return std::floor(seen_until(scene, clock, clock.time) / every);
+}
+
+/// s after the impact, up to which read-outs have been made where the clock stands.
 double read_until(const Case& scene, const Clock& clock) {
-  const Phase& phase = scene.phases[clock.phase];
-  if (clock.step_in_phase > 0) return clock.since_impact + phase.step / 2;
-  if (phase.impactor || clock.phase == 0) return 0;
-  return clock.since_impact + scene.phases[clock.phase - 1].step / 2;
+  const bool none = scene.phases[clock.phase].impactor || clock.phase == 0;
+  if (clock.step_in_phase == 0 && none) return 0;
+  return seen_until(scene, clock, clock.since_impact);
 }
 
 }  // namespace
@@ -38,18 +47,18 @@ std::int64_t steps_to_event(const Case& scene, const Clock& clock, double h) {
   const double debris_every = scene.debris ? scene.debris->every : 0;
   for (double every :
        {scene.output.series_every.value_or(0), scene.output.snapshot_every, debris_every})
-    if (every > 0) steps = std::min(steps, steps_to_multiple(clock.time, h, every));
+    if (every > 0)
+      steps =
+          std::min(steps, steps_to((multiples(scene, clock, every) + 1) * every - clock.time, h));
   if (clock.since_impact >= 0)
     for (double at : scene.read_out)
       if (at > read_until(scene, clock))
-        steps = std::min<std::int64_t>(
-            steps, std::max<std::int64_t>(1, std::llround((at - clock.since_impact) / h)));
+        steps = std::min(steps, steps_to(at - clock.since_impact, h));
   return steps;
 }
 
-bool passed_multiple(const Clock& clock, double h, double every) {
-  return every > 0 &&
-         std::floor((clock.time + h / 2) / every) > std::floor((clock.time - h / 2) / every);
+bool passed_multiple(const Case& scene, const Clock& before, const Clock& now, double every) {
+  return every > 0 && multiples(scene, now, every) > multiples(scene, before, every);
 }
 
 namespace {
@@ -70,11 +79,10 @@ std::int64_t steps_to_row(const Case& scene, const Clock& clock) {
 
 }  // namespace
 
-bool row_due(const Case& scene, const Clock& clock) {
+bool row_due(const Case& scene, const Clock& before, const Clock& now) {
   const auto& every = scene.output.series_every;
-  const Phase& phase = scene.phases[clock.phase];
-  if (every && *every > 0) return clock.step == 0 || passed_multiple(clock, phase.step, *every);
-  return every || phase.engine->solves || clock.step_in_phase % steps_a_row == 0;
+  if (every && *every > 0) return now.step == 0 || passed_multiple(scene, before, now, *every);
+  return every || scene.phases[now.phase].engine->solves || now.step_in_phase % steps_a_row == 0;
 }
 
 bool keep_due(const Case& scene, const Clock& clock) {

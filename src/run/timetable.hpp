@@ -16,8 +16,9 @@ std::int64_t steps_to_event(const Case& scene, const Clock& clock, double h);
 /// one of a phase. Both clocks are in the same phase.
 bool read_out_due(const Case& scene, const Clock& before, const Clock& now, double at);
 
-/// Whether the series has a row of this instant.
-bool row_due(const Case& scene, const Clock& clock);
+/// Whether the series has a row of the instant `now`, the next that is looked at after `before`, in
+/// the same phase. Where a phase begins they are the same.
+bool row_due(const Case& scene, const Clock& before, const Clock& now);
 
 /// Whether the run keeps its state and goes on from it. Restart files hold such a state: there
 /// pairs are searched anew, by the run that goes on as by the one that resumes, so that both come
@@ -28,7 +29,8 @@ bool keep_due(const Case& scene, const Clock& clock);
 /// Steps that may pass before something is asked for, of `left` in the phase. Collective.
 int most_steps(const Case& scene, const Clock& clock, std::int64_t left, const World& world);
 
-/// Whether the last step, of `h` (s), reached a multiple of `every` (s); never where that is 0.
-bool passed_multiple(const Clock& clock, double h, double every);
+/// Whether a multiple of `every` (s) is nearer to the instant `now` or one before it than to
+/// `before`, the last that was looked at, in the same phase; never where that is 0.
+bool passed_multiple(const Case& scene, const Clock& before, const Clock& now, double every);
 
 }  // namespace spall

@@ -250,6 +250,12 @@ void check_whole(const Case& scene, Groups groups) {
   };
   twice("groups", scene.groups);
   twice("phases", scene.phases);
+  for (const Phase& phase : scene.phases)
+    for (const Phase& other : scene.phases)
+      require(phase.name != other.name + "_before",
+              "{}: phases.{}: after_{}.h5 is the file before that of phases.{}; another name is "
+              "wanted",
+              phase.place, phase.name, phase.name, other.name);
   require(groups == Groups::may_lack || !scene.groups.empty(),
           "{}: no bodies: it has no [[groups]]", scene.file);
   require(!scene.phases.empty(), "{}: nothing to run: it has no [[phases]]", scene.file);
@@ -276,7 +282,7 @@ void check_whole(const Case& scene, Groups groups) {
   for (const Phase& phase : scene.phases)
     require(phase.cohesion.value_or(0) == 0 || scene.contact.common().cohesion_range > 0,
             "{}.cohesion needs contact.cohesion_range: the gap up to which it acts", phase.place);
-  check_consistency(scene);
+  check_consistency(scene, groups);
 }
 
 /// The impactor's material is the case's of this name; else one of its density is added.

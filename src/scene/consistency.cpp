@@ -25,15 +25,15 @@ bool has_fixed_sphere(const Case& scene) {
 }
 
 /// Times of read-outs count from the impact; what lies behind the last phase is never measured.
-void check_read_outs(const Case& scene) {
+void check_read_outs(const Case& scene, Groups groups) {
   if (scene.read_out.empty()) return;
   const auto hit = std::ranges::find_if(scene.phases, has_impactor);
   require(hit != scene.phases.end(),
           "{} tells times after the impact, but no phase has an impactor", scene.read_out_place);
   double end = 0;
   for (auto phase = hit; phase != scene.phases.end(); ++phase) end += phase->lasts();
-  const bool any = !scene.groups.empty() || !scene.spheres.empty();  // a program adds its own later
-  require(!any || !std::ranges::all_of(scene.groups, &Group::held) ||
+  const bool whole = groups == Groups::needed || !scene.spheres.empty();  // a program adds its own
+  require(!whole || !std::ranges::all_of(scene.groups, &Group::held) ||
               !std::ranges::all_of(scene.spheres, &SceneSphere::fixed),
           "{} tells how a target is deflected, but all groups are fixed or move as prescribed",
           scene.read_out_place);
@@ -169,8 +169,8 @@ std::vector<std::string> lost_bonds(const Case& scene) {
   return told;
 }
 
-void check_consistency(const Case& scene) {
-  check_read_outs(scene);
+void check_consistency(const Case& scene, Groups groups) {
+  check_read_outs(scene, groups);
   check_gravity(scene);
   check_repeated_walls(scene);
   check_methods(scene);

@@ -104,19 +104,8 @@ bool would_hit(const Comm& comm, const Impactor& impactor, const Bodies& bodies,
          infinity;
 }
 
-Aim add_impactor(const Comm& comm, const Case& scene, const Impactor& impactor, Bodies& bodies) {
+Aim place_impactor(const Comm& comm, const Case& scene, const Impactor& impactor, Bodies& bodies) {
   const Aim aim = aim_impactor(comm, impactor, bodies, scene.shapes);
-  const Walls walls = scene.walls();
-  for (std::size_t w = 0; w < walls.size(); ++w) {
-    const double gap = face_of(walls, w, aim.position).height - impactor.radius;
-    require(gap >= 0,
-            "{}: it begins {:.3g} m deep in the wall {}: another direction or distance is wanted",
-            impactor.place, -gap, walls.name(w));
-  }
-  require(!scene.period.any() || scene.period.wrapped(aim.position) == aim.position,
-          "{}: it begins at ({:.6g}, {:.6g}, {:.6g}) m, outside of [periodic], and images would "
-          "stand in its way: a shorter distance is wanted",
-          impactor.place, aim.position.x(), aim.position.y(), aim.position.z());
   const auto highest = std::ranges::max_element(bodies.id);
   const BodyId next = 1 + static_cast<BodyId>(comm.max(
                               highest == bodies.id.end() ? -1.0 : static_cast<double>(*highest)));
@@ -130,6 +119,22 @@ Aim add_impactor(const Comm& comm, const Case& scene, const Impactor& impactor, 
   bodies.position[row] = aim.position;
   bodies.velocity[row] = aim.velocity;
   ++bodies.owned;
+  return aim;
+}
+
+Aim add_impactor(const Comm& comm, const Case& scene, const Impactor& impactor, Bodies& bodies) {
+  const Aim aim = place_impactor(comm, scene, impactor, bodies);
+  const Walls walls = scene.walls();
+  for (std::size_t w = 0; w < walls.size(); ++w) {
+    const double gap = face_of(walls, w, aim.position).height - impactor.radius;
+    require(gap >= 0,
+            "{}: it begins {:.3g} m deep in the wall {}: another direction or distance is wanted",
+            impactor.place, -gap, walls.name(w));
+  }
+  require(!scene.period.any() || scene.period.wrapped(aim.position) == aim.position,
+          "{}: it begins at ({:.6g}, {:.6g}, {:.6g}) m, outside of [periodic], and images would "
+          "stand in its way: a shorter distance is wanted",
+          impactor.place, aim.position.x(), aim.position.y(), aim.position.z());
   return aim;
 }
 

@@ -29,8 +29,10 @@ bool would_hit(const Comm& comm, const Impactor& impactor, const Bodies& bodies,
                const BodyShapes& shapes = {});
 
 /// Adds the impactor, aimed, as an owned row of the rank that owns the struck body; its id is the
-/// next, its group the next after the case's. Bodies must hold no ghosts. Throws Error where it
-/// would begin inside a wall. Collective.
+/// next, its group the next after the case's. Bodies must hold no ghosts. Collective.
+Aim place_impactor(const Comm& comm, const Case& scene, const Impactor& impactor, Bodies& bodies);
+
+/// The same; throws Error where it would begin inside a wall or outside of [periodic]. Collective.
 Aim add_impactor(const Comm& comm, const Case& scene, const Impactor& impactor, Bodies& bodies);
 
 }  // namespace spall

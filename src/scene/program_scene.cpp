@@ -29,7 +29,8 @@ Scene& Scene::add(const SceneSphere& sphere) {
           case_->file, number, sphere.material);
   require(sphere.radius > 0 && std::isfinite(sphere.radius), "{}: sphere {}: radius = {} m",
           case_->file, number, sphere.radius);
-  require(sphere.mass >= 0, "{}: sphere {}: mass = {} kg", case_->file, number, sphere.mass);
+  require(sphere.mass >= 0 && std::isfinite(sphere.mass), "{}: sphere {}: mass = {} kg",
+          case_->file, number, sphere.mass);
   require(sphere.position.allFinite() && sphere.velocity.allFinite() && sphere.spin.allFinite(),
           "{}: sphere {}: position, velocity and spin must be finite", case_->file, number);
   require(!sphere.fixed || (sphere.velocity.isZero(0) && sphere.spin.isZero(0)),

@@ -29,20 +29,27 @@ std::string read_name_of_wall(Section& in, const std::string& by_default) {
   return name;
 }
 
-/// Throws Error where two walls, or a wall and a group that has columns too, share a name.
+/// Throws Error where two of walls and held groups, which have columns, share a name of them.
 void check_names(const Case& scene) {
   const Walls walls = scene.walls();
   std::vector<std::string> names;
   for (std::size_t w = 0; w < walls.size(); ++w) names.push_back(walls.name(w));
   for (const Group& group : scene.groups)
-    if (group.held()) names.push_back(group.name);
+    if (group.held()) names.push_back(column_name(group.name));
   std::ranges::sort(names);
   const auto twice = std::ranges::adjacent_find(names);
-  require(twice == names.end(), "{}: two walls, or a wall and a group, are named \"{}\"",
+  require(twice == names.end(), "{}: walls and held groups have columns of the same name: \"{}\"",
           scene.file, twice == names.end() ? "" : *twice);
 }
 
 }  // namespace
+
+std::string column_name(std::string name) {
+  std::ranges::replace_if(
+      name, [](char c) { return std::string_view(",/\"\n").find(c) != std::string_view::npos; },
+      '_');
+  return name;
+}
 
 void read_walls(Section& in, Case& scene) {
   in.tables("planes", "[[planes]]: half-spaces that never move", [&](Section& s) {

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <string>
+
 #include "keys/section.hpp"
 #include "scene/case.hpp"
 
@@ -9,5 +11,8 @@ namespace spall {
 
 /// [[planes]], [[boxes]], [[cylinders]] and [periodic].
 void read_walls(Section& in, Case& scene);
+
+/// What columns of forces are called by: names of groups are free, those of columns are not.
+std::string column_name(std::string name);
 
 }  // namespace spall

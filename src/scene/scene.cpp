@@ -340,6 +340,11 @@ Bodies make_bodies(const Case& scene, const Comm& comm) {
   for (const GroupContent& content : contents) all += content.count;
   all += std::ssize(scene.spheres);
   require(all > 0, "{}: no bodies", scene.file);
+  for (std::size_t g = 0; g < contents.size(); ++g)
+    for (int k = 0; k < 3; ++k)  // packings would place so many images of each body
+      require(scene.period.size[k] == 0 || scene.period.size[k] > 2 * contents[g].largest,
+              "{}: periodic.size = {:g} m along {} is not more than the diameter of a body, {:g} m",
+              scene.groups[g].place, scene.period.size[k], "xyz"[k], 2 * contents[g].largest);
   require(all >= comm.size, "{}: {} bodies on {} ranks: run it on at most {}", scene.file, all,
           comm.size, all);
   const BodyId first_owned = all * comm.rank / comm.size;

@@ -1,5 +1,6 @@
 // The algorithm's symbols are the paper's: gamma, y, theta, L, t = 1/L.
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <utility>
 
 #include "solver/methods.hpp"
@@ -82,6 +83,13 @@ Candidate<dimension> apgd(const ContactSystem<dimension>& system, const MethodSe
   ++report.products;
   double lipschitz = std::sqrt(space.difference_product(n_ones, b, n_ones, b) /
                                space.difference_product(ones, zero, ones, zero));
+  if (!(lipschitz > 0)) {  // they cancel, as of a ball in a slit: the search below finds the bound
+    double largest = 0;
+    for (const auto& block : system.contacts.blocks)
+      for (std::size_t lane = 0; lane < lane_count; ++lane)
+        largest = std::max<double>(largest, block.a_n[lane]);
+    lipschitz = system.ghosts.comm().max(largest);
+  }
   double theta = 1;
 
   while (!used_up(settings, report) && !met(best.residual, system, settings)) {

@@ -15,7 +15,7 @@ struct SolverReport {
   double scale = 0;             ///< sqrt(J), what E and E_eps are relative to
   bool converged = true;        ///< met its tolerances, by E_eps
   bool over_tolerance = false;  ///< E, of the problem as asked, missed them
-  bool unsolved = false;        ///< nor has E_eps halved since the start
+  bool unsolved = false;        ///< nor is E_eps half of that without impulses
   bool relaxed = false;         ///< so convex friction was taken in place of Coulomb's
   double seconds = 0;           ///< of this rank
 };

@@ -170,7 +170,6 @@ SolverResult solve_packed(const ContactProblem& problem, const Ghosts& ghosts,
   const MethodSettings of_method{settings.tolerance, settings.max_iterations, settings.max_products,
                                  settings.relaxation};
   const PackedUnits& units = system.units;
-  double start = 0;
   if (best.residual.relative > 0) {
     const double fastest = best.residual.max;
     const double unit = std::sqrt(units.impulse * units.velocity);  // sqrt(J)
@@ -186,13 +185,13 @@ SolverResult solve_packed(const ContactProblem& problem, const Ghosts& ghosts,
                                                           : infinity;
     if (settings.method == SolverMethod::accelerated && settings.prox > 0)
       system.stay_near(best.impulse, settings.prox);
-    start = best.residual.relative_prox;
     best = run_method(system, settings.method, of_method, std::move(best), report);
   }
 
   report_residual(best.residual, report);
   report.converged = best.residual.relative == 0 || met(best.residual, system, of_method);
-  report.unsolved = !report.converged && best.residual.relative_prox > start / 2;
+  constexpr double as_good_as_none = 0.5;  // of the residual without impulses
+  report.unsolved = !report.converged && best.residual.relative_prox > as_good_as_none;
 
   report.over_tolerance = best.residual.relative > settings.tolerance;
   impulse.resize(problem.contacts());
