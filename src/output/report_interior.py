@@ -15,7 +15,8 @@ class Inside:
 
     Impulses are turned into forces by the virial of a body at rest, sum f.d = -sum m a.x: a held
     field of gravity acts as one kick, so that the impulses of a step belong to a longer time than
-    the step."""
+    the step. Forces are no numbers where bodies move on: there pulls are as many as pushes, and
+    their sum tells nothing."""
 
     def __init__(self, path, reach):
         with h5py.File(path) as file:
@@ -44,9 +45,10 @@ class Inside:
         inner = clump[self.i] & clump[self.j]
         self.i, self.j, normal_impulse = self.i[inner], self.j[inner], normal_impulse[inner]
         virial = -np.sum(self.mass[clump, None] * self.acceleration[clump] * self.position[clump])
-        impulses = np.sum(normal_impulse
-                          * np.linalg.norm(self.position[self.j] - self.position[self.i], axis=1))
-        self.force = normal_impulse * (virial / impulses if impulses > 0 and virial > 0 else np.nan)
+        products = normal_impulse * np.linalg.norm(self.position[self.j] - self.position[self.i],
+                                                   axis=1)
+        rests = virial > 0 and products.sum() > 0.5 * np.abs(products).sum()
+        self.force = normal_impulse * (virial / products.sum() if rests else np.nan)
         self.coordination = (np.bincount(self.i, minlength=len(self.mass))
                              + np.bincount(self.j, minlength=len(self.mass)))[clump]
 
@@ -158,8 +160,7 @@ def interior(run):
         return None
     states = [(name, Inside(path, reach)) for name, path in files]
     # A pile by its own gravity.
-    states = [(name, state) for name, state in states if np.any(state.force > 0)]
-    if not states:
+    if not any(np.any(state.force > 0) for _, state in states):
         return None
     figure, axes = plt.subplots(len(states) + 1, 3, figsize=(12, 4.1 * (len(states) + 1)),
                                 layout="constrained", squeeze=False)
@@ -175,8 +176,9 @@ def interior(run):
         top[1].hist(state.coordination, np.arange(-0.5, state.coordination.max() + 1.5),
                     histtype="step", color=color, label=name)
         pushing = state.force[state.force > 0]
-        bins = np.geomspace(max(pushing.mean() * 1e-3, 1e-300), pushing.max() * 1.01, 40)
-        top[2].hist(pushing, bins, histtype="step", color=color, label=f"{name}, pushing")
+        if len(pushing):
+            bins = np.geomspace(max(pushing.mean() * 1e-3, 1e-300), pushing.max() * 1.01, 40)
+            top[2].hist(pushing, bins, histtype="step", color=color, label=f"{name}, pushing")
         if np.any(state.force < 0):
             top[2].hist(-state.force[state.force < 0], bins, histtype="step", color=color, ls=":",
                         label=f"{name}, pulling")
@@ -230,7 +232,8 @@ def draw_network(panel, state, chosen, flight, up, across, side, color, title):
         panel.plot([x[i], x[j]], [y[i], y[j]], color=color,
                    lw=0.2 + 2.5 * np.sqrt(min(f / scale, 1)), solid_capstyle="round")
     if not np.any(near):
-        panel.text(0, 0, "none", ha="center", color=GREY)
+        why = "bodies move on" if np.isnan(state.force).all() else "none"
+        panel.text(0, 0, why, ha="center", color=GREY)
     panel.set(title=title, xlim=(-side, side), ylim=(-side, side), xlabel="along the flight (m)",
               aspect="equal")
     panel.grid(False)
@@ -245,8 +248,12 @@ def table(rows):
     lines.append(("mean contacts of a body", *(cell(s.coordination.mean()) for _, s, _ in rows)))
     lines.append(("bodies with fewer than four",
                   *(f"{np.mean(s.coordination < 4):.1%}" for _, s, _ in rows)))
-    lines.append(("contacts that pull", *(f"{np.mean(s.force < 0):.1%}" for _, s, _ in rows)))
-    lines.append(("largest force, N", *(cell(s.force.max()) for _, s, _ in rows)))
+    moving = "bodies move on"
+    rests = [not np.isnan(s.force).any() for _, s, _ in rows]
+    lines.append(("contacts that pull", *(f"{np.mean(s.force < 0):.1%}" if rest else moving
+                                          for rest, (_, s, _) in zip(rests, rows))))
+    lines.append(("largest force, N", *(cell(s.force.max()) if rest else moving
+                                        for rest, (_, s, _) in zip(rests, rows))))
     lines.append(("principal moments of inertia, kg m^2", *(cell(s.moments()) for _, s, _ in rows)))
     lines.append(("radii of the largest voids, m", *(cell(v[:5], "{:.2f}") for _, _, v in rows)))
     return lines
