@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """factors.py [--cores N] [--only-table]: hits every fifth site of each pile of sites.py at 500 and
 2000 N with the reference engine's law of friction, without restitution, and with both; runs what is
-missing, and writes factors.md and factors.csv beside this script. Half an hour on two cores."""
+missing, and writes factors.md and factors.csv beside this script. An hour on two cores."""
 import argparse
 import contextlib
 import os
