@@ -8,6 +8,8 @@ import numpy as np
 
 from report_figures import BLUE, GREEN, GREY, ORANGE, RED, plt
 
+MOVE_ON = "bodies move on"  # in place of forces
+
 
 class Inside:
     """The bodies of a restart file that hang together, about their centre of mass, and their
@@ -47,8 +49,8 @@ class Inside:
         virial = -np.sum(self.mass[clump, None] * self.acceleration[clump] * self.position[clump])
         products = normal_impulse * np.linalg.norm(self.position[self.j] - self.position[self.i],
                                                    axis=1)
-        rests = virial > 0 and products.sum() > 0.5 * np.abs(products).sum()
-        self.force = normal_impulse * (virial / products.sum() if rests else np.nan)
+        self.rests = virial > 0 and products.sum() > 0.5 * np.abs(products).sum()
+        self.force = normal_impulse * (virial / products.sum() if self.rests else np.nan)
         self.coordination = (np.bincount(self.i, minlength=len(self.mass))
                              + np.bincount(self.j, minlength=len(self.mass)))[clump]
 
@@ -160,7 +162,7 @@ def interior(run):
         return None
     states = [(name, Inside(path, reach)) for name, path in files]
     # A pile by its own gravity.
-    if not any(np.any(state.force > 0) for _, state in states):
+    if not any(state.rests for _, state in states):
         return None
     figure, axes = plt.subplots(len(states) + 1, 3, figsize=(12, 4.1 * (len(states) + 1)),
                                 layout="constrained", squeeze=False)
@@ -176,7 +178,7 @@ def interior(run):
         top[1].hist(state.coordination, np.arange(-0.5, state.coordination.max() + 1.5),
                     histtype="step", color=color, label=name)
         pushing = state.force[state.force > 0]
-        if len(pushing):
+        if state.rests:
             bins = np.geomspace(max(pushing.mean() * 1e-3, 1e-300), pushing.max() * 1.01, 40)
             top[2].hist(pushing, bins, histtype="step", color=color, label=f"{name}, pushing")
         if np.any(state.force < 0):
@@ -232,8 +234,7 @@ def draw_network(panel, state, chosen, flight, up, across, side, color, title):
         panel.plot([x[i], x[j]], [y[i], y[j]], color=color,
                    lw=0.2 + 2.5 * np.sqrt(min(f / scale, 1)), solid_capstyle="round")
     if not np.any(near):
-        why = "bodies move on" if np.isnan(state.force).all() else "none"
-        panel.text(0, 0, why, ha="center", color=GREY)
+        panel.text(0, 0, "none" if state.rests else MOVE_ON, ha="center", color=GREY)
     panel.set(title=title, xlim=(-side, side), ylim=(-side, side), xlabel="along the flight (m)",
               aspect="equal")
     panel.grid(False)
@@ -248,12 +249,10 @@ def table(rows):
     lines.append(("mean contacts of a body", *(cell(s.coordination.mean()) for _, s, _ in rows)))
     lines.append(("bodies with fewer than four",
                   *(f"{np.mean(s.coordination < 4):.1%}" for _, s, _ in rows)))
-    moving = "bodies move on"
-    rests = [not np.isnan(s.force).any() for _, s, _ in rows]
-    lines.append(("contacts that pull", *(f"{np.mean(s.force < 0):.1%}" if rest else moving
-                                          for rest, (_, s, _) in zip(rests, rows))))
-    lines.append(("largest force, N", *(cell(s.force.max()) if rest else moving
-                                        for rest, (_, s, _) in zip(rests, rows))))
+    lines.append(("contacts that pull", *(f"{np.mean(s.force < 0):.1%}" if s.rests else MOVE_ON
+                                          for _, s, _ in rows)))
+    lines.append(("largest force, N", *(cell(s.force.max()) if s.rests else MOVE_ON
+                                        for _, s, _ in rows)))
     lines.append(("principal moments of inertia, kg m^2", *(cell(s.moments()) for _, s, _ in rows)))
     lines.append(("radii of the largest voids, m", *(cell(v[:5], "{:.2f}") for _, _, v in rows)))
     return lines

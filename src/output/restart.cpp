@@ -208,8 +208,8 @@ void write_restart(const Comm& comm, const std::string& path, const RestartState
   check_mpi(MPI_Barrier(comm.raw), "MPI_Barrier");  // every rank has closed the file
   seal(comm, unfinished(path));
   on_first_rank(comm, [&] {
-    if (!std::filesystem::exists(path)) return;  // what has the name of the one before is no such
-    std::error_code none;                        // a file system without links keeps one generation
+    if (!std::filesystem::exists(path)) return;
+    std::error_code none;  // a file system without links keeps one generation
     std::filesystem::remove(former_restart(path), none);
     std::filesystem::create_hard_link(path, former_restart(path), none);
   });

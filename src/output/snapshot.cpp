@@ -124,8 +124,7 @@ FieldNames names_of(const Case& scene) {
   for (const Material& material : scene.materials) add(Field::material, material.name);
   for (const BodyShape& shape : scene.shapes) add(Field::shape, shape.name);
   const bool added = !scene.spheres.empty() || scene.groups.empty();
-  if (added ||
-      std::ranges::any_of(scene.phases, [](const Phase& p) { return p.impactor.has_value(); }))
+  if (added || std::ranges::any_of(scene.phases, &Phase::has_impactor))
     add(Field::group, "impactor");
   if (added) add(Field::group, "spheres");
   return names;

@@ -48,6 +48,7 @@ class SnapshotWriter {
   /// Removes the snapshots of an earlier run that follow those. Before the first is written.
   /// Collective.
   void begin();
+
   /// Ids of the owned bodies of all ranks are 0 … N-1, in any distribution. Where the case asks for
   /// a map of gravity, the file holds it as /fields/gravity: potential and acceleration, row k at
   /// point k of the grid, whose counts, low corner (m) and spacing (m) are there too. Collective.

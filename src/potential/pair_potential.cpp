@@ -114,8 +114,7 @@ void check_step(const PairPotential& p, double h, const Encounter& encounter,
         motion < wall,
         "{}: two bodies of reduced mass {:g} kg pass through each other at {:g} m/s: their energy, "
         "{:.3g} J, is more than the potential at distance 0, {:.3g} J; pair_potential.depth must "
-        "be "
-        "more than {:.3g} J",
+        "be more than {:.3g} J",
         place, reduced, speed, motion, wall, p.depth * motion / wall);
   }
 }

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "base/kernels.hpp"
 #include "engine/prescribed.hpp"
@@ -108,6 +107,24 @@ void update_pairs(World& world, Potential& engine, bool velocities) {
       engine.rows[world.bodies.owned + g].place += half_row(near.shifts[g], 0);
 }
 
+/// Bodies are told apart by their material, or not where one law serves all.
+std::size_t kind_of(const World& world, const ByPair<PairPotential>& laws, Index b) {
+  return laws.uniform() ? 0 : static_cast<std::size_t>(world.bodies.material[b]);
+}
+
+/// kg, of the lightest body of each kind that moves, over all ranks; infinity without any.
+/// Collective.
+std::vector<double> lightest_bodies(const World& world, const ByPair<PairPotential>& laws) {
+  std::vector<double> negative(std::max(1, laws.materials()), -infinity);
+  for (Index b = 0; b < world.bodies.owned; ++b) {
+    double& most = negative[kind_of(world, laws, b)];
+    most = std::max(most, -world.bodies.mass[b]);
+  }
+  world.comm.max(negative);
+  for (double& mass : negative) mass = -mass;
+  return negative;
+}
+
 /// kg, of a kind of bodies over all ranks. What is held has no mass.
 struct Masses {
   double lightest = infinity;
@@ -126,25 +143,23 @@ struct Masses {
   static double reduced(double a, double b) { return a > 0 && b > 0 ? 1 / (1 / a + 1 / b) : 0; }
 };
 
-/// Of the bodies of each kind; `kind(b)` is less than `kinds`. Collective.
-template <class F>
-std::vector<Masses> masses_of(const World& world, int kinds, F&& kind) {
-  std::vector<double> lightest(kinds, infinity), heaviest(kinds, 0), next(kinds, 0), held(kinds, 0);
+/// Of each kind. Collective.
+std::vector<Masses> masses_of(const World& world, const ByPair<PairPotential>& laws) {
+  const std::vector<double> lightest = lightest_bodies(world, laws);
+  std::vector<double> heaviest(lightest.size(), 0), next = heaviest, held = heaviest;
   for (Index b = 0; b < world.bodies.owned; ++b) {
-    const int k = kind(b);
+    const std::size_t k = kind_of(world, laws, b);
     double mass = world.bodies.mass[b];
     if (std::isinf(mass)) {
       held[k] = 1;
       continue;
     }
-    lightest[k] = std::min(lightest[k], mass);
     if (mass > heaviest[k]) std::swap(mass, heaviest[k]);
     next[k] = std::max(next[k], mass);
   }
-  for (double& mass : lightest) mass = world.comm.min(mass);
-  std::vector<double> most = heaviest, ranks(kinds);  // ranks that have one of the heaviest
+  std::vector<double> most = heaviest, ranks(most.size());  // ranks that have one of the heaviest
   world.comm.max(most);
-  for (int k = 0; k < kinds; ++k) {
+  for (std::size_t k = 0; k < most.size(); ++k) {
     ranks[k] = heaviest[k] == most[k] ? 1 : 0;
     if (heaviest[k] < most[k]) next[k] = heaviest[k];
   }
@@ -152,17 +167,9 @@ std::vector<Masses> masses_of(const World& world, int kinds, F&& kind) {
   world.comm.max(next);
   world.comm.max(held);
   std::vector<Masses> all;
-  for (int k = 0; k < kinds; ++k)
+  for (std::size_t k = 0; k < most.size(); ++k)
     all.push_back({lightest[k], most[k], ranks[k] > 1 ? most[k] : next[k], held[k] > 0});
   return all;
-}
-/// By material. Collective.
-std::vector<Masses> masses_of(const World& world, int materials) {
-  return masses_of(world, materials, [&](Index b) { return world.bodies.material[b]; });
-}
-/// Of all bodies. Collective.
-Masses masses_of(const World& world) {
-  return masses_of(world, 1, [](Index) { return 0; })[0];
 }
 
 /// kg/s, c of the force -c u_n along the line of the centres that damps a pair. Collective.
@@ -173,12 +180,12 @@ ByPair<double> damping_of(const World& world, const ByPair<PairPotential>& laws)
   const auto c = [](const PairPotential& p, double mass) {
     return p.damping * std::sqrt(2 * stiffness(p) * mass);
   };
-  if (laws.uniform()) return c(laws.common(), masses_of(world).lightest);
+  const std::vector<double> lightest = lightest_bodies(world, laws);
+  if (laws.uniform()) return c(laws.common(), lightest[0]);
   ByPair<double> of_pairs(laws.materials(), 0);
-  const std::vector<Masses> masses = masses_of(world, laws.materials());
   for (int a = 0; a < laws.materials(); ++a)
     for (int b = 0; b <= a; ++b) {
-      const double mass = std::min(masses[a].lightest, masses[b].lightest);
+      const double mass = std::min(lightest[a], lightest[b]);
       if (laws(a, b).given() && std::isfinite(mass)) of_pairs.set(a, b, c(laws(a, b), mass));
     }
   return of_pairs;
@@ -419,12 +426,12 @@ void Potential::check_steps(const World& world, const PlannedSteps& steps) const
   check_period(world.period, reach_of(law), place);
   const double speed = closing_speed(world, law, lasts);
   const Walls walls = world.walls();
+  const std::vector<Masses> masses = masses_of(world, law);
   if (law.uniform()) {
-    const Masses all = masses_of(world);
+    const Masses& all = masses[0];
     const double reduced = walls.size() > 0 ? all.heaviest : all.reduced();
     return check_step(law.common(), h, {all.lightest, reduced, speed}, place);
   }
-  const std::vector<Masses> masses = masses_of(world, law.materials());
   for (int a = 0; a < law.materials(); ++a)
     for (int b = 0; b <= a; ++b) {
       if (!masses[a].any() || !masses[b].any()) continue;

@@ -88,15 +88,23 @@ double rebound(double closing, double gap, double a, double e) {
   return std::sqrt(std::max(e * e * speed2_at_surface + 2 * a * gap, 0.0));
 }
 
+/// What contacts are asked for.
+struct Push {
+  double h = 0;         ///< s, over which pairs may meet
+  double driven = 0;    ///< m/s that other forces gave a body at most; infinity: nothing hits
+  double cohesion = 1;  ///< of that of a step
+};
+
 /// Signorini with restitution on velocity level: u_n+ >= -g/h before contact, u_n+ >= 0 in it,
-/// u_n+ >= -e u_n- where the pair would close within the step faster than gravity, other forces (by
-/// `own` m/s at most), cohesion or the prescribed motion of one of both (`accelerations`, m/s^2, by
+/// u_n+ >= -e u_n- where the pair would close within the step faster than gravity, other forces,
+/// cohesion or the prescribed motion of one of both (`accelerations`, m/s^2, by
 /// group) alone can drive a resting contact. The law of impact is about velocities of this instant,
 /// at the surface: leapfrog's are those of the middle between kicks, and the step begins at the
 /// gap.
-ProblemData pose(const World& world, const Contacts& contacts, double h, double own,
+ProblemData pose(const World& world, const Contacts& contacts, const Push& push,
                  const std::vector<double>& accelerations) {
   const Bodies& bodies = world.bodies;
+  const double h = push.h;
   ProblemData data;
   data.inverse_mass = inverse_masses(bodies);
   data.free_velocity.resize(contacts.size());
@@ -123,7 +131,7 @@ ProblemData pose(const World& world, const Contacts& contacts, double h, double 
     const double closing = u.dot(n);
     double pulled = 0;  // m/s, what cohesion takes from the closing speed
     if (law.cohesion > 0) {
-      const double cohesive = cohesive_impulse(law, gap, closing, h);
+      const double cohesive = push.cohesion * cohesive_impulse(law, gap, closing, h);
       pulled = cohesive * (contacts.spheres.empty()
                                ? data.inverse_mass[i] + (j == ground ? 0 : data.inverse_mass[j])
                                : n.dot(delassus_block(data.view(contacts, 3), c) * n));
@@ -131,7 +139,7 @@ ProblemData pose(const World& world, const Contacts& contacts, double h, double 
     }
     const double open = std::max(gap, 0.0);
     double bias = open / h;
-    const double driven = 2 * (by_gravity + own + std::max(driven_by(i), driven_by(j)));
+    const double driven = 2 * (by_gravity + push.driven + std::max(driven_by(i), driven_by(j)));
     const bool meets = gap + h * closing < 0 && -closing > driven + 2 * pulled;
     data.impact |= meets;
     if (meets && law.restitution > 0) {
@@ -283,9 +291,12 @@ void kick_by_impulses(World& world, const Contacts& contacts, const ProblemData&
   report.gravity_work = by_gravity;
 }
 
+bool carries(const Vec3& impulse) {
+  return !impulse.isZero(0);
+}
+
 /// What the contacts carried, with their pairs.
 void keep_impulses(const Contacts& contacts, Pairs& pairs) {
-  const auto carries = [](const Vec3& impulse) { return !impulse.isZero(0); };
   pairs.carried.clear();
   pairs.carried.reserve(std::ranges::count_if(contacts.impulse, carries));
   for (Index c = 0; c < contacts.size(); ++c) {
@@ -321,13 +332,13 @@ Contacts find_step_contacts(World& world, Rigid& rigid, double h, StepReport& re
 
 /// Leaves the contacts that carried something at the last kick.
 void keep_carrying(Contacts& contacts) {
-  std::vector<char> carries;
-  for (const Vec3& impulse : contacts.impulse) carries.push_back(impulse.isZero(0) ? 0 : 1);
-  const auto begin = carries.begin();
-  contacts.boundary = static_cast<Index>(std::count(begin, begin + contacts.boundary, 1));
+  std::vector<char> kept;
+  for (const Vec3& impulse : contacts.impulse) kept.push_back(carries(impulse) ? 1 : 0);
+  contacts.boundary =
+      static_cast<Index>(std::count(kept.begin(), kept.begin() + contacts.boundary, 1));
   const auto keep = [&](auto& values) {
     std::size_t at = 0;
-    std::erase_if(values, [&](const auto&) { return carries[at++] == 0; });
+    std::erase_if(values, [&](const auto&) { return kept[at++] == 0; });
   };
   keep(contacts.i);
   keep(contacts.j);
@@ -340,13 +351,6 @@ void keep_carrying(Contacts& contacts) {
   if (!contacts.spheres.empty()) keep(contacts.spheres);
 }
 
-/// What a step's contacts are asked for.
-struct Push {
-  double h = 0;         ///< s, over which pairs may meet
-  double driven = 0;    ///< m/s that other forces gave a body at most; infinity: nothing hits
-  double cohesion = 1;  ///< of that of a step
-};
-
 /// Solves for what contacts do against the kick and against each other.
 void push_contacts(World& world, Rigid& rigid, Contacts& contacts, const Push& push,
                    StepReport& report) {
@@ -357,11 +361,8 @@ void push_contacts(World& world, Rigid& rigid, Contacts& contacts, const Push& p
   const double scale = kick.remembered_load > 0 ? kick.load / kick.remembered_load : 0;
   for (Vec3& impulse : contacts.impulse) impulse *= scale;
   const auto pose_step = [&] {
-    ProblemData data =
-        pose(world, contacts, push.h, push.driven,
-             prescribed_accelerations(world, world.time - push.h, world.time + push.h));
-    for (double& cohesive : data.cohesive_impulse) cohesive *= push.cohesion;
-    return data;
+    return pose(world, contacts, push,
+                prescribed_accelerations(world, world.time - push.h, world.time + push.h));
   };
   ProblemData data = pose_step();
   const int dimension = has_friction(world) || !world.shapes.empty() ? 3 : 1;

@@ -56,21 +56,14 @@ class Run {
     if (from) {
       simulation_.emplace(comm, parts, *from);
       load(from->scalars);
-      kept_ = *from;
-      kept_.overrides = scene_.overrides;  // what goes on from it before the next has them, too
-      kept_.constants = scene_.constants;
-      if (from->overridden) {
-        kept_.scalars["kick.evaluated"] = 0;
-        save_scalars(simulation_->account(), kept_.scalars);
-      }
       std::string changes;
       for (const std::string& change : scene_.overrides) changes += " --set " + change;
       progress_.say(fmt::format("goes on: {}{}, step {}", scene_.file, changes, clock().step));
     } else {
       progress_.say(describe_bodies(scene_, comm.size, resident_bytes()));
       simulation_.emplace(comm, parts);
-      keep();
     }
+    keep();  // with what --set changed, as files have it that are written before the next
   }
 
   bool go() {

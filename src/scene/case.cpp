@@ -259,11 +259,10 @@ void check_whole(const Case& scene, Groups groups) {
   require(groups == Groups::may_lack || !scene.groups.empty(),
           "{}: no bodies: it has no [[groups]]", scene.file);
   require(!scene.phases.empty(), "{}: nothing to run: it has no [[phases]]", scene.file);
-  const auto has_impactor = [](const Phase& phase) { return phase.impactor.has_value(); };
-  const auto first = std::ranges::find_if(scene.phases, has_impactor);
+  const auto first = std::ranges::find_if(scene.phases, &Phase::has_impactor);
   if (first != scene.phases.end())
     for (auto phase = first + 1; phase != scene.phases.end(); ++phase)
-      require(!has_impactor(*phase), "{}: phases.{} has an impactor, too; there can be one",
+      require(!phase->has_impactor(), "{}: phases.{} has an impactor, too; there can be one",
               phase->impactor->place, first->name);
   std::vector<MaterialUse> uses = material_uses(scene);
   bool struck = false;
@@ -407,8 +406,7 @@ Case parse_case(const std::string& text, const std::string& file,
   draw_orientations(scene);
   gather_shapes(scene);
   scene.unused = unused_parts(root, scene);
-  const auto hit =
-      std::ranges::find_if(scene.phases, [](const Phase& p) { return p.impactor.has_value(); });
+  const auto hit = std::ranges::find_if(scene.phases, &Phase::has_impactor);
   if (hit != scene.phases.end()) find_material_of(*hit->impactor, scene.materials);
   const std::vector<MaterialUse> uses = material_uses(scene);
   derive_contact_law(scene, uses);

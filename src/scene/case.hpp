@@ -132,6 +132,7 @@ struct Phase {
   bool remove_drift = false;         ///< at the start: centre of mass to rest at the origin
   EngineSettings settings;           ///< the case's, with what the phase changes
 
+  bool has_impactor() const { return impactor.has_value(); }
   /// That it lasts, at most where it ends settled.
   std::int64_t steps() const { return std::llround(duration / step); }
   double lasts() const { return step * static_cast<double>(steps()); }  ///< s, of whole steps

@@ -11,10 +11,6 @@
 namespace spall {
 namespace {
 
-bool has_impactor(const Phase& phase) {
-  return phase.impactor.has_value();
-}
-
 const Group* find_held(const Case& scene) {
   const auto found = std::ranges::find_if(scene.groups, &Group::held);
   return found == scene.groups.end() ? nullptr : &*found;
@@ -27,7 +23,7 @@ bool has_fixed_sphere(const Case& scene) {
 /// Times of read-outs count from the impact; what lies behind the last phase is never measured.
 void check_read_outs(const Case& scene, Groups groups) {
   if (scene.read_out.empty()) return;
-  const auto hit = std::ranges::find_if(scene.phases, has_impactor);
+  const auto hit = std::ranges::find_if(scene.phases, &Phase::has_impactor);
   require(hit != scene.phases.end(),
           "{} tells times after the impact, but no phase has an impactor", scene.read_out_place);
   double end = 0;
@@ -178,7 +174,7 @@ void check_consistency(const Case& scene, Groups groups) {
     if (phase.remove_drift) check_removal_of_drift(scene, phase);
   for (const Phase& phase : scene.phases)
     if (phase.impactor && phase.impactor->coupling) check_coupling(scene, phase);
-  require(!scene.binary || std::ranges::any_of(scene.phases, has_impactor),
+  require(!scene.binary || std::ranges::any_of(scene.phases, &Phase::has_impactor),
           "{} asks for the orbit after an impact, but no phase has an impactor",
           scene.binary ? scene.binary->place : "");
   require(!scene.binary || !scene.read_out.empty(),

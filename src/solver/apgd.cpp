@@ -86,8 +86,7 @@ Candidate<dimension> apgd(const ContactSystem<dimension>& system, const MethodSe
   if (!(lipschitz > 0)) {  // they cancel, as of a ball in a slit: the search below finds the bound
     double largest = 0;
     for (const auto& block : system.contacts.blocks)
-      for (std::size_t lane = 0; lane < lane_count; ++lane)
-        largest = std::max<double>(largest, block.a_n[lane]);
+      largest = std::max(largest, largest_lane(convert<double>(block.a_n)));
     lipschitz = system.ghosts.comm().max(largest);
   }
   double theta = 1;
