@@ -1,5 +1,6 @@
 // Debris clouds of known shape, speed and pieces: what is measured is what was made.
 // SPDX-License-Identifier: BSD-3-Clause
+#include <Eigen/Geometry>
 #include <cmath>
 #include <random>
 
@@ -86,6 +87,18 @@ TEST(Debris, target_is_what_the_case_laid) {
   // From 8 m above the plate's middle, half as far across.
   EXPECT_LE((t.origin - Vec3(4, 0, -4)).norm(), 1e-12);
   EXPECT_DOUBLE_EQ(t.half_width, 21);
+}
+
+TEST(Debris, target_of_a_tilted_plate_has_its_normal) {
+  const double angle = 0.4;
+  Case tilted = scene("[0, 0, -6000]");
+  tilted.groups[0].volume.axes = Eigen::AngleAxisd(angle, Vec3::UnitX()).toRotationMatrix();
+  const Target t = find_target(tilted);
+  EXPECT_LE((t.normal - Vec3(0, std::sin(angle), -std::cos(angle))).norm(), 1e-14);
+  // Straight down to the plate's middle; from there to its rear face, and its nearest rim.
+  EXPECT_LE((t.origin - (Vec3(0, 0, -2) + 2 * t.normal)).norm(), 1e-12);
+  EXPECT_NEAR(t.half_width, 25, 1e-12);
+  EXPECT_NEAR(t.across[0].cross(t.across[1]).cross(t.normal).norm(), 0, 1e-14);
 }
 
 TEST(Debris, hole_is_as_wide_as_it_was_made) {

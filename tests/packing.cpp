@@ -47,9 +47,13 @@ double nearest_distance(const std::vector<Vec3>& centers) {
   return nearest;
 }
 
+const Mat3 some_turn = Eigen::AngleAxisd(0.7, Vec3(1, -2, 3).normalized()).toRotationMatrix();
+
 const std::vector<Volume> all_shapes = {
     ball(2),
     box({3, 4, 5}),
+    {.shape = Shape::box, .center = {1, 0, 2}, .axes = some_turn, .extents = {3, 4, 5}},
+    {.shape = Shape::ellipsoid, .axes = some_turn, .extents = {6, 4, 3}},
     {.shape = Shape::ellipsoid, .center = {1, 2, 3}, .extents = {6, 4, 3}},
     {.shape = Shape::hollow_sphere, .center = {0, 1, 0}, .radius = 3, .inner_radius = 1.5},
     {.shape = Shape::cylinder, .extents = {4, 4, 6}},
@@ -64,7 +68,7 @@ TEST(Shape, volume_is_the_share_of_the_bounding_box_that_lies_inside) {
     int inside = 0;
     for (int t = 0; t < tries; ++t) {
       const double x = uniform(engine), y = uniform(engine), z = uniform(engine);
-      inside += depth(volume, volume.center + half.cwiseProduct(Vec3(x, y, z))) > 0;
+      inside += depth(volume, volume.center + volume.axes * half.cwiseProduct(Vec3(x, y, z))) > 0;
     }
     const double share = volume_of(volume) / (8 * half.prod());
     // Four standard deviations of the count.
@@ -88,7 +92,7 @@ TEST(Shape, depth_is_the_distance_to_the_surface) {
       for (double& x : offset) x = uniform(engine);
       if (t % 4 == 0) offset.z() = 0;  // the ellipsoid's degenerate plane, across its shortest axis
       if (t % 4 == 1) offset.z() = 1e-15;
-      const Vec3 p = volume.center + offset.cwiseProduct(half_widths(volume));
+      const Vec3 p = volume.center + volume.axes * offset.cwiseProduct(half_widths(volume));
       const double d = depth(volume, p);
       if (d <= 0) continue;
       double least = infinity;
@@ -100,10 +104,43 @@ TEST(Shape, depth_is_the_distance_to_the_surface) {
 
 TEST(Shape, does_not_contain_its_surface) {
   for (const Volume& volume : all_shapes) {
-    const Vec3 top = volume.center + half_widths(volume).z() * Vec3::UnitZ();
-    EXPECT_FALSE(contains(volume, top)) << static_cast<int>(volume.shape);
-    EXPECT_TRUE(contains(volume, top - 0.5 * Vec3::UnitZ())) << static_cast<int>(volume.shape);
+    const Vec3 up = volume.axes.col(2), top = volume.center + half_widths(volume).z() * up;
+    const double outside = volume.axes.isIdentity(0) ? 0 : 1e-12;  // turning rounds
+    EXPECT_FALSE(contains(volume, top + outside * up)) << static_cast<int>(volume.shape);
+    EXPECT_TRUE(contains(volume, top - 0.5 * up)) << static_cast<int>(volume.shape);
   }
+}
+
+TEST(Shape, of_a_turned_box_reaches_as_far_as_its_corners) {
+  const Volume turned{.shape = Shape::box, .axes = some_turn, .extents = {3, 4, 5}};
+  Eigen::AlignedBox3d corners;
+  for (int k = 0; k < 8; ++k)
+    corners.extend(some_turn * Vec3(k & 1 ? 1.5 : -1.5, k & 2 ? 2 : -2, k & 4 ? 2.5 : -2.5));
+  EXPECT_LE((half_widths_in_world(turned) - corners.max()).norm(), 1e-14);
+  EXPECT_EQ(half_widths(turned), Vec3(1.5, 2, 2.5));
+}
+
+/// What fills a turned volume is what fills the same volume unturned, turned.
+void expect_turned(const std::vector<Vec3>& turned, const std::vector<Vec3>& upright,
+                   const Vec3& center) {
+  ASSERT_EQ(turned.size(), upright.size());
+  for (std::size_t k = 0; k < turned.size(); ++k)
+    EXPECT_LE((turned[k] - center - some_turn * (upright[k] - center)).norm(), 1e-12);
+}
+
+TEST(Packing, of_a_turned_volume_turns_along) {
+  Volume upright = box({7, 9, 3});
+  upright.center = {1, -2, 3};
+  Volume turned = upright;
+  turned.axes = some_turn;
+  for (const LatticeKind kind : {LatticeKind::simple_cubic, LatticeKind::fcc, LatticeKind::hcp})
+    for (const Vec3& rotation : {Vec3(0, 0, 0), Vec3(0.3, -0.5, 0.2)}) {
+      const Packing packing{.radius = 0.49, .rotation = rotation};
+      expect_turned(lattice(kind, turned, packing), lattice(kind, upright, packing),
+                    upright.center);
+    }
+  expect_turned(random_spheres(turned, 0.4, 200, 7), random_spheres(upright, 0.4, 200, 7),
+                upright.center);
 }
 
 TEST(Lattice, inner_sites_have_the_neighbours_of_their_kind_and_no_nearer_ones) {

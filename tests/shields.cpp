@@ -113,6 +113,7 @@ const std::vector<Asked> turned = {
     {.way = "[0, 0, -1]", .from = "[0, 0, 10e-3]"},
     {.size = R"(["6 mm", "28 mm", "24 mm"])", .way = "[2, 1, 0]", .from = "[-10e-3, 0, 0]"},
     {.size = R"(["24 mm", "6 mm", "28 mm"])", .way = "[0, -3, 0]", .from = "[0, 10e-3, 0]"},
+    {.size = R"(["28 mm", "24 mm", "6 mm"], rotation = ["10 deg", "40 deg", "-5 deg"])"},
     {.method = "potential"}};
 
 TEST(Shields, a_whole_wall_has_held_with_nearly_all_of_its_thickness) {
@@ -321,20 +322,28 @@ TEST(Shields, margins_survive_a_restart_and_are_told_with_the_verdict) {
   EXPECT_NE(one.toml().find("times = [1.0, 2.0]"), std::string::npos);
 }
 
-/// A ball of four bodies across on a wall two thick, with the verdict in the end.
-WallVerdict shoot(const std::string& speed) {
-  const auto scene = std::make_shared<Case>(parse_case(solids + R"(
+/// A ball of four bodies across on a wall two thick, with the verdict in the end. All of it is
+/// turned about x by this angle, degrees.
+WallVerdict shoot(double speed, double turn = 0) {
+  const double c = std::cos(turn * pi / 180), s = std::sin(turn * pi / 180);
+  const auto along = [&](double z, const std::string& unit) {
+    return fmt::format(R"([0, "{:.17g} {}", "{:.17g} {}"])", -s * z, unit, c * z, unit);
+  };
+  const std::string rotation = fmt::format(R"(rotation = ["{} deg", 0, 0])", turn);
+  const auto scene =
+      std::make_shared<Case>(parse_case(solids + R"(
 [[groups]]
 name = "wall"
 material = "al"
-volume = {shape = "cylinder", diameter = "20 mm", height = "2 mm"}
+volume = {shape = "cylinder", diameter = "20 mm", height = "2 mm", )" +
+                                            rotation + R"(}
 packing = {kind = "fcc", diameter = "1 mm"}
 [[groups]]
 name = "ball"
 material = "al"
-volume = {shape = "sphere", diameter = "4 mm", center = [0, 0, "3.3 mm"]}
-packing = {kind = "fcc", diameter = "1 mm"}
-velocity = [0, 0, "-)" + speed + R"("]
+volume = {shape = "sphere", diameter = "4 mm"}
+packing = {kind = "fcc", diameter = "1 mm", )" +
+                                            rotation + R"(}
 [[phases]]
 name = "hit"
 method = "solid"
@@ -343,7 +352,9 @@ duration = "6 us"
 [[shields]]
 wall = "wall"
 )",
-                                                       "x.toml"));
+                                        "x.toml",
+                                        {"groups.ball.volume.center=" + along(3.3, "mm"),
+                                         "groups.ball.velocity=" + along(-speed, "m/s")}));
   const Comm comm = testing_world();
   const ShieldWall wall = lay_wall(comm, *scene, scene->shields[0]);
   Simulation run(comm, Scene(scene));
@@ -352,13 +363,21 @@ wall = "wall"
 }
 
 TEST(Shields, a_thin_wall_holds_a_slow_ball_and_is_perforated_by_a_fast_one) {
-  const WallVerdict slow = shoot("200 m/s"), fast = shoot("3 km/s");
+  const WallVerdict slow = shoot(200), fast = shoot(3000);
   EXPECT_EQ(slow.outcome, Outcome::held);
   EXPECT_GT(slow.margin, 0.7);
   EXPECT_EQ(fast.outcome, Outcome::perforated);
   EXPECT_GT(fast.hole, 4 * d);
   EXPECT_LT(fast.hole, 12 * d);
   EXPECT_LT(fast.still_coming, 1e-3);
+}
+
+TEST(Shields, a_scene_that_is_turned_as_a_whole_ends_the_same) {
+  const WallVerdict upright = shoot(400), tilted = shoot(400, 33);
+  EXPECT_EQ(upright.outcome, tilted.outcome);
+  EXPECT_NEAR(upright.thinnest, tilted.thinnest, 1e-6 * d);
+  EXPECT_NEAR(upright.hole, tilted.hole, 1e-6 * d);
+  EXPECT_NEAR(upright.still_coming, tilted.still_coming, 1e-6);
 }
 
 TEST(Shields, what_cannot_be_judged_is_refused) {
@@ -379,8 +398,12 @@ TEST(Shields, what_cannot_be_judged_is_refused) {
   starts(complaint({.more = "[[phases]]\nname = \"on\"\nmethod = \"solid\"\nstep = \"1 ns\"\n"
                             "duration = \"1 us\"\nremove_drift = true"}),
          "x.toml:24:1: phases.on.remove_drift would move groups.rear wall from where");
-  starts(complaint({.more = "rear = [0, 1, 1]"}),
-         "x.toml:24:8: shields.0.rear is not along x, y or z");
+  starts(complaint({.more = "rear = [0, 2, 1]"}), place + ".rear does not lead through");
+  EXPECT_EQ(complaint({.more = "rear = [0, 1, 2]"}), "");
+  const std::string tilted = R"(["28 mm", "24 mm", "6 mm"], rotation = [0, "90 deg", 0])";
+  starts(complaint({.size = tilted}), wall + ": no group flies at it along x");
+  starts(complaint({.size = tilted, .more = "rear = [0, 0, 1]"}),
+         place + ".rear does not lead through");
   starts(complaint({.more = "[[shields]]\nwall = \"rear wall\""}),
          "x.toml:24:1: shields.1.wall = \"rear wall\": \"rear wall\" has the section "
          "[shield_rear_wall] of the results already");

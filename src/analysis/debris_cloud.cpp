@@ -214,11 +214,9 @@ Target find_target(const Case& scene) {
   t.plate = scene.debris->plate;
   const Group& ball = scene.groups[t.projectile];
   const Group& plate = scene.groups[t.plate];
-  int thin = 2;
-  if (plate.volume.shape == Shape::box) plate.volume.extents.minCoeff(&thin);
-  const double toward = ball.velocity[thin] < 0 ? -1 : 1;
-  t.normal = toward * Vec3::Unit(thin);
-  t.across = {Vec3::Unit((thin + 1) % 3), Vec3::Unit((thin + 2) % 3)};
+  const int thin = thin_axis(plate.volume);
+  const Vec3 normal = plate.volume.axes.col(thin);
+  t.normal = ball.velocity.dot(normal) < 0 ? Vec3(-normal) : normal;
   t.diameter = 2 * half_widths(ball.volume).maxCoeff();
   t.speed = ball.velocity.norm();
   t.thickness = plate.volume.extents[thin];
@@ -236,9 +234,13 @@ Target find_target(const Case& scene) {
   t.origin = ball.volume.center + way / ball.velocity.dot(t.normal) * ball.velocity +
              t.thickness / 2 * t.normal;
   t.half_width = infinity;
-  for (const Vec3& side : t.across)
-    t.half_width = std::min(t.half_width, plate.volume.extents.dot(side.cwiseAbs()) / 2 -
-                                              std::abs(side.dot(t.origin - plate.volume.center)));
+  for (int k = 0; k < 2; ++k) {
+    const int side = (thin + 1 + k) % 3;
+    t.across[k] = plate.volume.axes.col(side);
+    t.half_width =
+        std::min(t.half_width, plate.volume.extents[side] / 2 -
+                                   std::abs(t.across[k].dot(t.origin - plate.volume.center)));
+  }
   return t;
 }
 

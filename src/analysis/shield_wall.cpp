@@ -303,7 +303,7 @@ ShieldWall lay_wall(const Comm& comm, const Case& scene, const Shield& shield) {
   wall.spacing = lattice_of(group.packing).distance;
   for (int k = 0; k < 2; ++k) {
     const int axis = (thin + 1 + k) % 3;
-    wall.across[k] = Vec3::Unit(axis);
+    wall.across[k] = group.volume.axes.col(axis);
     wall.half_width[k] = group.volume.extents[axis] / 2;
     wall.spacing = std::max(
         wall.spacing, 2 * (1 + seen_beyond) * wall.half_width[k] * pixels_a_spacing / most_pixels);

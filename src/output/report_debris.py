@@ -34,7 +34,9 @@ class Flight:
         table = run.results["debris"]
         self.diameter, self.speed = table["diameter"], table["speed"]
         self.origin, self.normal = np.array(table["origin"]), np.array(table["normal"])
-        self.side = np.roll(np.abs(self.normal), 1)
+        side = np.eye(3)[(np.argmax(np.abs(self.normal)) + 1) % 3]
+        side -= (side @ self.normal) * self.normal
+        self.side = side / np.linalg.norm(side)
 
     def depth(self, k):
         return (self.position[k] - self.origin) @ self.normal

@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "scene/shape.hpp"
+
 namespace spall {
 
 Shields::Shields(const Comm& comm, const Case& scene) {
@@ -16,14 +18,11 @@ std::string Shields::describe() const {
   std::string text;
   for (const Judged& judged : walls_) {
     const ShieldWall& wall = judged.wall;
-    int axis = 0;
-    wall.normal.cwiseAbs().maxCoeff(&axis);
     text += fmt::format(
-        "\n  judged in the end: {}, {:.3g} spacings thick, its rear towards {}{}; openings "
+        "\n  judged in the end: {}, {:.3g} spacings thick, its rear towards {}; openings "
         "narrower "
         "than {:.3g} m are not seen\n",
-        wall.name, wall.thickness / wall.spacing, wall.normal[axis] < 0 ? "-" : "+", "xyz"[axis],
-        wall.spacing);
+        wall.name, wall.thickness / wall.spacing, words_of_direction(wall.normal), wall.spacing);
   }
   return text;
 }

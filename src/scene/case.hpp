@@ -26,12 +26,13 @@ enum class Shape { sphere, box, ellipsoid, hollow_sphere, cylinder, mesh };
 struct Volume {
   Shape shape = Shape::sphere;
   Vec3 center = Vec3::Zero();
-  Vec3 extents = Vec3::Zero();  ///< full widths (box, ellipsoid); cylinder: diameter, diameter,
-                                ///< height (along z)
-  double radius = 0;            ///< outer radius of sphere, hollow_sphere
-  double inner_radius = 0;      ///< of hollow_sphere
-  std::string file = {};        ///< of mesh: a Wavefront OBJ file
-  double unit = 1;              ///< m, of mesh: the length of 1 in its file
+  Mat3 axes = Mat3::Identity();  ///< its own, as columns: what is in it turns along
+  Vec3 extents = Vec3::Zero();   ///< full widths along its axes (box, ellipsoid); cylinder:
+                                 ///< diameter, diameter, height
+  double radius = 0;             ///< outer radius of sphere, hollow_sphere
+  double inner_radius = 0;       ///< of hollow_sphere
+  std::string file = {};         ///< of mesh: a Wavefront OBJ file
+  double unit = 1;               ///< m, of mesh: the length of 1 in its file
   std::shared_ptr<const SurfaceMesh> mesh = nullptr;  ///< read_case reads it from the file
 };
 
@@ -158,7 +159,7 @@ struct DebrisSettings {
 struct Shield {
   int wall = -1;  ///< group
   std::string wall_name;
-  Vec3 rear = Vec3::Zero();  ///< along an axis: through the wall, away from what flies at it
+  Vec3 rear = Vec3::Zero();  ///< unit normal of the wall, away from what flies at it
   std::string place;         ///< where the case asks for it, for messages
 };
 

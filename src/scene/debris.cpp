@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "scene/shape.hpp"
 #include "spall/error.hpp"
 
 namespace spall {
@@ -35,11 +36,10 @@ void find_debris_groups(Case& scene) {
   const Volume& plate = scene.groups[debris.plate].volume;
   require(plate.shape == Shape::box || plate.shape == Shape::cylinder,
           "{}.plate = \"{}\" is neither a box nor a cylinder", debris.place, debris.plate_name);
-  int thin = 2;
-  if (plate.shape == Shape::box) plate.extents.minCoeff(&thin);
-  require(scene.groups[debris.projectile].velocity[thin] != 0,
+  const Vec3 normal = plate.axes.col(thin_axis(plate));
+  require(crosses(scene.groups[debris.projectile].velocity, normal),
           "{}.projectile = \"{}\" has no velocity towards the plate, along {}", debris.place,
-          debris.projectile_name, "xyz"[thin]);
+          debris.projectile_name, words_of_direction(normal));
 }
 
 }  // namespace spall

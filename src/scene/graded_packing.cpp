@@ -73,7 +73,7 @@ void place_graded(const Volume& volume, double largest, const Grading& grading, 
                   std::string_view asked_at,
                   const std::function<void(const Vec3&, double)>& place) {
   const Wanted wanted(grading, largest);
-  const Vec3 half = half_widths(volume), site = grading.site;
+  const Vec3 half = half_widths_in_world(volume), site = grading.site;
   std::mt19937_64 engine(seed);
   const auto uniform = [&] { return spall::uniform(engine); };
 

@@ -128,7 +128,8 @@ void read_file(Section& in, Packing& packing) {
 /// Those bodies of an earlier run that have their centres in the volume.
 void place_stored(const PackingRequest& request) {
   const Vec3& turn = request.packing.rotation;
-  const Eigen::Matrix3d rotation(Eigen::AngleAxisd(turn.norm(), turn.stableNormalized()));
+  const Mat3 rotation =
+      request.volume.axes * Eigen::AngleAxisd(turn.norm(), turn.stableNormalized());
   const bool moves = request.packing.stored_motion == StoredMotion::kept;
   for (const StoredBody& body : request.packing.stored) {
     PackedSphere sphere{.center = request.volume.center + rotation * body.position,
@@ -269,7 +270,7 @@ void place_lattice(LatticeKind kind, const Volume& volume, const Packing& packin
   const double d = spacing_of(packing);
   const bool turned = !packing.rotation.isZero(0);
   Vec3 half = half_widths(volume);
-  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+  Mat3 rotation = Mat3::Identity();
   if (turned) {
     rotation = Eigen::AngleAxisd(packing.rotation.norm(), packing.rotation.normalized());
     half = Vec3::Constant(half.norm());
@@ -289,7 +290,7 @@ void place_lattice(LatticeKind kind, const Volume& volume, const Packing& packin
     double first = 0, last = count - 1;
     clip(seen(0, j, k), seen(1, j, k) - seen(0, j, k), box, first, last);
     for (auto i = static_cast<int>(first); i <= last; ++i) {
-      const Vec3 center = volume.center + seen(i, j, k);
+      const Vec3 center = volume.center + volume.axes * seen(i, j, k);
       if (depth(volume, center) >= -slack * d) place(center);
     }
   });

@@ -100,9 +100,10 @@ class Part {
     }
     // A sphere of radius r is tried up to r beside its point of the box, and meets others up to
     // two radii away.
-    const Vec3 reach = Vec3::Constant(3 * largest);
-    near_ = {volume.center + low_.cwiseProduct(half) - reach,
-             volume.center + high_.cwiseProduct(half) + reach};
+    const Vec3 middle = volume.center + volume.axes * (low_ + high_).cwiseProduct(half) / 2;
+    const Vec3 reach = volume.axes.cwiseAbs() * (high_ - low_).cwiseProduct(half) / 2 +
+                       Vec3::Constant(3 * largest);
+    near_ = {middle - reach, middle + reach};
   }
 
   /// Whether this rank tests what is tried at this point of the box, of which all sides are -1 to
@@ -166,7 +167,7 @@ class Addition {
 
  private:
   static SphereSet set_for(const Part& part, const Volume& volume, std::int64_t count) {
-    const Vec3 half = half_widths(volume);
+    const Vec3 half = half_widths_in_world(volume);
     const Eigen::AlignedBox3d whole(volume.center - half, volume.center + half);
     const Eigen::AlignedBox3d own = part.near().intersection(whole);
     const double share = own.sizes().prod() / whole.sizes().prod();
@@ -186,7 +187,7 @@ class Addition {
   }
 
   Vec3 center(std::int64_t t, double r) const {
-    return volume_.center + (half_ - Vec3::Constant(r)).cwiseProduct(points_[t]);
+    return volume_.center + volume_.axes * (half_ - Vec3::Constant(r)).cwiseProduct(points_[t]);
   }
 
   /// Finds which tries of the block are taken. That depends on those before alone, of which other
@@ -285,7 +286,7 @@ double most_filled_at_random(const Volume& volume, const Radii& radii) {
   for (int k = 0; k < samples; ++k) {
     const double x = uniform(engine), y = uniform(engine), z = uniform(engine);
     const Vec3 offset = half.cwiseProduct(2 * Vec3(x, y, z) - Vec3::Ones());
-    const double d = depth(volume, volume.center + offset);
+    const double d = depth(volume, volume.center + volume.axes * offset);
     all += d >= 0;
     free += d >= radii.smallest();
   }

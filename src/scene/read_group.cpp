@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scene/read_group.hpp"
 
+#include <Eigen/Geometry>
 #include <filesystem>
 
 #include "scene/materials.hpp"
@@ -40,8 +41,16 @@ void read_volume(Section& in, Volume& volume) {
   }
   if (in.reads(shape == Shape::cylinder)) {
     double height = 0;
-    in.need("height", "of cylinder, along z", height, positive(length));
+    in.need("height", "of cylinder, along its z", height, positive(length));
     volume.extents = {2 * volume.radius, 2 * volume.radius, height};
+  }
+  if (in.reads(box || mesh || shape == Shape::cylinder)) {
+    Vec3 turn = Vec3::Zero();
+    in.take("rotation",
+            "of box, ellipsoid, cylinder, mesh: rotation vector about center; lattices and bodies "
+            "of file in it turn along",
+            turn, any(number));
+    volume.axes = Eigen::AngleAxisd(turn.norm(), turn.stableNormalized()).toRotationMatrix();
   }
 }
 

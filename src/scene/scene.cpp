@@ -76,7 +76,7 @@ void place_group(const Case& scene, std::size_t g, const Comm& comm, const IsFre
 Vec3 reach(const Group& group) {
   double largest = group.packing.radius;
   for (const StoredBody& body : group.packing.stored) largest = std::max(largest, body.radius);
-  return half_widths(group.volume) + Vec3::Constant(largest);
+  return half_widths_in_world(group.volume) + Vec3::Constant(largest);
 }
 
 bool may_touch(const Group& a, const Group& b) {
@@ -242,7 +242,7 @@ void check_resolved(const std::string& place, double farthest, double radius) {
 double farthest(const Group& group) {
   const Volume& volume = group.volume;
   if (group.packing.stored.empty())
-    return (volume.center.cwiseAbs() + half_widths(volume)).maxCoeff();
+    return (volume.center.cwiseAbs() + half_widths_in_world(volume)).maxCoeff();
   double most = 0;
   for (const StoredBody& body : group.packing.stored) most = std::max(most, body.position.norm());
   return volume.center.cwiseAbs().maxCoeff() + most;

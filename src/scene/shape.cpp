@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scene/shape.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -39,7 +41,7 @@ double ellipsoid_depth(const Vec3& a, const Vec3& p) {
 }  // namespace
 
 double depth(const Volume& volume, const Vec3& point) {
-  const Vec3 p = point - volume.center;
+  const Vec3 p = volume.axes.transpose() * (point - volume.center);
   const Vec3 half = volume.extents / 2;
   switch (volume.shape) {
     case Shape::sphere:
@@ -60,7 +62,8 @@ double depth(const Volume& volume, const Vec3& point) {
 
 bool contains(const Volume& volume, const Vec3& point) {
   if (volume.shape != Shape::ellipsoid) return depth(volume, point) > 0;
-  return (2 * (point - volume.center).array() / volume.extents.array()).matrix().squaredNorm() < 1;
+  const Vec3 p = volume.axes.transpose() * (point - volume.center);
+  return (2 * p.array() / volume.extents.array()).matrix().squaredNorm() < 1;
 }
 
 double ball_volume(double radius) {
@@ -90,6 +93,28 @@ Vec3 half_widths(const Volume& volume) {
     return Vec3::Constant(volume.radius);
   if (volume.shape == Shape::mesh) return volume.mesh->half_widths();
   return volume.extents / 2;
+}
+
+Vec3 half_widths_in_world(const Volume& volume) {
+  return volume.axes.cwiseAbs() * half_widths(volume);
+}
+
+int thin_axis(const Volume& volume) {
+  int thin = 2;
+  if (volume.shape == Shape::box) volume.extents.minCoeff(&thin);
+  return thin;
+}
+
+bool crosses(const Vec3& motion, const Vec3& normal) {
+  constexpr double rounding = 1e-12;
+  return std::abs(motion.dot(normal)) > rounding * motion.norm();
+}
+
+std::string words_of_direction(const Vec3& direction) {
+  for (int k = 0; k < 3; ++k)
+    if (std::abs(direction[k]) == 1)
+      return fmt::format("{}{}", direction[k] < 0 ? "-" : "", "xyz"[k]);
+  return fmt::format("[{:.3g}, {:.3g}, {:.3g}]", direction.x(), direction.y(), direction.z());
 }
 
 }  // namespace spall

@@ -16,7 +16,16 @@ bool contains(const Volume& volume, const Vec3& point);
 double ball_volume(double radius);       ///< m^3, volume of a ball
 double volume_of(const Volume& volume);  ///< m^3
 
-/// Half widths of the smallest box about `volume.center` that holds it, along the axes.
+/// Half widths of the smallest box about `volume.center` that holds it, along its own axes.
 Vec3 half_widths(const Volume& volume);
+/// The same along those of the world, of the box that holds that one.
+Vec3 half_widths_in_world(const Volume& volume);
+
+/// Its own axis along which a box is thinnest; of a cylinder that of its height.
+int thin_axis(const Volume& volume);
+/// Whether a motion leads across planes of this unit normal, beyond what turning the normal rounds.
+bool crosses(const Vec3& motion, const Vec3& normal);
+/// Of a unit vector, for messages: "x", "-z", "[0, 0.6, 0.8]".
+std::string words_of_direction(const Vec3& direction);
 
 }  // namespace spall

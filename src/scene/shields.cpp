@@ -13,16 +13,14 @@ namespace spall {
 
 void read_shield(Section& in, Shield& shield) {
   in.need("wall", "one of groups, a plate: held, detached spall or perforated?", shield.wall_name);
-  in.take("rear", "way through the wall, along an axis; left out: that of what flies at it",
-          shield.rear, any(dimension::number));
-  in.check("rear", (shield.rear.array() != 0).count() <= 1, "is not along x, y or z");
+  in.take("rear", "way through the wall; left out: that of what flies at it", shield.rear,
+          any(dimension::number));
   shield.place = in.place();
 }
 
 int axis_through(const Volume& volume) {
   if (volume.shape != Shape::box && volume.shape != Shape::cylinder) return -1;
-  int thin = 2;
-  if (volume.shape == Shape::box) volume.extents.minCoeff(&thin);
+  const int thin = thin_axis(volume);
   const auto is_wider = [&](int k) { return volume.extents[k] > volume.extents[thin]; };
   return is_wider((thin + 1) % 3) && is_wider((thin + 2) % 3) ? thin : -1;
 }
@@ -36,12 +34,14 @@ std::string results_of(const Shield& shield) {
 
 namespace {
 
-/// The way of the groups that fly at the wall; 0 where there are none or they come from both sides.
-double way_of_flight(const Case& scene, const Group& wall, int thin) {
+/// The way along `normal` of the groups that fly at the wall; 0 where there are none or they come
+/// from both sides.
+double way_of_flight(const Case& scene, const Group& wall, const Vec3& normal) {
   bool up = false, down = false;
   for (const Group& group : scene.groups) {
-    const double closing = group.velocity[thin] - wall.velocity[thin];
-    const double ahead = wall.volume.center[thin] - group.volume.center[thin];
+    const Vec3 motion = group.velocity - wall.velocity;
+    const double closing = crosses(motion, normal) ? normal.dot(motion) : 0;
+    const double ahead = normal.dot(wall.volume.center - group.volume.center);
     if (closing * ahead > 0) (closing > 0 ? up : down) = true;
   }
   return up == down ? 0 : up ? 1 : -1;
@@ -85,20 +85,23 @@ void find_wall(const Case& scene, Shield& shield) {
           "{}: phases.{}.method = \"{}\" cannot break it; method = \"solid\" does where {} has a "
           "strength, and \"potential\" with bonds that break",
           told, last.name, last.engine->name, scene.materials[wall.material].name);
-  const double way = way_of_flight(scene, wall, thin);
+  const Vec3 normal = wall.volume.axes.col(thin);
+  const double way = way_of_flight(scene, wall, normal);
   if (shield.rear.isZero(0)) {
-    shield.rear[thin] = way;
-    require(shield.rear[thin] != 0,
+    require(way != 0,
             "{}: no group flies at it along {}, or some from either side: {}.rear tells the way "
             "through it, such as [0, 0, -1]",
-            told, "xyz"[thin], place);
+            told, words_of_direction(normal), place);
+    shield.rear = way * normal;
+    return;
   }
-  require(shield.rear[thin] != 0, "{}.rear does not lead through \"{}\", which is thin along {}",
-          place, shield.wall_name, "xyz"[thin]);
-  require(shield.rear[thin] * way >= 0,
+  const double along = normal.dot(shield.rear.normalized());
+  require(along * along > 0.5, "{}.rear does not lead through \"{}\", which is thin along {}",
+          place, shield.wall_name, words_of_direction(normal));
+  require(along * way >= 0,
           "{}.rear leads against what flies at \"{}\": its rear is where that would come out",
           place, shield.wall_name);
-  shield.rear.normalize();
+  shield.rear = along < 0 ? Vec3(-normal) : normal;
 }
 
 }  // namespace

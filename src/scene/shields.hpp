@@ -13,7 +13,7 @@ void read_shield(Section& in, Shield& shield);
 /// cannot be judged.
 void find_shield_walls(Case& scene);
 
-/// The axis that leads through a plate; -1 of a volume that is none.
+/// Its own axis that leads through a plate; -1 of a volume that is none.
 int axis_through(const Volume& volume);
 
 /// "shield_rear": the section of a wall in results.
