@@ -65,8 +65,8 @@ def spall(binary, arguments, work, ranks=1, limit=1200):
 
 def bodies_in(case, binary):
     said = subprocess.run([binary, "check", case], capture_output=True, text=True).stdout
-    found = re.search(r"(\d+) bodies, about", said)
-    return int(found[1]) if found else 0
+    found = re.search(r"(\d+) bodies, ", said)
+    return int(found[1]) if found else sys.exit(f"{case}: spall check tells no bodies")
 
 
 def rows_of(file):

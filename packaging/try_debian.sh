@@ -16,7 +16,7 @@ source=$work/spall-$version
 mkdir "$source"
 git ls-files -z | tar --create --null --files-from=- | tar --extract --directory "$source"
 cd "$work"
-if ! cp "$kept"/*.deb . 2>/dev/null; then
+if [ -z "$kept" ] || ! cp "$kept"/*.deb . 2>/dev/null; then
   tar --create --gzip --exclude="spall-$version/debian" --file "spall_$version.orig.tar.gz" "spall-$version"
   (cd "$source" && DEB_BUILD_OPTIONS="parallel=$(nproc) noautodbgsym" dpkg-buildpackage --unsigned-source --unsigned-changes)
   if command -v lintian >/dev/null; then lintian --fail-on error ./*.changes; fi

@@ -16,13 +16,18 @@ fail() {
 script=$(dirname "$spall")/share/spall/scripts/limit.py
 cat >stand_in.py <<'END'
 #!/usr/bin/python3
-import re, sys
+import re, sys, tomllib
 from pathlib import Path
 words = sys.argv[1:]
 changes = dict(word.split("=", 1) for word in words if "=" in word)
 if "never.key" in changes:
     sys.exit("never.key is not a key here")
 if words[0] == "check":
+    case = tomllib.loads(Path(words[1]).read_text())
+    if "shields" in changes:
+        case |= tomllib.loads(f"shields = {changes['shields']}")
+    for shield in case.get("shields", []):
+        print(f"  judged in the end: {shield['wall']}, 3.4 spacings thick, its rear towards z; openings")
     sys.exit()
 out = Path(words[words.index("--out") + 1])
 out.mkdir(parents=True, exist_ok=True)
@@ -119,6 +124,7 @@ refused "judges \"rear\"" shield.toml --vary ball.diameter=2..8mm --wall front
 refused "another case" shield.toml --vary ball.diameter=2..8mm --set seed=2
 echo 'title = "none"' >none.toml
 refused "judges no wall" none.toml --vary ball.diameter=2..8mm
+limit none.toml --vary ball.diameter=2..8mm --set 'shields=[{wall = "rear"}]' || fail "a wall that --set names: $(cat out.txt)"
 
 # The program itself: a thin plate, a ball of a few bodies.
 cat >thin.toml <<'END'

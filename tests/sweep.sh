@@ -77,6 +77,19 @@ END
 "$spall" sweep fall.toml --set seed=1..3 --out out/empty --table >out.txt
 [ $? = 3 ] && grep -q "3 of 3 are not done" out.txt || fail "a table of nothing: $(cat out.txt)"
 
+# Commas within quotes, brackets and braces part no values.
+"$spall" sweep fall.toml --set 'title="a, b"' --set 'groups.ball.motion={velocity=[0,0,1]},{velocity=[0,1,0]}' \
+  --commands --out never >out.txt 2>&1 || fail "tables as values: $(cat out.txt)"
+[ "$(grep -c 'title="a, b"' out.txt)" = 2 ] || fail "two runs of one title: $(cat out.txt)"
+python3 - "$(dirname "$spall")/share/spall/scripts" <<'END' || fail "places of a picture"
+import sys
+sys.path.insert(0, sys.argv[1])
+import sweep
+assert sweep.numbers_of(["50cm", "1m"]) is None and sweep.numbers_of(["a", "2"]) is None
+assert sweep.numbers_of(["1 N", "10N"]) == [1, 10]
+assert sweep.split("[[0, 1], [2, 3]], {a = [4, 5]}, 6") == ["[[0, 1], [2, 3]]", "{a = [4, 5]}", "6"]
+END
+
 refused() { # text that must be said, arguments
   local text=$1
   shift
@@ -87,7 +100,13 @@ refused "friktion" fall.toml --set contact.friktion=0.1,0.2 --out never
 [ ! -e never ] || fail "a refused sweep left a folder"
 refused "another case" fall.toml --set seed=1..2 --set contact.friction=0.3 --out out/fall-sweep
 "$spall" sweep fall.toml --set solver.tolerance=0.1,0.2 --out out/named >out.txt || fail "a sweep of the solver: $(cat out.txt)"
-refused "or with other keys" fall.toml --set phases.fall.solver.tolerance=0.1,0.2 --out out/named
+refused "with other keys" fall.toml --set phases.fall.solver.tolerance=0.1,0.2 --out out/named
+echo 'density = "1600 kg/m^3"' >rock.toml
+sed 's/^density.*/file = "rock.toml"/' fall.toml >of_file.toml
+"$spall" sweep of_file.toml --set seed=1,2 --out out/files >out.txt || fail "a sweep of a file: $(cat out.txt)"
+"$spall" sweep of_file.toml --set seed=1..3 --out out/files >out.txt || fail "more of a file: $(cat out.txt)"
+echo 'density = "3200 kg/m^3"' >rock.toml
+refused "of files that have changed" of_file.toml --set seed=1..4 --out out/files
 for forget in "" --overwrite; do
   # shellcheck disable=SC2086
   refused "another case" fall.toml --set seed=1..2 --set contact.friction=0.3 --out out/fall-sweep --commands $forget

@@ -204,7 +204,7 @@ def run(options, shot, seed):
     struck = 0.5 * ball_of(shot) * (1000 * shot.speed)**2
     return line | {
         "verdict": wall["verdict"], "margin": f"{wall['margin']:.4g}",
-        "margin_before": f"{wall['margins'][-1]:.4g}" if wall["margins"] else "",
+        "margin_before": f"{wall['margins'][-2]:.4g}" if len(wall["margins"]) > 1 else "",
         "still_coming": f"{wall['still_coming']:.3g}", "opening_at_edge": wall["opening_at_edge"],
         "hole_mm": f"{1e3 * wall['hole']:.4g}", "spall_mg": f"{1e6 * wall['spall_mass']:.4g}",
         "ball_mg": f"{1e6 * mass_of_ball(told):.4g}",

@@ -111,6 +111,8 @@ class Bodies:
             f"...")
 
     def __getattr__(self, name):
+        if name.startswith("_"):  # what copy looks for before there are fields
+            raise AttributeError(name)
         values = self._fields.get(name)
         if values is None:
             raise AttributeError(

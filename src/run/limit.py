@@ -24,7 +24,7 @@ import tomllib
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from sweep import DONE, NUMBER, STOPPED, Run, claim, names_of
+from sweep import DONE, NUMBER, STOPPED, Run, claim, files_of, names_of
 
 NO_LIMIT = 4  # exit code: both ends have the same verdict
 NOT_FINAL = 0.01  # of the energy that flies at the wall, beyond which a verdict may change
@@ -226,10 +226,10 @@ def main():
     search = Search(out, options, span, fixed, options.wall)
     for end in (0, 1):
         words = [options.spall, "check", options.case, *search.run_of(end).options()]
-        checked = subprocess.run(words, stdout=subprocess.DEVNULL)
+        checked = subprocess.run(words, stdout=subprocess.PIPE, text=True)
         if checked.returncode != 0:
             leave(f"{span.key}={span.value(end)} is refused", checked.returncode)
-    walls = [shield["wall"] for shield in tomllib.loads(case.read_text()).get("shields", [])]
+    walls = re.findall(r"judged in the end: (.+), \S+ spacings thick", checked.stdout)
     named = ", ".join(f"\"{wall}\"" for wall in walls)
     if options.wall is None and len(walls) != 1:
         leave(
@@ -241,7 +241,8 @@ def main():
             f"--wall {search.wall}: {case} judges "
             f"{named or 'no wall; [[shields]] names those that it should'}")
 
-    claim(out, case, {"vary": span.key, **fixed}, options.overwrite, "spall limit")
+    claim(out, case, {"vary": span.key, **fixed}, options.overwrite, "spall limit",
+          files=files_of(case, fixed.items()))
     (out / "limit.json").unlink(missing_ok=True)
     search.recall()
     search.learn([0, 1, *between(0, 1, options.jobs - 2)])

@@ -40,6 +40,21 @@ def refuse_too_many(runs, told):
         sys.exit(f"spall sweep: {told}: {runs:,} runs are more than {MOST_RUNS:,}")
 
 
+def split(text):
+    """At the commas outside of brackets, braces and quotes."""
+    parts, depth, quote = [""], 0, ""
+    for char in text:
+        if quote or char in "\"'":
+            quote = "" if char == quote else quote or char
+        elif char in "[]{}":
+            depth += 1 if char in "[{" else -1
+        if char == "," and depth == 0 and not quote:
+            parts.append("")
+        else:
+            parts[-1] += char
+    return [part.strip() for part in parts]
+
+
 def values_of(text):
     """'1,10,100N' -> ['1N', '10N', '100N']; a unit or name behind the last number is that of
     all."""
@@ -49,7 +64,7 @@ def values_of(text):
             sys.exit(f"spall sweep: {text}: the first number is larger than the last")
         refuse_too_many(last - first + 1, text)
         return [str(k) for k in range(first, last + 1)]
-    parts = [part.strip() for part in re.split(r",(?![^\[]*\])", text)]
+    parts = split(text)
     if "" in parts:
         sys.exit(f"spall sweep: {text}: a value is missing")
     if any(re.fullmatch(RANGE, part) for part in parts):
@@ -117,28 +132,52 @@ def to_try(runs, ends):
             yield run
 
 
-def claim(out, case, fixed, overwrite, program="spall sweep", write=True, names=None):
-    """Runs of another case, with other fixed keys or of keys that only have the same `names` must
-    not stand in the same table. Without `write` it is only compared."""
-    own = {"case": str(case), "sha256": hashlib.sha256(case.read_bytes()).hexdigest(),
-           "fixed": fixed}
+def digest(path):
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def files_of(case, settings):
+    """Name -> digest of what the case and settings (key, value) name as a `file`: materials,
+    meshes, bodies of earlier runs."""
+    named = {value.strip("\"'") for key, value in settings if key.split(".")[-1] == "file"}
+
+    def look(node):
+        for key, value in node.items() if isinstance(node, dict) else enumerate(node):
+            if key == "file":
+                named.add(str(value))
+            elif isinstance(value, (dict, list)):
+                look(value)
+
+    look(tomllib.loads(case.read_text()))
+    return {name: digest(case.parent / name) for name in sorted(named)
+            if (case.parent / name).is_file()}
+
+
+def claim(out, case, fixed, overwrite, program="spall sweep", write=True, names=None, files=None):
+    """Runs of another case, with other fixed keys, of keys that only have the same `names` or of
+    `files` that have changed must not stand in the same table. Without `write` it is only
+    compared."""
+    own = {"case": str(case), "sha256": digest(case), "fixed": fixed}
     path = out / "sweep.json"
-    names = names or {}
-    former = json.loads(path.read_text()) if path.is_file() else {"names": {}} | own
-    named = former.pop("names", {})
-    if former != own or any(named.get(name, key) != key for name, key in names.items()):
+    told = {"names": names or {}, "files": files or {}}
+    former = json.loads(path.read_text()) if path.is_file() else dict(own)
+    before = {kind: former.pop(kind, {}) for kind in told}
+    if former != own or any(before[kind].get(name, value) != value
+                            for kind in told for name, value in told[kind].items()):
         if not (overwrite and write):
             forget = "--overwrite" if write else "--overwrite, without --commands,"
-            sys.exit(f"{program}: {out} holds runs of another case or with other keys ({path}); "
+            sys.exit(f"{program}: {out} holds runs of another case, with other keys or of files "
+                     f"that have changed ({path}); "
                      f"{forget} forgets them, --out names another folder")
         for old in [*out.glob("*/results.toml"), *out.glob("*/restart*.h5"), *out.glob("table.*")]:
             old.unlink()
-        named = {}
+        before = {kind: {} for kind in told}
     if not write:
         return
     out.mkdir(parents=True, exist_ok=True)
     whole = path.with_suffix(f".{os.getpid()}")  # jobs of an array write it side by side
-    whole.write_text(json.dumps({**own, "names": named | names}, indent=1) + "\n")
+    whole.write_text(json.dumps(own | {kind: before[kind] | told[kind] for kind in told},
+                                indent=1) + "\n")
     whole.replace(path)
 
 
@@ -158,9 +197,12 @@ def readable(value):
     return value if isinstance(value, str) else f"{value:.6g}"
 
 
-def leading_number(text):
-    found = re.match(NUMBER, str(text))
-    return float(found[0]) if found else None
+def numbers_of(values):
+    """Where all begin with a number and end alike; else None: 50cm and 1m have no common axis."""
+    found = [re.match(rf"({NUMBER})(.*)", str(value)) for value in values]
+    if not all(found) or len({one[2].strip() for one in found}) > 1:
+        return None
+    return [float(one[1]) for one in found]
 
 
 def draw(out, rows, swept, show):
@@ -175,15 +217,14 @@ def draw(out, rows, swept, show):
         for row in rows:
             if name in row:
                 points.setdefault(row[swept[0]], []).append(row[name])
-        numbers = [leading_number(value) for value in points]
-        is_number = all(number is not None for number in numbers)
-        places = numbers if is_number else list(range(len(points)))
+        numbers = numbers_of(points)
+        places = numbers or list(range(len(points)))
         for place, found in zip(places, points.values()):
             axis.plot([place] * len(found), found, "o", color="#9bb4d4", ms=4)
         axis.plot(places, [sum(found) / len(found) for found in points.values()], "-s",
                   color="#1f4e8c", ms=5,
                   label="mean")
-        if is_number and min(places) > 0 and max(places) >= 30 * min(places):
+        if numbers and min(places) > 0 and max(places) >= 30 * min(places):
             axis.set_xscale("log")
         axis.set_xticks(places, list(points))
         axis.minorticks_off()
@@ -260,7 +301,8 @@ def main():
             print(f"spall sweep: {run.name} is refused, so nothing is begun", file=sys.stderr)
             sys.exit(checked.returncode)
     claim(out, case, {key: values[0] for key, values in keys.items() if len(values) == 1},
-          options.overwrite, write=not options.commands, names=names)
+          options.overwrite, write=not options.commands, names=names,
+          files=files_of(case, [(key, value) for key in keys for value in keys[key]]))
     if options.commands:
         commands = [run.command(spall, options.case, options.ranks) for run in runs]
         for command in filter(None, commands):

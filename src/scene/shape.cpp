@@ -114,7 +114,8 @@ std::string words_of_direction(const Vec3& direction) {
   for (int k = 0; k < 3; ++k)
     if (std::abs(direction[k]) == 1)
       return fmt::format("{}{}", direction[k] < 0 ? "-" : "", "xyz"[k]);
-  return fmt::format("[{:.3g}, {:.3g}, {:.3g}]", direction.x(), direction.y(), direction.z());
+  const Vec3 told = direction + Vec3::Zero();  // 0 in place of -0
+  return fmt::format("[{:.3g}, {:.3g}, {:.3g}]", told.x(), told.y(), told.z());
 }
 
 }  // namespace spall
