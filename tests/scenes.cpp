@@ -479,6 +479,64 @@ total_mass = "5.972e24 kg"
   EXPECT_GT(whole("far", 3.0), 0.99);
 }
 
+/// Of a basalt body of 10 km that one of this diameter hits at 5 km/s: the share that its gravity
+/// holds in the end. First it breaks as a solid, then its pieces fly as rigid bodies.
+double left_of_monolith(const std::string& name, const std::string& diameter) {
+  const auto results = results_of(name, fmt::format(R"(
+[materials.basalt]
+library = "basalt"
+[contact]
+friction = 0.5
+restitution = 0.3
+[solid]
+courant = 0.2
+[gravity]
+method = "direct"
+[[groups]]
+name = "target"
+material = "basalt"
+volume = {{radius = "10 km"}}
+packing = {{kind = "fcc", diameter = "2.5 km"}}
+[[groups]]
+name = "projectile"
+material = "basalt"
+volume = {{diameter = "{0}", center = ["9.4 km", 0, "9.4 km"]}}
+packing = {{kind = "fcc", diameter = "{0}"}}
+velocity = [0, 0, "-5 km/s"]
+[[phases]]
+name = "breakup"
+method = "solid"
+step = "0.4 s"
+duration = "40 s"
+[[phases]]
+name = "flight"
+step = "2 s"
+duration = "200 s"
+[[phases]]
+name = "reaccumulation"
+step = "20 s"
+duration = "2 h"
+)",
+                                                    diameter));
+  EXPECT_LT(value(results, "conservation", "linear"), 1e-12);
+  EXPECT_LT(std::abs(value(results, "conservation", "energy_unexplained")), 0.02);
+  double target = 0, damage = 0;
+  const Bodies broken = bodies_after(name, "breakup");
+  for (Index b = 0; b < broken.owned; ++b)
+    if (broken.group[b] == 0) {
+      target += broken.mass[b];
+      damage += std::min(broken.damage[b], 1.0) * broken.mass[b];
+    }
+  EXPECT_GT(damage, 0.9 * target);
+  return largest_remnant(bodies_after(name, "reaccumulation")) / target;
+}
+
+TEST(Monolith, that_is_shattered_falls_together_unless_it_is_hit_too_hard) {
+  // A quarter of Benz & Asphaug's threshold (Icarus 142 (1999) 5) and four times it.
+  EXPECT_GT(left_of_monolith("shattered", "1.3 km"), 0.8);
+  EXPECT_LT(left_of_monolith("dispersed", "3.3 km"), 0.4);
+}
+
 TEST(Nucleus, under_boulders_stays_whole_and_momentum_closes) {
   const auto results = results_of("nucleus", "read_out = [\"1 s\", \"4 s\"]\n" + std::string(rock) +
                                                  R"(
