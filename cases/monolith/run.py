@@ -136,7 +136,7 @@ def write(across):
                 energy, remnant = ([row[key] for row in rows] for key in ("Q", what))
                 halves.append(half_at(energy, remnant))
                 panel.semilogx(np.array(energy) / known, remnant, "o-", ms=3, lw=0.8, color=color,
-                               label=told if seed == SEEDS[0] else None)
+                               label=rock if seed == SEEDS[0] else None)
             lines.append(f"| {told} | {name} | {', '.join(f'{one:.3g}' for one in halves)} "
                          f"| {known:.3g} | {scatter(np.array(halves) / known)} |")
             tables += table_of(rock, name, done)
@@ -148,8 +148,7 @@ def write(across):
         panel.set_xticks((0.1, 0.2, 0.5, 1, 2, 5), ("0.1", "0.2", "0.5", "1", "2", "5"))
         panel.minorticks_off()
     panels[0].set(ylabel="largest remnant over target")
-    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=2,
-                  frameon=False, fontsize=9)
+    panels[0].legend(title="rock that", loc="lower left", frameon=False)
     (HERE / "results.md").write_text("\n".join(lines + tables) + "\n")
     figure.savefig(HERE / "remnants.png", dpi=110)
 
