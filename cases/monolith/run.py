@@ -32,6 +32,15 @@ ROCKS = {"slides": ("with Lundborg's strength, and friction once it has failed",
                     for group in ("target", "projectile")])}
 
 
+KEYS = [(rock, name, part, seed) for seed in SEEDS for rock in ROCKS
+        for name, (_, _, parts) in SIZES.items() for part in parts]
+
+
+def breaks_until(name):
+    """s: the case's 40 s, of a body of 10 km."""
+    return 40 * SIZES[name][0] / 1e4
+
+
 def threshold(radius):
     """J/kg, of a target of this radius (m): what leaves it half of its mass. Benz & Asphaug 1999,
     table 3, basalt at 5 km/s, means over the angles of impact; in erg/g for cm and g/cm^3."""
@@ -48,14 +57,14 @@ def changes(rock, name, part, seed, across):
     # As fine as the target, or finer where it would be less than a body.
     own_spacing = 2 * own / max(1, round(2 * own / spacing))
     at = (radius + own + 0.6 * (spacing + own_spacing)) / np.sqrt(2)
-    unit = radius / 1e4  # the case's own radius
+    ends = breaks_until(name)
     keys = {"groups.target.volume.radius": radius, "groups.target.packing.diameter": spacing,
             "groups.projectile.volume.radius": own,
             "groups.projectile.volume.center": f"[{at}, 0, {at}]",
             "groups.projectile.packing.diameter": own_spacing, "seed": seed,
-            "phases.breakup.step": 0.2 * unit, "phases.breakup.duration": 40 * unit}
+            "phases.breakup.step": ends / 200, "phases.breakup.duration": ends}
     if not flies:
-        keys |= {"output.series_every": 40 * unit, "output.snapshot_every": 0}
+        keys |= {"output.series_every": ends, "output.snapshot_every": 0}
     return [*(f"{key}={value}" for key, value in keys.items()), *ROCKS[rock][1]]
 
 
@@ -70,8 +79,7 @@ def read(rock, name, part, seed, across):
     with h5py.File(folder / "trajectory.h5") as file:
         rows = file["particles/all"]
         group, mass, radius = rows["group"][:], rows["mass"][:], rows["radius"][:]
-        times = rows["damage/time"][:]
-        k = np.argmin(np.abs(times - 40 * SIZES[name][0] / 1e4))
+        k = np.argmin(np.abs(rows["damage/time"][:] - breaks_until(name)))
         whole = (rows["damage/value"][k] < 1) & (group == 0)
         broken = rows["position/value"][k]
         position, velocity = rows["position/value"][-1], rows["velocity/value"][-1]
@@ -100,22 +108,16 @@ def main():
     parser.add_argument("--only-table", action="store_true")
     parser.add_argument("--across", type=int, default=ACROSS)
     asked = parser.parse_args()
-    cases = {False: "cases/monolith/laboratory.toml", True: "cases/monolith/case.toml"}
-    for flies, case in cases.items():
-        runs = [(folder_of(rock, name, part, seed, asked.across), seed,
-                 changes(rock, name, part, seed, asked.across))
-                for seed in SEEDS for rock in ROCKS
-                for name, (_, flown, parts) in SIZES.items() if flown == flies for part in parts]
+    for flies, case in ((False, "laboratory"), (True, "case")):
+        runs = [(folder_of(*key, asked.across), key[-1], changes(*key, asked.across))
+                for key in KEYS if SIZES[key[1]][1] == flies]
         if not asked.only_table:
-            run_all(case, runs, [])
+            run_all(f"cases/monolith/{case}.toml", runs, [])
     write(asked.across)
 
 
 def write(across):
-    done = {key: read(*key, across)
-            for key in ((rock, name, part, seed) for rock in ROCKS
-                        for name, (_, _, parts) in SIZES.items() for part in parts
-                        for seed in SEEDS)
+    done = {key: read(*key, across) for key in KEYS
             if (folder_of(*key, across) / "results.toml").exists()}
     made = commits(folder_of(*key, across) for key in done)
     lines = ["# Basalt bodies, hit at 5 km/s and 45 degrees: the runs",

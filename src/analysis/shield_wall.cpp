@@ -310,10 +310,8 @@ ShieldWall lay_wall(const Comm& comm, const Case& scene, const Shield& shield) {
   }
   for (std::size_t g = 0; g < scene.groups.size(); ++g) {
     const Group& other = scene.groups[g];
-    const Vec3 motion = other.velocity - wall.velocity;
-    const double speed = motion.dot(wall.normal);
-    if (crosses(motion, wall.normal) && speed > 0 &&
-        (wall.center - other.volume.center).dot(wall.normal) > 0)
+    const double speed = speed_across(other.velocity - wall.velocity, wall.normal);
+    if (speed > 0 && (wall.center - other.volume.center).dot(wall.normal) > 0)
       wall.approaches.push_back({static_cast<std::int32_t>(g), speed});
   }
 

@@ -37,7 +37,7 @@ void find_debris_groups(Case& scene) {
   require(plate.shape == Shape::box || plate.shape == Shape::cylinder,
           "{}.plate = \"{}\" is neither a box nor a cylinder", debris.place, debris.plate_name);
   const Vec3 normal = plate.axes.col(thin_axis(plate));
-  require(crosses(scene.groups[debris.projectile].velocity, normal),
+  require(speed_across(scene.groups[debris.projectile].velocity, normal) != 0,
           "{}.projectile = \"{}\" has no velocity towards the plate, along {}", debris.place,
           debris.projectile_name, words_of_direction(normal));
 }

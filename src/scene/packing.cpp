@@ -127,9 +127,7 @@ void read_file(Section& in, Packing& packing) {
 
 /// Those bodies of an earlier run that have their centres in the volume.
 void place_stored(const PackingRequest& request) {
-  const Vec3& turn = request.packing.rotation;
-  const Mat3 rotation =
-      request.volume.axes * Eigen::AngleAxisd(turn.norm(), turn.stableNormalized());
+  const Mat3 rotation = request.volume.axes * turn_by(request.packing.rotation);
   const bool moves = request.packing.stored_motion == StoredMotion::kept;
   for (const StoredBody& body : request.packing.stored) {
     PackedSphere sphere{.center = request.volume.center + rotation * body.position,

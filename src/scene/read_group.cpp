@@ -2,12 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scene/read_group.hpp"
 
-#include <Eigen/Geometry>
 #include <filesystem>
 
 #include "scene/materials.hpp"
 #include "scene/packing.hpp"
 #include "scene/read_motion.hpp"
+#include "scene/shape.hpp"
 #include "spall/error.hpp"
 
 namespace spall {
@@ -50,7 +50,7 @@ void read_volume(Section& in, Volume& volume) {
             "of box, ellipsoid, cylinder, mesh: rotation vector about center; lattices and bodies "
             "of file in it turn along",
             turn, any(number));
-    volume.axes = Eigen::AngleAxisd(turn.norm(), turn.stableNormalized()).toRotationMatrix();
+    volume.axes = turn_by(turn).toRotationMatrix();
   }
 }
 

@@ -157,7 +157,7 @@ Quaternion orientation_of(const Case& scene, std::size_t g, BodyId k) {
   const Vec3 turn = packing.type == &single_packing
                         ? packing.rotation
                         : random_rotation(mix(stream + static_cast<std::uint64_t>(k)));
-  const Quaternion turned(Eigen::AngleAxisd(turn.norm(), turn.stableNormalized()));
+  const Quaternion turned(turn_by(turn));
   return (turned * scene.shapes[shape].as_listed).normalized();
 }
 

@@ -99,15 +99,20 @@ Vec3 half_widths_in_world(const Volume& volume) {
   return volume.axes.cwiseAbs() * half_widths(volume);
 }
 
+Eigen::AngleAxisd turn_by(const Vec3& turn) {
+  return {turn.norm(), turn.stableNormalized()};
+}
+
 int thin_axis(const Volume& volume) {
   int thin = 2;
   if (volume.shape == Shape::box) volume.extents.minCoeff(&thin);
   return thin;
 }
 
-bool crosses(const Vec3& motion, const Vec3& normal) {
+double speed_across(const Vec3& velocity, const Vec3& normal) {
   constexpr double rounding = 1e-12;
-  return std::abs(motion.dot(normal)) > rounding * motion.norm();
+  const double speed = velocity.dot(normal);
+  return std::abs(speed) > rounding * velocity.norm() ? speed : 0;
 }
 
 std::string words_of_direction(const Vec3& direction) {

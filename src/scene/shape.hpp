@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Geometry>
+
 #include "scene/case.hpp"
 
 namespace spall {
@@ -21,10 +23,13 @@ Vec3 half_widths(const Volume& volume);
 /// The same along those of the world, of the box that holds that one.
 Vec3 half_widths_in_world(const Volume& volume);
 
+/// About the rotation vector `turn`, by its length (rad).
+Eigen::AngleAxisd turn_by(const Vec3& turn);
+
 /// Its own axis along which a box is thinnest; of a cylinder that of its height.
 int thin_axis(const Volume& volume);
-/// Whether a motion leads across planes of this unit normal, beyond what turning the normal rounds.
-bool crosses(const Vec3& motion, const Vec3& normal);
+/// Of a velocity along this unit normal; 0 where turning the normal alone has made it so.
+double speed_across(const Vec3& velocity, const Vec3& normal);
 /// Of a unit vector, for messages: "x", "-z", "[0, 0.6, 0.8]".
 std::string words_of_direction(const Vec3& direction);
 

@@ -39,8 +39,7 @@ namespace {
 double way_of_flight(const Case& scene, const Group& wall, const Vec3& normal) {
   bool up = false, down = false;
   for (const Group& group : scene.groups) {
-    const Vec3 motion = group.velocity - wall.velocity;
-    const double closing = crosses(motion, normal) ? normal.dot(motion) : 0;
+    const double closing = speed_across(group.velocity - wall.velocity, normal);
     const double ahead = normal.dot(wall.volume.center - group.volume.center);
     if (closing * ahead > 0) (closing > 0 ? up : down) = true;
   }
