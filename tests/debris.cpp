@@ -12,7 +12,8 @@
 namespace spall {
 namespace {
 
-Case scene(const std::string& velocity = "[0, 0, -6000]", const std::string& more = "") {
+Case scene(const std::string& velocity = "[0, 0, -6000]", const std::string& more = "",
+           const std::string& plates = R"(plate = "plate")", const std::string& groups = "") {
   return parse_case(R"(
 [materials.al.solid]
 density = 2700
@@ -28,16 +29,19 @@ material = "al"
 volume = {shape = "sphere", diameter = 10, center = [0, 0, 6]}
 packing = {kind = "fcc", diameter = 1}
 velocity = )" + velocity +
-                        R"(
+                        "\n" + groups + R"(
 [[phases]]
 name = "only"
 step = 1
 duration = 1
 [debris]
 projectile = "ball"
-plate = "plate"
-)" + more,
+)" + plates + "\n" + more,
                     "x.toml");
+}
+
+Target target_of(const Case& laid) {
+  return find_target(laid, laid.debris->plates.front());
 }
 
 struct Body {
@@ -76,14 +80,14 @@ std::vector<Body> plate(const Target& target, double hole, const Vec3& middle) {
 }
 
 TEST(Debris, target_is_what_the_case_laid) {
-  const Target t = find_target(scene("[3000, 0, -6000]"));
+  const Target t = target_of(scene("[3000, 0, -6000]"));
   EXPECT_EQ(t.normal, Vec3(0, 0, -1));
   EXPECT_DOUBLE_EQ(t.diameter, 10);
   EXPECT_DOUBLE_EQ(t.thickness, 4);
   EXPECT_DOUBLE_EQ(t.areal_density, 2700 * 4);
   Case heavy = scene();
   heavy.groups[0].total_mass = 3e6;
-  EXPECT_DOUBLE_EQ(find_target(heavy).areal_density, 1000);
+  EXPECT_DOUBLE_EQ(target_of(heavy).areal_density, 1000);
   // From 8 m above the plate's middle, half as far across.
   EXPECT_LE((t.origin - Vec3(4, 0, -4)).norm(), 1e-12);
   EXPECT_DOUBLE_EQ(t.half_width, 21);
@@ -93,7 +97,7 @@ TEST(Debris, target_of_a_tilted_plate_has_its_normal) {
   const double angle = 0.4;
   Case tilted = scene("[0, 0, -6000]");
   tilted.groups[0].volume.axes = Eigen::AngleAxisd(angle, Vec3::UnitX()).toRotationMatrix();
-  const Target t = find_target(tilted);
+  const Target t = target_of(tilted);
   EXPECT_LE((t.normal - Vec3(0, std::sin(angle), -std::cos(angle))).norm(), 1e-14);
   // Straight down to the plate's middle; from there to its rear face, and its nearest rim.
   EXPECT_LE((t.origin - (Vec3(0, 0, -2) + 2 * t.normal)).norm(), 1e-12);
@@ -103,7 +107,7 @@ TEST(Debris, target_of_a_tilted_plate_has_its_normal) {
 
 TEST(Debris, hole_is_as_wide_as_it_was_made) {
   const Comm comm = testing_world();
-  const Target t = find_target(scene());
+  const Target t = target_of(scene());
   for (double hole : {0.0, 13.0, 21.7, 30.0}) {
     const Bodies bodies = bodies_of(comm, plate(t, hole, Vec3::Zero()));
     const Cloud cloud = measure_cloud(comm, bodies, t, 0);
@@ -117,7 +121,7 @@ TEST(Debris, hole_is_as_wide_as_it_was_made) {
 TEST(Debris, whole_plate_of_coarse_bodies_has_no_hole) {
   // Between bodies that are farther apart than rings are wide a whole plate looks open.
   const Comm comm = testing_world();
-  const Target t = find_target(scene());
+  const Target t = target_of(scene());
   for (const auto& [spacing, hole] :
        {std::pair(0.5, 0.0), {1.0, 0.0}, {1.6, 0.0}, {2.5, 0.0}, {1.6, 13.0}}) {
     std::vector<Body> all;
@@ -134,7 +138,7 @@ TEST(Debris, whole_plate_of_coarse_bodies_has_no_hole) {
 
 TEST(Debris, hole_off_the_middle_has_the_spread_of_its_sectors) {
   const Comm comm = testing_world();
-  const Target t = find_target(scene());
+  const Target t = target_of(scene());
   const Bodies bodies = bodies_of(comm, plate(t, 24, {2, 0, 0}));
   const Cloud cloud = measure_cloud(comm, bodies, t, 0);
   // r = 2 cos a + sqrt(144 - 4 sin^2 a): mean 12 - 4/48, standard deviation 2/sqrt 2.
@@ -144,7 +148,7 @@ TEST(Debris, hole_off_the_middle_has_the_spread_of_its_sectors) {
 
 TEST(Debris, speeds_masses_and_extents_are_those_of_the_cloud) {
   const Comm comm = testing_world();
-  const Target t = find_target(scene());
+  const Target t = target_of(scene());
   std::vector<Body> all;
   // A column of 101 pieces of each kind, of speeds 0 to 5000, 10 to 110 m behind the plate.
   for (int k = 0; k <= 100; ++k) {
@@ -174,13 +178,13 @@ TEST(Debris, speeds_masses_and_extents_are_those_of_the_cloud) {
 TEST(Debris, melts_by_its_own_material_where_that_is_known) {
   const Comm comm = testing_world();
   const std::vector<Body> all{{1, 2, {0, 0, -20}, {0, 0, -50}, 3e6}, {0, 1, {0, 0, -20}, {}, 2e6}};
-  Target t = find_target(scene());
+  Target t = target_of(scene());
   t.melt_energy = {1e6, 3e6};
   EXPECT_EQ(measure_cloud(comm, bodies_of(comm, all), t, 1).projectile_melted, 1);
   EXPECT_EQ(measure_cloud(comm, bodies_of(comm, all), t, 1).plate_melted, 0);
   const Target of_two =
-      find_target(parse_case(scene().text + "[materials.cu.solid]\ndensity = 8930\n", "x.toml",
-                             {"groups.ball.material=cu"}));
+      target_of(parse_case(scene().text + "[materials.cu.solid]\ndensity = 8930\n", "x.toml",
+                           {"groups.ball.material=cu"}));
   EXPECT_EQ(of_two.melt_energy, (std::array{0.0, 1e6}));
   const Cloud cloud = measure_cloud(comm, bodies_of(comm, all), of_two, 1);
   EXPECT_TRUE(std::isnan(cloud.projectile_melted));
@@ -189,14 +193,14 @@ TEST(Debris, melts_by_its_own_material_where_that_is_known) {
 
 TEST(Debris, have_no_hole_where_the_line_of_flight_leaves_beside_the_plate) {
   const Comm comm = testing_world();
-  const Target t = find_target(scene("[30000, 0, -6000]"));
+  const Target t = target_of(scene("[30000, 0, -6000]"));
   EXPECT_LT(t.half_width, 0);
   EXPECT_EQ(measure_cloud(comm, bodies_of(comm, plate(t, 0, Vec3::Zero())), t, 1).hole, 0);
 }
 
 TEST(Debris, maps_that_end_keep_the_line_of_flight_in_their_middle) {
   const Comm comm = testing_world();
-  const Target t = find_target(scene());
+  const Target t = target_of(scene());
   const std::vector<Body> on_axis{{1, 3, {0.1, 0.1, -20}, {0, 0, -50}}};
   for (double distance : {100.0, 1e4})
     EXPECT_DOUBLE_EQ(load_wall(comm, bodies_of(comm, on_axis), t, distance).peak, 150 / 25.)
@@ -210,7 +214,7 @@ TEST(Debris, maps_that_end_keep_the_line_of_flight_in_their_middle) {
 }
 
 TEST(Debris, of_a_cloud_without_bodies_are_zeros) {
-  const Target t = find_target(scene());
+  const Target t = target_of(scene());
   const Cloud cloud = measure_cloud(testing_world(), {}, t, 0);
   for_each_column(cloud, [&](const std::string& name, double value, auto&&...) {
     EXPECT_EQ(value, name == "hole" ? cloud.hole : 0) << name;
@@ -219,7 +223,7 @@ TEST(Debris, of_a_cloud_without_bodies_are_zeros) {
 
 TEST(Debris, of_one_rank_alone_are_those_of_all) {
   const Comm comm = testing_world();
-  const Target t = find_target(scene());
+  const Target t = target_of(scene());
   const std::vector<Body> one{{1, 2, {0, 0, -20}, {3, 4, -50}}};
   const Cloud c = measure_cloud(comm, bodies_of(comm, one), t, 1);
   EXPECT_NEAR(c.front, 50, 1e-9);
@@ -229,7 +233,7 @@ TEST(Debris, of_one_rank_alone_are_those_of_all) {
 
 TEST(Debris, ejecta_are_farther_before_the_plate_than_a_quarter_of_the_projectile) {
   const Comm comm = testing_world();
-  Target t = find_target(scene());
+  Target t = target_of(scene());
   t.origin = Vec3::Zero();  // all that follows is exact
   const double nearest = t.thickness + t.diameter / 4;
   const std::vector<Body> all{{0, 3, {0, 0, nearest}, {0, 0, 100}},
@@ -239,7 +243,7 @@ TEST(Debris, ejecta_are_farther_before_the_plate_than_a_quarter_of_the_projectil
 
 TEST(Debris, contour_holds_what_is_thick_enough) {
   const Comm comm = testing_world();
-  const Target t = find_target(scene());
+  const Target t = target_of(scene());
   std::vector<Body> all;
   // A block 40 x 20 x 20 m of a tenth of the density, and dust around it that no contour shows.
   for (double z = 0.25; z < 40; z += 0.5)
@@ -255,7 +259,7 @@ TEST(Debris, contour_holds_what_is_thick_enough) {
 
 TEST(Debris, pieces_are_counted_and_weighed_on_any_number_of_ranks) {
   const Comm comm = testing_world();
-  const Target t = find_target(scene());
+  const Target t = target_of(scene());
   // Chains of 1, 2, 3, ..., 30 bodies behind the plate, one chain before it; all on rank 0.
   std::vector<Body> all;
   Links links;
@@ -279,7 +283,7 @@ TEST(Debris, pieces_are_counted_and_weighed_on_any_number_of_ranks) {
 
 TEST(Debris, wall_receives_what_flies_there) {
   const Comm comm = testing_world();
-  const Target t = find_target(scene());
+  const Target t = target_of(scene());
   std::vector<Body> all;
   for (int k = 0; k < 100; ++k) {
     const double a = 2 * pi * k / 100, r = 1 + 0.1 * k;  // where it hits
@@ -298,7 +302,7 @@ TEST(Debris, wall_receives_what_flies_there) {
 TEST(Debris, wall_receives_what_is_slow_and_nothing_of_what_stands_still) {
   const Comm comm = testing_world();
   const std::vector<Body> all{{1, 3, {0, 0, -24}, {0, 0, -0.5}}, {1, 7, {0, 0, -24}, {9, 0, 0}}};
-  const WallLoad load = load_wall(comm, bodies_of(comm, all), find_target(scene()), 100);
+  const WallLoad load = load_wall(comm, bodies_of(comm, all), target_of(scene()), 100);
   EXPECT_EQ(load.momentum, 1.5);
   EXPECT_LT(load.radius, 1);
 }
@@ -308,7 +312,7 @@ TEST(Debris, log_survives_a_restart_and_reports_all_read_outs) {
   const Case asked = scene("[0, 0, -6000]", "every = 1\n");
   World world;
   world.comm = comm;
-  world.bodies = bodies_of(comm, plate(find_target(asked), 20, Vec3::Zero()));
+  world.bodies = bodies_of(comm, plate(target_of(asked), 20, Vec3::Zero()));
   DebrisLog log(asked), resumed(asked);
   log.read_out(world, 1);
   Scalars scalars;
@@ -319,6 +323,46 @@ TEST(Debris, log_survives_a_restart_and_reports_all_read_outs) {
   resumed.conclude(world, Rigid(), false, 2, two);
   EXPECT_EQ(one.toml(), two.toml());
   EXPECT_NE(one.toml().find("time = [1.0, 2.0]"), std::string::npos);
+}
+
+TEST(Debris, each_of_two_plates_is_measured_as_if_it_were_alone) {
+  const std::string second = R"(
+[[groups]]
+name = "rear-2"
+material = "al"
+volume = {shape = "box", size = [50, 60, 2], center = [0, 0, -21]}
+packing = {kind = "fcc", diameter = 1}
+)";
+  const Comm comm = testing_world();
+  std::vector<Body> bodies = plate(target_of(scene()), 20, Vec3::Zero());
+  for (const double depth : {10.0, 30.0})
+    bodies.push_back({1, depth, {0.3 * depth, 0, -4 - depth}, {0, 0, -100 * depth}});
+  bodies.push_back({2, 5, {1, 2, -40}, {0, 0, -700}});
+  World world;
+  world.comm = comm;
+  world.bodies = bodies_of(comm, bodies);
+  const auto results = [&](const std::string& plates) {
+    DebrisLog log(scene("[0, 0, -6000]", "every = 1\n", plates, second));
+    log.read_out(world, 1);
+    Scalars scalars;
+    log.save(scalars);
+    DebrisLog resumed(scene("[0, 0, -6000]", "every = 1\n", plates, second));
+    resumed.load(scalars);
+    ResultTable table;
+    resumed.conclude(world, Rigid(), false, 2, table);
+    return table.toml();
+  };
+  std::string alone = results(R"(plate = "plate")") + "\n" + results(R"(plate = "rear-2")");
+  for (const char* section : {"[debris", "[cloud"}) {
+    const std::size_t length = std::string(section).size();
+    alone.insert(alone.rfind(section) + length, "_rear_2");
+    alone.insert(alone.find(section) + length, "_plate");
+  }
+  EXPECT_EQ(results(R"(plates = ["plate", "rear-2"])"), alone);
+  for (const char* wrong :
+       {R"(plates = [])", R"(plates = ["plate", "ball"])", "", R"(plates = ["plate", "plate"])",
+        "plate = \"plate\"\nplates = [\"rear-2\"]"})
+    EXPECT_THROW(scene("[0, 0, -6000]", "", wrong, second), Error) << wrong;
 }
 
 }  // namespace

@@ -128,6 +128,56 @@ void expect_turned(const std::vector<Vec3>& turned, const std::vector<Vec3>& upr
     EXPECT_LE((turned[k] - center - some_turn * (upright[k] - center)).norm(), 1e-12);
 }
 
+std::vector<Vec3> polycrystal(const Volume& volume, const Packing& packing, std::uint64_t seed) {
+  std::vector<Vec3> sites;
+  place_grains(LatticeKind::fcc, volume, packing, seed,
+               [&](const Vec3& site) { sites.push_back(site); });
+  return sites;
+}
+
+TEST(Packing, of_grains_fills_its_volume_with_crystals) {
+  const double side = 20;  // spacings
+  const Volume volume = box({side, side, side});
+  const Packing packing{.radius = 0.5, .grain = 6};
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    const std::vector<Vec3> sites = polycrystal(volume, packing, seed);
+    EXPECT_NEAR(static_cast<double>(sites.size()), std::sqrt(2) * std::pow(side, 3),
+                0.015 * std::sqrt(2) * std::pow(side, 3));
+    SphereGrid grid(Vec3::Zero(), Vec3::Constant(side / 2), 0.5, std::ssize(sites));
+    for (const Vec3& site : sites) grid.add(site);
+    // No place is without a site: in fcc the farthest is 1/sqrt 2 away, between grains about 1.
+    std::mt19937_64 engine(seed);
+    for (int t = 0; t < 20000; ++t) {
+      const double x = uniform(engine), y = uniform(engine), z = uniform(engine);
+      const Vec3 point = (side - 2) * (Vec3(x, y, z) - Vec3::Constant(0.5));
+      EXPECT_GE(grid.find_nearer(point, 1.4), 0) << point.transpose();
+    }
+    // Within a grain a site has twelve neighbours; at six spacings some quarter of them is.
+    int inner = 0, whole = 0;
+    for (std::size_t k = 0; k < sites.size(); k += 10) {
+      if (sites[k].cwiseAbs().maxCoeff() > side / 2 - 1.1) continue;
+      const auto touching = std::ranges::count_if(
+          sites, [&](const Vec3& other) { return std::abs((other - sites[k]).norm() - 1) < 1e-9; });
+      EXPECT_LE(touching, 12);
+      whole += touching == 12;
+      ++inner;
+    }
+    EXPECT_GT(whole, 0.2 * inner);
+    EXPECT_LT(whole, 0.4 * inner);
+  }
+  EXPECT_NE(polycrystal(volume, packing, 1), polycrystal(volume, packing, 2));
+}
+
+TEST(Packing, of_one_grain_is_a_crystal) {
+  // The cell reaches over the whole box: a bound on cells must not cut it.
+  const Volume volume = box({30, 4, 4});
+  const std::vector<Vec3> sites = polycrystal(volume, {.radius = 0.5, .grain = 9.7}, 7);
+  EXPECT_NEAR(static_cast<double>(sites.size()), std::sqrt(2) * 30 * 16, 0.05 * 30 * 16);
+  std::vector<double> off;
+  for (const Vec3& site : sites) off.push_back((site - sites.front()).squaredNorm());
+  for (const double square : off) EXPECT_NEAR(square, std::round(square), 1e-9);
+}
+
 TEST(Packing, of_a_turned_volume_turns_along) {
   Volume upright = box({7, 9, 3});
   upright.center = {1, -2, 3};
@@ -141,6 +191,8 @@ TEST(Packing, of_a_turned_volume_turns_along) {
     }
   expect_turned(random_spheres(turned, 0.4, 200, 7), random_spheres(upright, 0.4, 200, 7),
                 upright.center);
+  const Packing grains{.radius = 0.4, .grain = 3};
+  expect_turned(polycrystal(turned, grains, 7), polycrystal(upright, grains, 7), upright.center);
 }
 
 TEST(Lattice, inner_sites_have_the_neighbours_of_their_kind_and_no_nearer_ones) {

@@ -104,7 +104,7 @@ TEST(PlateRigid, other_units_give_the_same_motion) {
 /// term it is 0.58, 0.63, 0.52 and 0.57 of the speed in steps of a quarter, a half, one and two.
 TEST(PlateRigid, front_is_as_fast_in_any_step_but_for_its_scatter) {
   const Case scene = plate();
-  const Target target = find_target(scene);
+  const Target target = find_target(scene, scene.debris->plates.front());
   const auto front = [&](double part) {
     Lab world = world_of(testing_world(), scene);
     const double h = part * spacing / 2 / impact_speed;

@@ -1,9 +1,11 @@
 // Solids with a stress a body: constants, rotation, conservation, order, ranks, yield, refusals.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cmath>
+#include <optional>
 #include <random>
 
 #include "output/diagnostics.hpp"
+#include "scene/packing.hpp"
 #include "scene/scene.hpp"
 #include "solid/cold_curve.hpp"
 #include "solid/contacts.hpp"
@@ -36,6 +38,17 @@ std::vector<Sphere> crystal(const Eigen::Matrix3d& turn, double radius, F&& insi
 }
 std::vector<Sphere> ball(const Eigen::Matrix3d& turn, double radius) {
   return spall::ball(d, copper.density, turn, radius);
+}
+/// Of grains of five spacings.
+std::vector<Sphere> polycrystal(double radius) {
+  std::vector<Sphere> spheres;
+  place_grains(LatticeKind::fcc, {.shape = Shape::sphere, .radius = radius},
+               {.radius = d / 2, .grain = 5 * d}, 1, [&](const Vec3& site) {
+                 spheres.push_back({.radius = d / 2,
+                                    .mass = copper.density * d * d * d / std::sqrt(2.0),
+                                    .position = site});
+               });
+  return spheres;
 }
 
 // --- the laws ---
@@ -85,9 +98,9 @@ TEST(SolidLaw, returns_to_johnson_and_cook_s_flow_stress) {
 TEST(SolidStep, has_the_moduli_of_the_material_along_every_direction) {
   Eigen::Matrix3d strains[3] = {Vec3(1, 0, 0).asDiagonal(), Vec3(1, 1, 1).asDiagonal(), {}};
   strains[2] << 0, 1, 0, 1, 0, 0, 0, 0, 0;
-  for (const Eigen::Matrix3d& orientation : {as_is, turned})
+  for (const auto& whole : {ball(as_is, 4.2 * d), ball(turned, 4.2 * d), polycrystal(4.2 * d)})
     for (const Eigen::Matrix3d& strain : strains) {
-      auto spheres = ball(orientation, 4.2 * d);
+      auto spheres = whole;
       const double h = 1e-8, size = 1e-5;
       for (Sphere& s : spheres) s.velocity = size / h * (strain * s.position);
       Lab world = world_of(testing_world(), spheres, elastic);
@@ -104,20 +117,21 @@ TEST(SolidStep, waves_run_at_the_material_s_speeds_along_every_direction) {
   const double pressed = elastic.sound_speed(),
                sheared = std::sqrt(copper.shear_modulus() / copper.density);
   const struct {
-    Eigen::Matrix3d orientation;
+    std::optional<Eigen::Matrix3d> orientation;  // none: of many grains
     Vec3 direction, motion;
     double speed;
-  } waves[] = {{as_is, {1, 0, 0}, {1, 0, 0}, pressed}, {as_is, {1, 1, 0}, {1, 1, 0}, pressed},
-               {as_is, {1, 1, 1}, {1, 1, 1}, pressed}, {turned, {1, 0, 0}, {1, 0, 0}, pressed},
-               {as_is, {1, 0, 0}, {0, 1, 0}, sheared}, {as_is, {1, 1, 0}, {1, -1, 0}, sheared},
-               {turned, {0, 1, 0}, {0, 0, 1}, sheared}};
+  } waves[] = {{as_is, {1, 0, 0}, {1, 0, 0}, pressed},  {as_is, {1, 1, 0}, {1, 1, 0}, pressed},
+               {as_is, {1, 1, 1}, {1, 1, 1}, pressed},  {turned, {1, 0, 0}, {1, 0, 0}, pressed},
+               {as_is, {1, 0, 0}, {0, 1, 0}, sheared},  {as_is, {1, 1, 0}, {1, -1, 0}, sheared},
+               {turned, {0, 1, 0}, {0, 0, 1}, sheared}, {{}, {1, 0, 0}, {1, 0, 0}, pressed},
+               {{}, {0, 1, 0}, {0, 0, 1}, sheared}};
   for (const auto& wave : waves) {
     // A standing wave: its crest, in the middle of a ball, falls through zero after a quarter of a
     // period; a pressure wave from the ball's surface is not heard of before.
     const double length = 22 * d, amplitude = 1e-5 * d;
     const double radius = 0.27 * length * pressed / wave.speed + 3 * d;
     const Vec3 q = 2 * pi / length * wave.direction.normalized(), along = wave.motion.normalized();
-    auto spheres = ball(wave.orientation, radius);
+    auto spheres = wave.orientation ? ball(*wave.orientation, radius) : polycrystal(radius);
     const double speed = amplitude * 2 * pi / length * wave.speed;
     // It starts flat, with velocities: the stress of the start is none.
     for (Sphere& s : spheres) s.velocity = speed * std::cos(q.dot(s.position)) * along;
@@ -137,8 +151,10 @@ TEST(SolidStep, waves_run_at_the_material_s_speeds_along_every_direction) {
       time += h;
     }
     const double quarter = time - h * now / (now - before);
-    // A gradient of neighbours sees less of a short wave: 22 spacings run 1.4 % slower.
-    EXPECT_NEAR(length / (4 * quarter), wave.speed, 0.02 * wave.speed)
+    // A gradient of neighbours sees less of a short wave: 22 spacings run 1.4 % slower. Borders of
+    // grains are softer than crystals: what single bodies do beside the mean has no stiffness.
+    const double most = wave.orientation ? 0.02 : 0.15;
+    EXPECT_NEAR(length / (4 * quarter), wave.speed, most * wave.speed)
         << wave.direction.transpose() << " " << wave.motion.transpose();
   }
 }

@@ -2,11 +2,12 @@
 # Runs the cylinder at some resolutions and orientations, and puts its length and foot beside what
 # was measured.
 # SPDX-License-Identifier: BSD-3-Clause
-"""usage: measure.py [--across 8 12] [--seeds 1 2 3] [--whole] [--spall build/release/spall]
-[--ranks 2]    prints a table.
+"""usage: measure.py [--across 8 12] [--seeds 1 2 3] [--whole] [--grains 3] [--ranks 2]
+[--spall build/release/spall]    prints a table.
 
 Length: by how much the lattice has become shorter, of the whole length. Foot: by how much the
 largest distance from the axis has grown, of bodies that have not failed, of the whole width.
+--grains: a polycrystal, its grains so many mm large, instead of one crystal.
 --whole: nothing fails, by a copy of the material without the constants that say when.
 """
 import argparse
@@ -34,8 +35,10 @@ def shape(folder):
     return 1e3 * length, 1e3 * foot, len(first), np.count_nonzero(~holds)
 
 
-def case_of(folder, whole):
+def case_of(folder, whole, grains):
     text = (HERE / "case.toml").read_text()
+    if grains:
+        text = text.replace('orientation = "random"', f'grains = "{grains} mm"')
     material = HERE.parent / "materials" / "copper.toml"
     if whole:
         lines = [line for line in material.read_text().splitlines() if "spall_strength" not in line
@@ -52,6 +55,7 @@ def main():
     parser.add_argument("--seeds", type=int, nargs="+", default=[1, 2, 3])
     parser.add_argument("--spall", default="build/release/spall")
     parser.add_argument("--ranks", type=int, default=2)
+    parser.add_argument("--grains", type=float, help="mm, mean size")
     parser.add_argument("--whole", action="store_true", help="nothing fails")
     args = parser.parse_args()
     print(
@@ -62,9 +66,10 @@ def main():
             spacing = 2 * RADIUS / across
             with tempfile.TemporaryDirectory() as scratch:
                 out = Path(scratch) / "out"
+                case = case_of(Path(scratch), args.whole, args.grains)
                 subprocess.run(["mpirun", "--oversubscribe", "-n", str(args.ranks), args.spall,
-                                "run", str(case_of(Path(scratch), args.whole)), "--out",
-                                str(out), "--set", f"seed={seed}", "--set",
+                                "run", str(case), "--out", str(out),
+                                "--set", f"seed={seed}", "--set",
                                 f"groups.cylinder.packing.diameter={spacing}",
                                 "--set", f"phases.impact.step={STEP * 10 / across}"], check=True,
                                stdout=subprocess.DEVNULL)

@@ -208,10 +208,10 @@ void measure_hole(const Comm& comm, const Bodies& bodies, const Target& target, 
 
 }  // namespace
 
-Target find_target(const Case& scene) {
+Target find_target(const Case& scene, const DebrisPlate& measured) {
   Target t;
   t.projectile = scene.debris->projectile;
-  t.plate = scene.debris->plate;
+  t.plate = measured.group;
   const Group& ball = scene.groups[t.projectile];
   const Group& plate = scene.groups[t.plate];
   const int thin = thin_axis(plate.volume);

@@ -29,7 +29,8 @@ struct Target {
   double density = 0;                   ///< kg/m^3, of the projectile's solid
   std::array<double, 2> melt_energy{};  ///< J/kg, of projectile and plate; 0: not known
 };
-Target find_target(const Case& scene);
+/// `plate` is one of the case's `debris->plates`.
+Target find_target(const Case& scene, const DebrisPlate& plate);
 
 /// One instant. Debris are the bodies of projectile and plate that are more than D/4 behind the
 /// plate. Percentiles are weighted by mass. The contour is that of two side views, its width their

@@ -42,6 +42,29 @@ class Pictures:
                       f"<figcaption>{caption}</figcaption></figure>{more}")
 
 
+def add_debris(pictures, run):
+    import report_debris as debris
+    for plate, end in debris.plates(run):
+        if not run.results.get("cloud" + end, {}).get("time"):
+            continue
+        flight = debris.Flight(run, plate, end)
+        pictures.add("radiographs" + end, debris.radiographs(flight),
+                     "From the side, as on flash radiographs: dark where much mass is in the way.",
+                     f"Debris behind {plate}" if end else "Debris")
+        pictures.add("debris" + end, debris.speeds(flight),
+                     "Left: debris more than a quarter of a diameter behind the plate. "
+                     "Percentiles: 99th of speeds (front, radial), 1st (rear), mean.")
+        if state := debris.state(flight):
+            pictures.add("state" + end, state,
+                         "A slice a sixth of a diameter thick through the axis, at the end. "
+                         "Temperature: of the heat that damping left in a body, not of what its "
+                         "motion holds.")
+        if flight.wall and (wall := debris.wall(flight)):
+            pictures.add("wall" + end, wall,
+                         "Debris that fly on freely; within the circles half and 90 % of the "
+                         "momentum.")
+
+
 def pictures_of(run):
     """What needs more than the bodies' places, or stands in texts: drawn once, when the page is
     made."""
@@ -54,23 +77,8 @@ def pictures_of(run):
                  "Left: bodies behind the plane of the cut, coloured by speed; arrows: "
                  "velocity in the plane of the bodies next to it, length as the root of the "
                  "speed. Right: how many bodies have which speed, and velocity against place.")
-    if run.results.get("cloud", {}).get("time"):
-        import report_debris as debris
-        pictures.add("radiographs", debris.radiographs(run),
-                     "From the side, as on flash radiographs: dark where much mass is in the way.",
-                     "Debris")
-        pictures.add("debris", debris.speeds(run),
-                     "Left: debris more than a quarter of a diameter behind the plate. "
-                     "Percentiles: 99th of speeds (front, radial), 1st (rear), mean.")
-        if state := debris.state(run):
-            pictures.add("state", state,
-                         "A slice a sixth of a diameter thick through the axis, at the end. "
-                         "Temperature: of the heat that damping left in a body, not of what its "
-                         "motion holds.")
-        if "wall" in run.results and (wall := debris.wall(run)):
-            pictures.add("wall", wall,
-                         "Debris that fly on freely; within the circles half and 90 % of the "
-                         "momentum.")
+    if "debris" in run.case:
+        add_debris(pictures, run)
     if run.gravity and sorted(run.gravity.counts)[1] > 1:
         pictures.add("gravity", figures.gravity(run),
                      "Potential and pull of the bodies in the middle plane of the map; circles: "

@@ -1,7 +1,7 @@
 # Pictures of a plate's impact: a film strip of radiographs, speeds, and what a wall would receive.
 # SPDX-License-Identifier: BSD-3-Clause
-import functools
 import os
+import re
 
 import h5py
 import matplotlib.pyplot as plt
@@ -12,14 +12,22 @@ from report_figures import BLUE, GREY, INK, ORANGE, RED
 from report_run import readable_time
 
 
+def plates(run):
+    """(name, what its sections of the results end in) of each plate that [debris] names."""
+    debris = run.case["debris"]
+    if "plate" in debris:
+        return [(debris["plate"], "")]
+    return [(name, "_" + re.sub("[^A-Za-z0-9]", "_", name)) for name in debris["plates"]]
+
+
 class Flight:
     """Bodies of projectile and plate in the plate's frame: depth behind its rear face, and
     across."""
 
-    def __init__(self, run):
+    def __init__(self, run, plate, end):
         groups = [group["name"] for group in run.case["groups"]]
-        debris = run.case["debris"]
-        self.ball, self.plate = groups.index(debris["projectile"]), groups.index(debris["plate"])
+        self.ball = groups.index(run.case["debris"]["projectile"])
+        self.plate = groups.index(plate)
         with h5py.File(os.path.join(run.folder, "trajectory.h5")) as file:
             all_bodies = file["particles/all"]
             self.time = all_bodies["position/time"][:]
@@ -31,7 +39,9 @@ class Flight:
             self.damage, self.temperature = (
                 all_bodies[name + "/value"][-1][own] if name in all_bodies else None
                 for name in ("damage", "temperature"))
-        table = run.results["debris"]
+        table = run.results["debris" + end]
+        self.cloud = {key: np.array(value) for key, value in run.results["cloud" + end].items()}
+        self.wall = run.results.get("wall" + end)
         self.diameter, self.speed = table["diameter"], table["speed"]
         self.origin, self.normal = np.array(table["origin"]), np.array(table["normal"])
         side = np.eye(3)[(np.argmax(np.abs(self.normal)) + 1) % 3]
@@ -48,12 +58,6 @@ class Flight:
         return (self.position[k] - self.origin) @ self.side
 
 
-@functools.cache
-def flight_of(run):
-    """Read once for all pictures: a trajectory may have gigabytes."""
-    return Flight(run)
-
-
 def column_map(flight, k, extent, pixels):
     """kg/m^2 seen from the side, and the picture's pixel (m)."""
     x = flight.depth(k)
@@ -66,9 +70,8 @@ def column_map(flight, k, extent, pixels):
     return counts.T, pixel
 
 
-def radiographs(run):
+def radiographs(flight):
     """Dark where much mass is in the way of the light, as on the film of a flash radiograph."""
-    flight = flight_of(run)
     # Snapshots next to six equal times: a phase's last one and one that was due may fall together.
     wanted = np.linspace(flight.time[0], flight.time[-1], 6)
     frames = np.unique([np.abs(np.asarray(flight.time) - t).argmin() for t in wanted])
@@ -102,9 +105,8 @@ def radiographs(run):
     return figure
 
 
-def speeds(run):
+def speeds(flight):
     """Where the debris are and how fast, by origin, and the cloud against time."""
-    flight = flight_of(run)
     k = len(flight.time) - 1
     speed = flight.speed
     debris = flight.depth(k) > flight.diameter / 4
@@ -127,7 +129,7 @@ def speeds(run):
               title="debris by origin")
     panel.legend()
     panel = axes[2]
-    cloud = {key: np.array(value) for key, value in run.results["cloud"].items()}
+    cloud = flight.cloud
     for key, color in (("front", RED), ("radial", ORANGE), ("centre", BLUE), ("rear", GREY)):
         panel.plot(1e6 * cloud["time"], cloud[key] / speed, "o-", ms=3, color=color, label=key)
     panel.plot(1e6 * cloud["time"], cloud["hole"] / flight.diameter, "s--", ms=3, color=INK,
@@ -137,10 +139,9 @@ def speeds(run):
     return figure
 
 
-def state(run):
+def state(flight):
     """A slice through the axis at the end: the share of broken bonds and the temperature. None
     where none can break."""
-    flight = flight_of(run)
     if flight.damage is None or not flight.damage.any():
         return None
     k = len(flight.time) - 1
@@ -163,9 +164,9 @@ def state(run):
     return figure
 
 
-def wall(run):
+def wall(flight):
     """Momentum that debris flying on freely bring to each place of a wall. None without debris."""
-    flight, distance = flight_of(run), run.results["wall"]["distance"]
+    distance = flight.wall["distance"]
     k = len(flight.time) - 1
     axial, depth = flight.axial(k), flight.depth(k)
     chosen = (depth > flight.diameter / 4) & (axial > 0)
@@ -174,7 +175,7 @@ def wall(run):
     left = np.maximum(0, distance - depth[chosen]) / axial[chosen]
     place = flight.position[k][chosen] - flight.origin + left[:, None] * flight.velocity[k][chosen]
     hit = [place @ flight.side, place @ np.cross(flight.normal, flight.side)]
-    half = 1.2 * run.results["wall"]["radius"]
+    half = 1.2 * flight.wall["radius"]
     pixel = flight.diameter / 2
     bins = np.arange(-np.ceil(half / pixel) * pixel, half + pixel, pixel)
     map_, _, _ = np.histogram2d(*hit, bins=[bins, bins],
@@ -186,7 +187,7 @@ def wall(run):
                         extent=[1e3 * bins[0], 1e3 * bins[-1]] * 2)
     turn = np.linspace(0, 2 * np.pi, 100)
     for key, style in (("half_radius", "-"), ("radius", "--")):
-        r = 1e3 * run.results["wall"][key]
+        r = 1e3 * flight.wall[key]
         axes.plot(r * np.cos(turn), r * np.sin(turn), style, color=GREY, lw=1)
     axes.set(xlabel="mm", ylabel="mm", title=f"momentum on a wall {1e3 * distance:g} mm behind")
     axes.grid(False)

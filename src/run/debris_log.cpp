@@ -8,84 +8,108 @@
 #include <cmath>
 
 namespace spall {
+
 DebrisLog::DebrisLog(const Case& scene) {
   if (!scene.debris) return;
-  target_ = find_target(scene);
+  for (const DebrisPlate& plate : scene.debris->plates)
+    plates_.push_back({.laid = plate, .target = find_target(scene, plate)});
   wall_ = scene.debris->wall;
   every_ = scene.debris->every;
 }
 
-std::string DebrisLog::read_out(const World& world, double time) {
-  const Cloud c = measure_cloud(world.comm, world.bodies, *target_, time);
-  rows_.push_back(c);
-  return fmt::format(
-      "debris at {:.4g} s: front {:.4g}, centre {:.4g}, rear {:.4g}, radial {:.4g} of the impact's "
-      "speed; hole {:.4g} +- {:.2g} diameters",
-      time, c.front / target_->speed, c.centre / target_->speed, c.rear / target_->speed,
-      c.radial / target_->speed, c.hole / target_->diameter, c.hole_spread / target_->diameter);
+std::vector<std::string> DebrisLog::read_out(const World& world, double time) {
+  std::vector<std::string> lines;
+  for (auto& [laid, t, rows] : plates_) {
+    const Cloud c = measure_cloud(world.comm, world.bodies, t, time);
+    rows.push_back(c);
+    lines.push_back(fmt::format(
+        "debris{} at {:.4g} s: front {:.4g}, centre {:.4g}, rear {:.4g}, radial {:.4g} of the "
+        "impact's speed; hole {:.4g} +- {:.2g} diameters",
+        laid.section.empty() ? "" : " behind " + laid.name, time, c.front / t.speed,
+        c.centre / t.speed, c.rear / t.speed, c.radial / t.speed, c.hole / t.diameter,
+        c.hole_spread / t.diameter));
+  }
+  return lines;
 }
 
 void DebrisLog::conclude(const World& world, const Engine& engine, bool bonded, double time,
                          ResultTable& table) {
-  if (!target_) return;
-  const Target& t = *target_;
-  if (rows_.empty() || rows_.back().time < time) read_out(world, time);
-  const Cloud& last = rows_.back();
+  if (plates_.empty()) return;
+  const auto& rows = plates_.front().rows;
+  if (rows.empty() || rows.back().time < time) read_out(world, time);
+  std::optional<LinkedBodies> linked;
+  if (bonded) linked.emplace(engine.links(world));
+  for (const Plate& plate : plates_) conclude(plate, world, linked ? &*linked : nullptr, table);
+}
+
+void DebrisLog::conclude(const Plate& plate, const World& world, const LinkedBodies* linked,
+                         ResultTable& table) const {
+  const Target& t = plate.target;
+  const Cloud& last = plate.rows.back();
+  const auto named = [&](const char* section) { return section + plate.laid.section; };
+  const std::string debris = named("debris"), fragments = named("fragments"), wall = named("wall");
   for_each_column(last, [&](const char* name, double value, const char* unit, const char* note) {
-    table.add("debris", name, value, unit, note);
+    table.add(debris, name, value, unit, note);
   });
   const auto components = [](const Vec3& v) { return std::vector<double>(v.data(), v.data() + 3); };
-  table.add("debris", "speed", t.speed, "m/s", "of the impact");
-  table.add("debris", "diameter", t.diameter, "m", "of the projectile, D");
-  table.add("debris", "origin", components(t.origin), "m", "where its line leaves the plate");
-  table.add("debris", "normal", components(t.normal), "", "of the plate, to its rear");
-  table.add("debris", "front_over_speed", last.front / t.speed, "", "of the impact");
-  table.add("debris", "radial_over_speed", last.radial / t.speed);
-  table.add("debris", "hole_over_diameter", last.hole / t.diameter, "", "of the projectile");
-  table.add("debris", "contour_length_over_width",
+  table.add(debris, "speed", t.speed, "m/s", "of the impact");
+  table.add(debris, "diameter", t.diameter, "m", "of the projectile, D");
+  table.add(debris, "origin", components(t.origin), "m", "where its line leaves the plate");
+  table.add(debris, "normal", components(t.normal), "", "of the plate, to its rear");
+  table.add(debris, "front_over_speed", last.front / t.speed, "", "of the impact");
+  table.add(debris, "radial_over_speed", last.radial / t.speed);
+  table.add(debris, "hole_over_diameter", last.hole / t.diameter, "", "of the projectile");
+  table.add(debris, "contour_length_over_width",
             last.contour_width > 0 ? last.contour_length / last.contour_width : 0.0);
   const double momentum = last.projectile_momentum + last.plate_momentum;
-  table.add("debris", "momentum_forward", momentum, "kg m/s");
-  if (bonded) {
-    const LinkedBodies linked = engine.links(world);
-    const Fragments f = find_fragments(world.comm, linked.ghosts, linked.bodies, linked.links, t);
-    table.add("fragments", "pieces", f.pieces, "", "of two bodies or more, in the debris");
-    table.add("fragments", "singles", f.singles, "", "bodies alone");
-    table.add("fragments", "largest", f.largest, "kg");
-    table.add("fragments", "by_decade", f.counts, "", "pieces of 2 to 9, 10 to 99, ... bodies");
+  table.add(debris, "momentum_forward", momentum, "kg m/s");
+  if (linked) {
+    const Fragments f =
+        find_fragments(world.comm, linked->ghosts, linked->bodies, linked->links, t);
+    table.add(fragments, "pieces", f.pieces, "", "of two bodies or more, in the debris");
+    table.add(fragments, "singles", f.singles, "", "bodies alone");
+    table.add(fragments, "largest", f.largest, "kg");
+    table.add(fragments, "by_decade", f.counts, "", "pieces of 2 to 9, 10 to 99, ... bodies");
   }
   if (wall_) {
     const WallLoad load = load_wall(world.comm, world.bodies, t, *wall_);
-    table.add("wall", "distance", *wall_, "m", "behind the plate; debris fly there freely");
-    table.add("wall", "momentum", load.momentum, "kg m/s");
-    table.add("wall", "half_radius", load.half_radius, "m", "with half of it");
-    table.add("wall", "radius", load.radius, "m", "with 90 % of it");
-    table.add("wall", "peak", load.peak, "Pa s", "on a pixel of half a diameter");
+    table.add(wall, "distance", *wall_, "m", "behind the plate; debris fly there freely");
+    table.add(wall, "momentum", load.momentum, "kg m/s");
+    table.add(wall, "half_radius", load.half_radius, "m", "with half of it");
+    table.add(wall, "radius", load.radius, "m", "with 90 % of it");
+    table.add(wall, "peak", load.peak, "Pa s", "on a pixel of half a diameter");
   }
   for_each_column(last, [&](const std::string& name, double, const char* unit, const char*) {
     std::vector<double> values;
-    for (const Cloud& row : rows_)
+    for (const Cloud& row : plate.rows)
       for_each_column(row, [&](const char* other, double value, const char*, const char*) {
         if (name == other) values.push_back(value);
       });
-    table.add("cloud", name, values, unit);
+    table.add(named("cloud"), name, values, unit);
   });
 }
 
 void DebrisLog::save(Scalars& scalars) const {
-  scalars["debris.rows"] = static_cast<double>(rows_.size());
-  for (std::size_t r = 0; r < rows_.size(); ++r)
-    for_each_column(rows_[r], [&](const char* name, double value, const char*, const char*) {
-      scalars[fmt::format("debris.{}.{}", r, name)] = value;
-    });
+  for (const auto& [laid, target, rows] : plates_) {
+    const std::string key = "debris" + laid.section;
+    scalars[key + ".rows"] = static_cast<double>(rows.size());
+    for (std::size_t r = 0; r < rows.size(); ++r)
+      for_each_column(rows[r], [&](const char* name, double value, const char*, const char*) {
+        scalars[fmt::format("{}.{}.{}", key, r, name)] = value;
+      });
+  }
 }
 
 void DebrisLog::load(const Scalars& scalars) {
-  rows_.resize(static_cast<std::size_t>(find_scalar(scalars, "debris.rows")));
-  for (std::size_t r = 0; r < rows_.size(); ++r)
-    for_each_column(rows_[r], [&](const char* name, double& value, const char*, const char*) {
-      value = find_scalar(scalars, fmt::format("debris.{}.{}", r, name));
-    });
+  for (auto& [laid, target, rows] : plates_) {
+    const std::string key = "debris" + laid.section;
+    if (!scalars.contains(key + ".rows")) continue;  // of a plate that is named from here on
+    rows.resize(static_cast<std::size_t>(find_scalar(scalars, key + ".rows")));
+    for (std::size_t r = 0; r < rows.size(); ++r)
+      for_each_column(rows[r], [&](const char* name, double& value, const char*, const char*) {
+        value = find_scalar(scalars, fmt::format("{}.{}.{}", key, r, name));
+      });
+  }
 }
 
 }  // namespace spall

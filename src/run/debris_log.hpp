@@ -13,14 +13,15 @@
 
 namespace spall {
 
-/// Does nothing where the case has no [debris].
+/// Does nothing where the case has no [debris]. Each plate has sections of its own.
 class DebrisLog {
  public:
   explicit DebrisLog(const Case& scene);
   double every() const { return every_; }  ///< s; 0: never
 
-  /// Measures the cloud; velocities and positions synchronous. Returns a line to show. Collective.
-  std::string read_out(const World& world, double time);
+  /// Measures each cloud; velocities and positions synchronous. Returns a line a plate to show.
+  /// Collective.
+  std::vector<std::string> read_out(const World& world, double time);
   /// Adds [debris], what they are now, [fragments] where bodies have bonds, [wall] where the case
   /// asks for one, and [cloud], all read-outs. Collective.
   void conclude(const World& world, const Engine& engine, bool bonded, double time,
@@ -30,10 +31,17 @@ class DebrisLog {
   void load(const Scalars& scalars);
 
  private:
-  std::optional<Target> target_;
+  struct Plate {
+    DebrisPlate laid;
+    Target target;
+    std::vector<Cloud> rows = {};
+  };
+  void conclude(const Plate& plate, const World& world, const LinkedBodies* linked,
+                ResultTable& table) const;
+
+  std::vector<Plate> plates_;
   std::optional<double> wall_;
   double every_ = 0;
-  std::vector<Cloud> rows_;
 };
 
 }  // namespace spall

@@ -261,7 +261,7 @@ class Run {
     }
     if (passed(debris_.every())) {
       StageTimer timer(world().stages, "analysis");
-      progress_.say(debris_.read_out(world(), clock().time));
+      for (const std::string& line : debris_.read_out(world(), clock().time)) progress_.say(line);
     }
     for (double at : scene_.read_out) {
       if (!read_out_due(scene_, before, clock(), at)) continue;

@@ -60,6 +60,7 @@ struct Packing {
   std::optional<std::int64_t> count = std::nullopt;  ///< of bodies, where it is known beforehand
   Vec3 rotation = Vec3::Zero();                      ///< rotation vector, rad
   Orientation orientation = Orientation::rotation;   ///< random: `rotation` is drawn by the seed
+  std::optional<double> grain = std::nullopt;        ///< m, of a lattice of many grains: mean size
   std::string file = {};                             ///< of file: a restart file of an earlier run
   std::vector<StoredBody> stored = {};               ///< of file: with_stored_bodies puts them here
   StoredMotion stored_motion = StoredMotion::kept;   ///< of file: none: bodies are at rest
@@ -146,10 +147,18 @@ struct OutputSettings {
   double restart_every = 600;  ///< s of wall time
 };
 
-/// What is measured of a projectile's debris behind a plate.
+/// A plate behind which debris are measured.
+struct DebrisPlate {
+  std::string name;  ///< of its group
+  int group = -1;
+  std::string section;  ///< what its sections of the results end in: "_wall"; "" of `plate` alone
+};
+
+/// What is measured of a projectile's debris behind plates, of each as if it were alone.
 struct DebrisSettings {
-  int projectile = -1, plate = -1;  ///< groups
-  std::string projectile_name, plate_name;
+  int projectile = -1;  ///< group
+  std::string projectile_name;
+  std::vector<DebrisPlate> plates;
   double every = 0;            ///< s; 0: at the end only
   std::optional<double> wall;  ///< m behind the plate, of the wall that they are to hit
   std::string place;           ///< where the case asks for it, for messages

@@ -150,6 +150,17 @@ void check_methods(const Case& scene) {
   }
 }
 
+/// Spheres at the border of two grains overlap: contacts and bonds would blow them apart.
+void check_grains(const Case& scene) {
+  const Phase& first = scene.phases.front();
+  if (first.engine->fields(scene, first.settings).has(Field::direct_stress)) return;
+  for (const Group& group : scene.groups)
+    require(!group.packing.grain,
+            "{}.packing.grains: grains overlap where they meet, which bodies bear that carry a "
+            "stress of their own: {}.method = \"solid\" is wanted, not \"{}\"",
+            group.place, first.place, first.engine->name);
+}
+
 }  // namespace
 
 std::vector<std::string> lost_bonds(const Case& scene) {
@@ -170,6 +181,7 @@ void check_consistency(const Case& scene, Groups groups) {
   check_gravity(scene);
   check_repeated_walls(scene);
   check_methods(scene);
+  check_grains(scene);
   for (const Phase& phase : scene.phases)
     if (phase.remove_drift) check_removal_of_drift(scene, phase);
   for (const Phase& phase : scene.phases)

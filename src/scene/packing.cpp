@@ -92,6 +92,15 @@ void read_lattice(Section& in, Packing& packing) {
           packing.orientation, orientations);
   in.check("orientation", packing.orientation == Orientation::rotation || !in.has("rotation"),
            "= \"random\" is given beside rotation: give one of them");
+  in.take("grains",
+          "of lattices: mean size of crystals that are turned at random; left out: one crystal",
+          packing.grain, positive(dimension::length));
+  in.check("grains",
+           !packing.grain || (packing.orientation == Orientation::rotation && !in.has("rotation")),
+           "is given beside rotation or orientation, which turn one crystal");
+  in.check(
+      "grains", !packing.grain || *packing.grain >= spacing,
+      fmt::format("= {} m is less than the spacing, {} m", packing.grain.value_or(0), spacing));
 }
 
 Lattice simple_cubic(const Packing& packing) {
@@ -109,9 +118,17 @@ void place_sites(const PackingRequest& request) {
           "{}: a lattice of {} m in its volume has about {:.2g} sites; at most {:.0f} can be: "
           "enlarge the spheres",
           request.place, spacing_of(request.packing), sites, most_spheres);
-  place_lattice(kind, request.volume, request.packing, [&](const Vec3& center) {
+  const auto put = [&](const Vec3& center) {
     request.put({.center = center, .radius = request.packing.radius});
-  });
+  };
+  if (!request.packing.grain) return place_lattice(kind, request.volume, request.packing, put);
+  const double grains = grains_of(request.volume, *request.packing.grain);
+  constexpr double most_grains = 1e6;
+  require(grains <= most_grains,
+          "{}: its volume has about {:.2g} grains of {} m; at most {:.0f} can be: enlarge "
+          "packing.grains",
+          request.place, grains, *request.packing.grain, most_grains);
+  place_grains(kind, request.volume, request.packing, request.seed, put);
 }
 
 constexpr Choice<StoredMotion> stored_motions[] = {{"kept", StoredMotion::kept},

@@ -116,6 +116,17 @@ enum class LatticeKind { simple_cubic, fcc, hcp };
 void place_lattice(LatticeKind kind, const Volume& volume, const Packing& packing,
                    const std::function<void(const Vec3&)>& place);
 
+/// About how many grains of this mean size (m, of a ball as large as the mean grain) the bounding
+/// box of a volume has.
+double grains_of(const Volume& volume, double grain);
+
+/// The same of a polycrystal: middles of grains at random in the bounding box, and around each its
+/// own crystal, turned at random, as far as its Voronoi cell reaches. `packing.grain` is their mean
+/// size. As many sites as the volume has room for on average; next to a border between grains they
+/// may lie nearer to each other than the spacing, or leave gaps of about one.
+void place_grains(LatticeKind kind, const Volume& volume, const Packing& packing,
+                  std::uint64_t seed, const std::function<void(const Vec3&)>& place);
+
 template <class Test>
 std::int64_t SphereGrid::find(const Vec3& point, double distance, Test&& is_wanted) const {
   const auto find_in = [&](const Eigen::Array3i& cell) {

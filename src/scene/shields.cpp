@@ -25,11 +25,15 @@ int axis_through(const Volume& volume) {
   return is_wider((thin + 1) % 3) && is_wider((thin + 2) % 3) ? thin : -1;
 }
 
-std::string results_of(const Shield& shield) {
-  std::string section = "shield_" + shield.wall_name;
-  for (char& c : section)
+std::string section_end(const std::string& group) {
+  std::string end = "_" + group;
+  for (char& c : end)
     if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
-  return section;
+  return end;
+}
+
+std::string results_of(const Shield& shield) {
+  return "shield" + section_end(shield.wall_name);
 }
 
 namespace {

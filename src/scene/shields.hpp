@@ -19,4 +19,7 @@ int axis_through(const Volume& volume);
 /// "shield_rear": the section of a wall in results.
 std::string results_of(const Shield& shield);
 
+/// "_rear_2" of "rear-2": what sections of results of a group end in.
+std::string section_end(const std::string& group);
+
 }  // namespace spall

@@ -1,0 +1,83 @@
+// Crystals in Voronoi cells: a lattice of many grains.
+// SPDX-License-Identifier: BSD-3-Clause
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/random.hpp"
+#include "scene/packing.hpp"
+#include "scene/shape.hpp"
+
+namespace spall {
+namespace {
+
+constexpr double slack = 1e-9;  // of a spacing, as lattices have it
+
+/// The middles of grains in the bounding box of the volume, as many as their mean size wants.
+std::vector<Vec3> draw_middles(const Volume& volume, double grain, std::mt19937_64& engine) {
+  const Vec3 half = half_widths(volume);
+  const auto count = std::max<std::int64_t>(1, std::llround(grains_of(volume, grain)));
+  std::vector<Vec3> middles;
+  for (std::int64_t g = 0; g < count; ++g) {
+    const double x = uniform(engine), y = uniform(engine), z = uniform(engine);
+    middles.push_back(volume.center +
+                      volume.axes * (2 * Vec3(x, y, z) - Vec3::Ones()).cwiseProduct(half));
+  }
+  return middles;
+}
+
+}  // namespace
+
+double grains_of(const Volume& volume, double grain) {
+  return 8 * half_widths(volume).prod() / ball_volume(grain / 2);
+}
+
+void place_grains(LatticeKind kind, const Volume& volume, const Packing& packing,
+                  std::uint64_t seed, const std::function<void(const Vec3&)>& place) {
+  const double d = packing.spacing.value_or(2 * packing.radius), grain = *packing.grain;
+  std::mt19937_64 engine(seed);
+  const std::vector<Vec3> middles = draw_middles(volume, grain, engine);
+  const Vec3 half = half_widths(volume);
+  SphereGrid grid(volume.center, half_widths_in_world(volume), grain / 2, std::ssize(middles));
+  for (const Vec3& middle : middles) grid.add(middle);
+
+  const Vec3 box = half.array() + slack * d;
+  Packing crystal = packing;
+  for (const Vec3& middle : middles) {
+    crystal.rotation = random_rotation(engine());
+    // Sites of the cell in a ball about its middle. A cell is convex: where the ball's shell is
+    // empty it does not reach beyond.
+    std::vector<Vec3> sites;
+    double farthest = 0;
+    for (double reach = grain;; reach *= 1.5) {
+      std::vector<std::pair<double, Vec3>> rivals;  // of which one may be nearer to a site
+      grid.find(middle, 2 * reach, [&](std::int64_t g) {
+        const Vec3& other = grid.center(g);
+        if (const double apart = (other - middle).norm(); apart > 0)
+          rivals.emplace_back(apart, other);
+        return false;
+      });
+      std::ranges::sort(rivals, {}, &std::pair<double, Vec3>::first);
+      sites.clear();
+      farthest = 0;
+      const Volume ball{
+          .shape = Shape::sphere, .center = middle, .axes = volume.axes, .radius = reach};
+      place_lattice(kind, ball, crystal, [&](const Vec3& site) {
+        const double own = (site - middle).norm();
+        for (const auto& [apart, rival] : rivals) {
+          if (apart > 2 * own) break;
+          if ((site - rival).norm() < own) return;
+        }
+        const Vec3 inside = volume.axes.transpose() * (site - volume.center);
+        if ((inside.cwiseAbs() - box).maxCoeff() > 0) return;
+        farthest = std::max(farthest, own);
+        if (depth(volume, site) >= -slack * d) sites.push_back(site);
+      });
+      if (farthest < reach - 2 * d || reach > 2 * half.norm()) break;
+    }
+    for (const Vec3& site : sites) place(site);
+  }
+}
+
+}  // namespace spall
