@@ -68,16 +68,15 @@ def an_uneven_split_is_as_unlikely_as_coins_say():
 
 
 def the_order_is_drawn_and_no_outcome_enters_it():
-    some = run.chosen(shots, run.ACROSS)
-    turned = run.chosen([replace(shot, perforated=not shot.perforated) for shot in shots],
-                        run.ACROSS)
+    some = run.chosen(shots)
+    turned = run.chosen([replace(shot, perforated=not shot.perforated) for shot in shots])
     assert [shot.row for shot in some] == [shot.row for shot in turned]
     assert [shot.row for shot in some] != sorted(shot.row for shot in some)
 
 
 def plates_are_as_far_apart_as_the_table_says():
-    for shot in (run.chosen(shots, run.ACROSS)[0], next(s for s in cheap if s.angle == 45)):
-        setting = run.set_up(shot, run.ACROSS)
+    for shot in (run.chosen(shots)[0], next(s for s in cheap if s.angle == 45)):
+        setting = run.set_up(shot, 12, 6)
         case = tomllib.loads(run.case_of(shot, setting, 1))
         wall, bumper, ball = (group["volume"] for group in case["groups"])
 
@@ -122,7 +121,7 @@ def what_is_done_is_kept_and_what_is_missing_goes_on():
         program.write_text(STUB)
         program.chmod(0o755)
         run.RESULTS = score.RESULTS = folder / "results.csv"
-        wanted = [str(shot.row) for shot in run.chosen(shots, run.ACROSS)]
+        wanted = [str(shot.row) for shot in run.chosen(shots)]
         for most, expected in ((2, 2), (3, 5)):
             sys.argv = ["run.py", "--most", str(most), "--jobs", "2", "--program", str(program),
                         "--out", str(folder / "out")]
@@ -132,7 +131,7 @@ def what_is_done_is_kept_and_what_is_missing_goes_on():
         # The ball is as heavy as that of the shot, however many sites of the lattice are in it.
         row = run.known()[0]
         shot = shots[int(row["row"]) - 1]
-        case = tomllib.loads((folder / f"out/{row['row']}-6-1/shot.toml").read_text())
+        case = tomllib.loads((folder / f"out/{row['row']}-6-6-1/shot.toml").read_text())
         grown = case["groups"][2]["volume"]["diameter"] / (shot.diameter / 100)
         assert isclose(4.45637e-05 * grown**3, run.ball_of(shot), rel_tol=1e-6)
         assert isclose(float(row["energy_unexplained"]),
@@ -142,7 +141,7 @@ def what_is_done_is_kept_and_what_is_missing_goes_on():
                     "--out", str(folder / "out")]
         run.main()
         assert run.known()[-1]["verdict"] == "failed"
-        options = Namespace(across=run.ACROSS, seed=1)
+        options = Namespace(across=run.ACROSS, wall_across=run.ACROSS, seed=1)
         some, without, planned = score.counted(shots, options)
         assert (len(some), without, planned) == (5, 1, len(wanted))
         text = score.table(some, without, planned, options)

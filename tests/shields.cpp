@@ -224,6 +224,32 @@ TEST(Shields, what_comes_back_or_stays_or_is_a_grain_is_no_spall) {
   }
 }
 
+TEST(Shields, what_is_blown_off_the_edges_is_no_spall_and_what_flies_aside_is) {
+  for (const Asked& asked : turned) {
+    Scenery shot(testing_world(), asked);
+    const Vec3 normal = shot.wall.normal, aside = shot.wall.across[0];
+    const double far = 0.93 * shot.wall.half_width[0];
+    const auto blow = [&](double from, double to, const Vec3& velocity) {
+      shot.let([&](const Place& p, Vec3& position, Vec3& moves) {
+        if (p.x < from || p.x > to || std::abs(p.y) > 2 * d || p.depth < thickness / 2 - d)
+          return Fate::stays;
+        position += 5e-5 * velocity;
+        moves += velocity;
+        return Fate::fails;
+      });
+    };
+    // Off the rim, straight on and even towards the middle.
+    blow(far, infinity, 100 * normal - 20 * aside);
+    EXPECT_EQ(shot.judge().spall_pieces, 0);
+    EXPECT_EQ(shot.judge().outcome, Outcome::held);
+    // From the middle, so far aside that it is beyond the edge by now.
+    blow(-2 * d, 2 * d, 200 * normal + 500 * aside);
+    const WallVerdict v = shot.judge();
+    EXPECT_GT(v.spall_pieces, 0);
+    EXPECT_EQ(v.outcome, Outcome::detached_spall);
+  }
+}
+
 TEST(Shields, what_came_through_is_no_spall) {
   Scenery shot(testing_world(), {});
   Bodies& bodies = shot.world.bodies;

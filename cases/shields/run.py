@@ -40,7 +40,7 @@ PLATES = {"AA6061-T6": "aluminium_6061_t6", "AA6061-T651": "aluminium_6061_t6",
 BALLS = {**PLATES, "AA2017-T4": "aluminium_2024_t351"}
 STAND_IN = "aluminium_6061_t6"  # in trials, whose results count nowhere
 
-ACROSS = 6  # bodies across the ball
+ACROSS = 6  # bodies across the ball; what that costs decides which shots are run, and when
 BUMPER_LAYERS, WALL_LAYERS = 2, 3  # at least
 BUMPER_WIDTH = 4  # ball diameters
 WALL_RIM = 1.5  # ball diameters that the wall is wider than the cloud's core, on each side
@@ -74,12 +74,13 @@ class Setting:
         return self.bodies * self.steps
 
 
-def set_up(shot, across):
+def set_up(shot, across, wall_across):
+    """Bodies across the ball, as large as the bumper's at most, and as large as the wall's."""
     d, t, s, w, v = (shot.diameter / 100, shot.bumper / 100, shot.standoff / 100, shot.wall / 100,
                      1000 * shot.speed)
     angle = math.radians(shot.angle)
     ball = d / across
-    bumper, wall = min(ball, t / BUMPER_LAYERS), min(ball, w / WALL_LAYERS)
+    bumper, wall = min(ball, t / BUMPER_LAYERS), min(d / wall_across, w / WALL_LAYERS)
     width = 2 * (WALL_RIM * d + CLOUD * s)
     sideways = s * math.tan(angle)
     duration = 2 * d / v + FLIGHT * s / (v * math.cos(angle)) + RINGING * w / SOUND
@@ -98,13 +99,18 @@ def class_of(setting):
     return max(0, math.ceil(math.log2(setting.cost / CHEAPEST)))
 
 
-def chosen(shots, across):
+def rule(shot):
+    """The setting by whose cost shots are chosen and put into their order."""
+    return set_up(shot, ACROSS, ACROSS)
+
+
+def chosen(shots):
     """The shots of the rule, in its order."""
-    some = [shot for shot in shots if is_cheap(shot) and set_up(shot, across).cost <= DEAREST
+    some = [shot for shot in shots if is_cheap(shot) and rule(shot).cost <= DEAREST
             and shot.metals[0] in BALLS and all(metal in PLATES for metal in shot.metals[1:])]
 
     def place(shot):
-        return (class_of(set_up(shot, across)),
+        return (class_of(rule(shot)),
                 hashlib.sha256(f"{DRAWN_BY} {shot.row}".encode()).hexdigest())
 
     return sorted(some, key=place)
@@ -155,10 +161,10 @@ def case_of(shot, setting, seed, grown=1):
     return "\n".join(text)
 
 
-COLUMNS = ["row", "shot", "across", "seed", "verdict", "margin", "margin_before", "still_coming",
-           "opening_at_edge", "hole_mm", "spall_mg", "ball_mg", "energy_unexplained", "bodies",
+COLUMNS = ["row", "shot", "across", "wall_across", "seed", "verdict", "margin", "margin_before",
+           "still_coming", "opening_at_edge", "hole_mm", "spall_mg", "ball_mg", "energy_unexplained", "bodies",
            "seconds", "commit"]
-KEY = ["row", "across", "seed"]
+KEY = ["row", "across", "wall_across", "seed"]
 
 
 def ball_of(shot):
@@ -174,12 +180,13 @@ def mass_of_ball(told):
 def run(options, shot, seed):
     """A line of results.csv. A run that fails or takes too long has no verdict, and says so in its
     place."""
-    setting = set_up(shot, options.across)
-    folder = options.out / f"{shot.row}-{options.across:g}-{seed}"
+    setting = set_up(shot, options.across, options.wall_across)
+    folder = options.out / f"{shot.row}-{options.across:g}-{options.wall_across:g}-{seed}"
     folder.mkdir(parents=True, exist_ok=True)
     case = folder / "shot.toml"
     case.write_text(case_of(shot, setting, seed))
-    line = {"row": shot.row, "shot": shot.name, "across": f"{options.across:g}", "seed": seed}
+    line = {"row": shot.row, "shot": shot.name, "across": f"{options.across:g}",
+            "wall_across": f"{options.wall_across:g}", "seed": seed}
     checked = subprocess.run([options.program, "check", case], capture_output=True, text=True)
     if checked.returncode != 0:
         return line | {"verdict": "failed", "seconds": "0"}
@@ -232,6 +239,8 @@ def keep(line, lock):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--across", type=float, default=ACROSS, help="bodies across the ball")
+    parser.add_argument("--wall-across", type=float,
+                        help="bodies of the wall on the ball's diameter, at least; as --across")
     parser.add_argument("--seed", type=int, default=1, help="of the crystals' orientations")
     parser.add_argument("--rows", type=int, nargs="+", metavar="ROW",
                         help="of the rule's shots these alone, as for another number across")
@@ -248,15 +257,16 @@ def main():
                         help="shots outside of the rule")
     options = parser.parse_args()
     options.before = options.before.split()
+    options.wall_across = options.wall_across or options.across
     shots = read_shots()
-    wanted = chosen(shots, options.across)
+    wanted = chosen(shots)
     if options.plan:
         for shot in wanted:
-            setting = set_up(shot, options.across)
-            print(f"{class_of(setting)} {shot.row:4} {shot.source:20} {shot.name:18} "
+            setting = set_up(shot, options.across, options.wall_across)
+            print(f"{class_of(rule(shot))} {shot.row:4} {shot.source:20} {shot.name:18} "
                   f"{setting.bodies:8.0f} bodies, {setting.cost:8.2g} body-steps at most")
-        print(f"{len(wanted)} shots, "
-              f"{sum(set_up(shot, options.across).cost for shot in wanted):.3g} body-steps")
+        cost = sum(set_up(shot, options.across, options.wall_across).cost for shot in wanted)
+        print(f"{len(wanted)} shots, {cost:.3g} body-steps")
         return
     if options.trial:
         counted = {shot.row for shot in wanted}
@@ -271,7 +281,8 @@ def main():
         end = datetime.datetime.now().replace(hour=hour, minute=minute, second=0).timestamp()
     done = {tuple(row[key] for key in KEY) for row in known()}
     left = [shot for shot in wanted
-            if (str(shot.row), f"{options.across:g}", str(options.seed)) not in done]
+            if (str(shot.row), f"{options.across:g}", f"{options.wall_across:g}",
+                str(options.seed)) not in done]
     if options.rows:
         left = [shot for shot in left if shot.row in options.rows]
     left = left[:min(len(left), options.most)]

@@ -226,7 +226,7 @@ Links links_of_group(const LinkedBodies& linked, std::int32_t group) {
 /// Adds up the pieces that have left the rear; `name` are those of the other pieces alone.
 void weigh_spall(const Comm& comm, const Bodies& bodies, const std::vector<BodyId>& name,
                  const ShieldWall& wall, const Clump& main, const Grid2& grid, const Maps& maps,
-                 double time, WallVerdict& verdict) {
+                 const Window& window, double time, WallVerdict& verdict) {
   const double main_rear = see(wall, main.position, time).depth + wall.thickness / 2;
   std::array<double, 3> sums{};  // pieces, mass, momentum
   double largest = 0;
@@ -234,9 +234,16 @@ void weigh_spall(const Comm& comm, const Bodies& bodies, const std::vector<BodyI
     const Seen at = see(wall, piece.position, time);
     const std::size_t pixel = grid.nearest(at.x, at.y);
     const double rear = maps.open(pixel) ? main_rear : maps.rear[pixel];
-    const double speed = (piece.velocity - main.velocity).dot(wall.normal);
+    const Vec3 motion = piece.velocity - main.velocity;
+    const double speed = motion.dot(wall.normal);
     const double gap = (piece.count > 1 ? gap_of_pieces : gap_of_singles) * wall.spacing;
     if (at.depth <= rear + gap || speed <= 0) continue;
+    // It flies freely: where it was as deep as the rear. What a cloud blows off the wall's edges,
+    // which a wider plate has not, flies past the rim.
+    const double since = (at.depth - main_rear) / speed;  // s
+    if (!window.contains(at.x - since * motion.dot(wall.across[0]),
+                         at.y - since * motion.dot(wall.across[1])))
+      continue;
     sums[0] += 1;
     sums[1] += piece.mass;
     sums[2] += piece.mass * speed;
@@ -321,7 +328,7 @@ ShieldWall lay_wall(const Comm& comm, const Case& scene, const Shield& shield) {
   std::int64_t count = 0;
   group.packing.type->place({.volume = group.volume,
                              .packing = group.packing,
-                             .seed = 0,  // lattices draw nothing
+                             .seed = stream_of(scene, static_cast<std::size_t>(shield.wall)),
                              .place = group.place,
                              .is_free = [](const Vec3&, double) { return true; },
                              .put =
@@ -386,7 +393,7 @@ WallVerdict judge_wall(const Comm& comm, const LinkedBodies& linked, const Shiel
   verdict.openings = openings.count;
   verdict.opening_at_edge = openings.at_edge;
   verdict.hole = diameter_of_circle(openings.largest);
-  weigh_spall(comm, bodies, name, wall, main, grid, maps, time, verdict);
+  weigh_spall(comm, bodies, name, wall, main, grid, maps, window, time, verdict);
   verdict.still_coming = share_still_coming(comm, bodies, wall, main, time);
 
   if (verdict.openings > 0) {

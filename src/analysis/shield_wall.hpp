@@ -47,7 +47,7 @@ const char* name_of(Outcome outcome);
 /// touching that piece. An opening is what such a sphere can sweep. Else spall has detached where
 /// other pieces lie behind the piece's rear surface, by more than a spacing, single bodies by more
 /// than two, and move away from it, together at least as heavy as four bodies: so many lie in one
-/// layer of the smallest opening.
+/// layer of the smallest opening. Pieces that come from the rim are not judged either.
 struct WallVerdict {
   Outcome outcome = Outcome::held;
   double margin = 0;    ///< of the thickness. Held: the thinnest part. Spall: minus the diameter

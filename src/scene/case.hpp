@@ -213,6 +213,11 @@ struct Case : Surroundings {
   std::string read_out_place;        ///< where the case asks for it, for messages
 };
 
+/// The seed of random numbers of a group: changing one group leaves the others as they are.
+inline std::uint64_t stream_of(const Case& scene, std::size_t group) {
+  return scene.seed * 0x9E3779B97F4A7C15u + group;
+}
+
 /// Reads and checks a case. `overrides` are "key.path=value" as given to --set; elements of arrays
 /// go by place or by name ("phases.0.step=1e-4", "phases.impact.step=1e-4"). Throws Error with
 /// file, line, key and what would be right.

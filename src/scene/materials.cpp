@@ -182,11 +182,10 @@ void insert_named_constants(toml::table& root, const std::string& file,
 }
 
 void draw_orientations(Case& scene) {
-  std::uint64_t stream = scene.seed * 0x9E3779B97F4A7C15u;
-  for (Group& group : scene.groups) {
-    if (group.packing.orientation == Orientation::random)
-      group.packing.rotation = random_rotation(stream);
-    ++stream;
+  for (std::size_t g = 0; g < scene.groups.size(); ++g) {
+    Packing& packing = scene.groups[g].packing;
+    if (packing.orientation == Orientation::random)
+      packing.rotation = random_rotation(stream_of(scene, g));
   }
 }
 

@@ -21,11 +21,6 @@ namespace {
 using IsFree = std::function<bool(const Vec3& center, double radius)>;
 using Place = std::function<void(const PackedSphere&, double mass)>;
 
-/// A stream of random numbers for each group: changing one leaves the others as they are.
-std::uint64_t stream_of(const Case& scene, std::size_t g) {
-  return scene.seed * 0x9E3779B97F4A7C15u + g;
-}
-
 /// Place in the case's shapes, of the `k`-th body of group `g`: one that it draws, the same on any
 /// number of ranks.
 std::int32_t shape_of_body(const Case& scene, std::size_t g, BodyId k) {
