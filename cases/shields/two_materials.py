@@ -24,8 +24,8 @@ from readme import replace_section  # noqa: E402
 
 
 def table(shots):
-    lines = ["| shot | ball | km/s | bumper, gap, wall, mm | experiment | Spall | margin | hole, mm "
-             f"| {BEST} |", "|---|---|--:|---|---|---|--:|--:|---|"]
+    lines = ["| shot | ball | km/s | bumper, gap, wall, mm | experiment | Spall | margin "
+             f"| hole, mm | {BEST} |", "|---|---|--:|---|---|---|--:|--:|---|"]
     right, equation, rows = 0, 0, run.known()
     for row in rows:
         shot = shots[int(row["row"]) - 1]
