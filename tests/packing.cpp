@@ -168,6 +168,17 @@ TEST(Packing, of_grains_fills_its_volume_with_crystals) {
   EXPECT_NE(polycrystal(volume, packing, 1), polycrystal(volume, packing, 2));
 }
 
+TEST(Packing, of_grains_has_as_many_bodies_as_its_volume_has_room_for) {
+  for (const double grain : {2.0, 3.0, 5.0}) {
+    const auto sites = polycrystal(box({24, 24, 24}), {.radius = 0.5, .grain = grain}, 4);
+    const double expected = std::sqrt(2) * std::pow(24, 3);
+    EXPECT_NEAR(static_cast<double>(sites.size()), expected, 0.015 * expected) << grain;
+  }
+  // Far larger than the volume: one crystal, and no longer to place.
+  const auto sheet = polycrystal(box({100, 100, 3}), {.radius = 0.5, .grain = 1e9}, 4);
+  EXPECT_NEAR(static_cast<double>(sheet.size()), std::sqrt(2) * 3e4, 0.03 * std::sqrt(2) * 3e4);
+}
+
 TEST(Packing, of_one_grain_is_a_crystal) {
   // The cell reaches over the whole box: a bound on cells must not cut it.
   const Volume volume = box({30, 4, 4});

@@ -41,36 +41,37 @@ def read(folder):
 
 
 def spectrum(time, velocity, afterwards):
-    """m/s^2: the largest acceleration of an oscillator of each frequency that stands on the gauge,
-    which goes on `afterwards` (m/s) once the record ends. Exact for a velocity that is straight
-    between samples."""
+    """m/s^2: of an oscillator of each frequency that stands on the gauge, the largest displacement
+    against it, times the square of 2 pi f: its largest acceleration, but for what damping does.
+    The gauge goes on `afterwards` (m/s) once the record ends. Exact for a velocity that is straight
+    between samples; looked at twenty times a period at least."""
     step = time[1] - time[0]
-    acceleration = np.diff(velocity) / step
-    peaks = []
-    for frequency in FREQUENCIES:
-        omega = 2 * math.pi * frequency
-        damped = omega * math.sqrt(1 - DAMPING**2)
+    omega = 2 * math.pi * FREQUENCIES
+    damped = omega * math.sqrt(1 - DAMPING**2)
 
-        def go_on(z, v, a, h):
-            """Displacement and velocity against the gauge, which has the acceleration a for h."""
-            rest = -a / omega**2
-            c, s = math.cos(damped * h), math.sin(damped * h)
-            p, q = z - rest, (v + DAMPING * omega * (z - rest)) / damped
-            fade = math.exp(-DAMPING * omega * h)
-            return (rest + fade * (p * c + q * s),
-                    fade * ((q * damped - DAMPING * omega * p) * c
-                            - (p * damped + DAMPING * omega * q) * s))
+    def swing(h):
+        """What goes on for h (s): the parts of displacement and velocity against the gauge."""
+        fade, c, s = np.exp(-DAMPING * omega * h), np.cos(damped * h), np.sin(damped * h) / damped
+        return (fade * (c + DAMPING * omega * s), fade * s, -fade * omega**2 * s,
+                fade * (c - DAMPING * omega * s))
 
-        z, v, most = 0.0, 0.0, 0.0
-        for a in acceleration:
-            z, v = go_on(z, v, a, step)
-            most = max(most, abs(z))
-        v -= afterwards - velocity[-1]
-        for _ in range(400):  # a period and a half
-            z, v = go_on(z, v, 0.0, 1.5 / frequency / 400)
-            most = max(most, abs(z))
-        peaks.append(omega**2 * most)
-    return np.array(peaks)
+    def go_on(state, acceleration, parts):
+        rest = -acceleration / omega**2
+        z, v = state[0] - rest, state[1]
+        return rest + parts[0] * z + parts[1] * v, parts[2] * z + parts[3] * v
+
+    looks = math.ceil(20 * FREQUENCIES.max() * step)
+    within, state, most = swing(step / looks), (0 * omega, 0 * omega), 0 * omega
+    for acceleration in np.diff(velocity) / step:
+        for _ in range(looks):
+            state = go_on(state, acceleration, within)
+            most = np.maximum(most, np.abs(state[0]))
+    state = state[0], state[1] - (afterwards - velocity[-1])
+    afterwards = swing(1.5 / FREQUENCIES / 400)  # a period and a half
+    for _ in range(400):
+        state = go_on(state, 0.0, afterwards)
+        most = np.maximum(most, np.abs(state[0]))
+    return omega**2 * most
 
 
 def main():

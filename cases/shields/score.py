@@ -190,7 +190,8 @@ def main():
     some, without, planned = counted(read_shots(), options)
     text = table(some, without, planned, options)
     print(text)
-    name = "score" + (f"_{options.across:g}" if options.across != ACROSS else "")
+    own = (options.across, options.wall_across) == (ACROSS, ACROSS)
+    name = "score" + ("" if own else f"_{options.across:g}_{options.wall_across:g}")
     replace_section(HERE / "README.md", name, text)
     draw(some, HERE / f"{name}.png")
 

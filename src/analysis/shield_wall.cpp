@@ -228,7 +228,7 @@ void weigh_spall(const Comm& comm, const Bodies& bodies, const std::vector<BodyI
                  const ShieldWall& wall, const Clump& main, const Grid2& grid, const Maps& maps,
                  const Window& window, double time, WallVerdict& verdict) {
   const double main_rear = see(wall, main.position, time).depth + wall.thickness / 2;
-  std::array<double, 3> sums{};  // pieces, mass, momentum
+  std::array<double, 4> sums{};  // pieces, mass, momentum; mass from the rim
   double largest = 0;
   for (const Clump& piece : share_of_clumps(comm, bodies, name)) {
     const Seen at = see(wall, piece.position, time);
@@ -240,10 +240,12 @@ void weigh_spall(const Comm& comm, const Bodies& bodies, const std::vector<BodyI
     if (at.depth <= rear + gap || speed <= 0) continue;
     // It flies freely: where it was as deep as the rear. What a cloud blows off the wall's edges,
     // which a wider plate has not, flies past the rim.
-    const double since = (at.depth - main_rear) / speed;  // s
+    const double since = (at.depth - rear) / speed;  // s
     if (!window.contains(at.x - since * motion.dot(wall.across[0]),
-                         at.y - since * motion.dot(wall.across[1])))
+                         at.y - since * motion.dot(wall.across[1]))) {
+      sums[3] += piece.mass;
       continue;
+    }
     sums[0] += 1;
     sums[1] += piece.mass;
     sums[2] += piece.mass * speed;
@@ -254,6 +256,7 @@ void weigh_spall(const Comm& comm, const Bodies& bodies, const std::vector<BodyI
   verdict.spall_mass = sums[1];
   verdict.spall_speed = sums[1] > 0 ? sums[2] / sums[1] : 0;
   verdict.spall_largest = comm.max(largest);
+  verdict.rim_mass = sums[3];
 }
 
 /// Share of the energy that flew at the wall of what is before it and will still meet it.

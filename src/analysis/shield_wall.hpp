@@ -58,6 +58,7 @@ struct WallVerdict {
   bool opening_at_edge = false;              ///< one reaches the rim
   std::int64_t spall_pieces = 0;             ///< behind the rear, moving away; single bodies, too
   double spall_mass = 0, spall_largest = 0;  ///< kg
+  double rim_mass = 0;                       ///< kg, the same from the rim, which is not judged
   double spall_speed = 0;                    ///< m/s, against the main piece, mean by mass
   double still_coming = 0;  ///< share of the energy that flew at it of what is yet to meet it
 };

@@ -50,7 +50,7 @@ def add_debris(pictures, run):
         flight = debris.Flight(run, plate, end)
         pictures.add("radiographs" + end, debris.radiographs(flight),
                      "From the side, as on flash radiographs: dark where much mass is in the way.",
-                     f"Debris behind {plate}" if end else "Debris")
+                     html.escape(f"Debris behind {plate}") if end else "Debris")
         pictures.add("debris" + end, debris.speeds(flight),
                      "Left: debris more than a quarter of a diameter behind the plate. "
                      "Percentiles: 99th of speeds (front, radial), 1st (rear), mean.")

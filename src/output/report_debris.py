@@ -17,7 +17,8 @@ def plates(run):
     debris = run.case["debris"]
     if "plate" in debris:
         return [(debris["plate"], "")]
-    return [(name, "_" + re.sub("[^A-Za-z0-9]", "_", name)) for name in debris["plates"]]
+    return [(name, "_" + re.sub(b"[^A-Za-z0-9]", b"_", name.encode()).decode())
+            for name in debris["plates"]]
 
 
 class Flight:

@@ -65,7 +65,9 @@ def origin(run):
 
 def cards(run):
     """The few figures that matter most, where the run has them."""
-    found = [(run.results.get(section, {}).get(key), name) for section, key, name in HEADLINES]
+    found = [(told.get(key), name + section[len(asked):].replace("_", " behind ", 1))
+             for asked, key, name in HEADLINES for section, told in run.results.items()
+             if section == asked or asked == "debris" and section.startswith("debris_")]
     items = [f"<div><dt>{name}<dd>{number(value, 4)}</div>" for value, name in found
              if value is not None]
     return f"<dl class=cards>{''.join(items)}</dl>" if items else ""

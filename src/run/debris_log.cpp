@@ -13,6 +13,7 @@ DebrisLog::DebrisLog(const Case& scene) {
   if (!scene.debris) return;
   for (const DebrisPlate& plate : scene.debris->plates)
     plates_.push_back({.laid = plate, .target = find_target(scene, plate)});
+  projectile_ = scene.debris->projectile_name;
   wall_ = scene.debris->wall;
   every_ = scene.debris->every;
 }
@@ -35,8 +36,9 @@ std::vector<std::string> DebrisLog::read_out(const World& world, double time) {
 void DebrisLog::conclude(const World& world, const Engine& engine, bool bonded, double time,
                          ResultTable& table) {
   if (plates_.empty()) return;
-  const auto& rows = plates_.front().rows;
-  if (rows.empty() || rows.back().time < time) read_out(world, time);
+  for (auto& [laid, t, rows] : plates_)
+    if (rows.empty() || rows.back().time < time)
+      rows.push_back(measure_cloud(world.comm, world.bodies, t, time));
   std::optional<LinkedBodies> linked;
   if (bonded) linked.emplace(engine.links(world));
   for (const Plate& plate : plates_) conclude(plate, world, linked ? &*linked : nullptr, table);
@@ -89,9 +91,14 @@ void DebrisLog::conclude(const Plate& plate, const World& world, const LinkedBod
   });
 }
 
+/// Another plate, or another projectile, has another history.
+std::string DebrisLog::key_of(const DebrisPlate& plate) const {
+  return fmt::format("debris.{}.{}", projectile_, plate.name);
+}
+
 void DebrisLog::save(Scalars& scalars) const {
   for (const auto& [laid, target, rows] : plates_) {
-    const std::string key = "debris" + laid.section;
+    const std::string key = key_of(laid);
     scalars[key + ".rows"] = static_cast<double>(rows.size());
     for (std::size_t r = 0; r < rows.size(); ++r)
       for_each_column(rows[r], [&](const char* name, double value, const char*, const char*) {
@@ -102,7 +109,7 @@ void DebrisLog::save(Scalars& scalars) const {
 
 void DebrisLog::load(const Scalars& scalars) {
   for (auto& [laid, target, rows] : plates_) {
-    const std::string key = "debris" + laid.section;
+    const std::string key = key_of(laid);
     if (!scalars.contains(key + ".rows")) continue;  // of a plate that is named from here on
     rows.resize(static_cast<std::size_t>(find_scalar(scalars, key + ".rows")));
     for (std::size_t r = 0; r < rows.size(); ++r)

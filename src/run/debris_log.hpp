@@ -39,7 +39,10 @@ class DebrisLog {
   void conclude(const Plate& plate, const World& world, const LinkedBodies* linked,
                 ResultTable& table) const;
 
+  std::string key_of(const DebrisPlate& plate) const;
+
   std::vector<Plate> plates_;
+  std::string projectile_;  ///< its group's name
   std::optional<double> wall_;
   double every_ = 0;
 };

@@ -152,13 +152,16 @@ void check_methods(const Case& scene) {
 
 /// Spheres at the border of two grains overlap: contacts and bonds would blow them apart.
 void check_grains(const Case& scene) {
-  const Phase& first = scene.phases.front();
-  if (first.engine->fields(scene, first.settings).has(Field::direct_stress)) return;
-  for (const Group& group : scene.groups)
-    require(!group.packing.grain,
-            "{}.packing.grains: grains overlap where they meet, which bodies bear that carry a "
-            "stress of their own: {}.method = \"solid\" is wanted, not \"{}\"",
-            group.place, first.place, first.engine->name);
+  for (const Group& group : scene.groups) {
+    if (!group.packing.grain) continue;
+    require(!scene.period.any(), "{}.packing.grains: they do not go on at the border of [periodic]",
+            group.place);
+    for (const Phase& phase : scene.phases)
+      require(phase.engine->fields(scene, phase.settings).has(Field::direct_stress),
+              "{}.packing.grains: grains overlap where they meet, which bodies bear that carry a "
+              "stress of their own: {}.method = \"solid\" is wanted, not \"{}\"",
+              group.place, phase.place, phase.engine->name);
+  }
 }
 
 }  // namespace

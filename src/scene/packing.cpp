@@ -98,9 +98,10 @@ void read_lattice(Section& in, Packing& packing) {
   in.check("grains",
            !packing.grain || (packing.orientation == Orientation::rotation && !in.has("rotation")),
            "is given beside rotation or orientation, which turn one crystal");
-  in.check(
-      "grains", !packing.grain || *packing.grain >= spacing,
-      fmt::format("= {} m is less than the spacing, {} m", packing.grain.value_or(0), spacing));
+  constexpr double smallest_grain = 2;  // spacings
+  in.check("grains", !packing.grain || *packing.grain >= smallest_grain * spacing,
+           fmt::format("= {} m is less than {:g} spacings of {} m", packing.grain.value_or(0),
+                       smallest_grain, spacing));
 }
 
 Lattice simple_cubic(const Packing& packing) {
@@ -281,7 +282,7 @@ std::optional<SphereSet::Overlap> SphereSet::find_overlap(const Vec3& center, do
 }
 
 void place_lattice(LatticeKind kind, const Volume& volume, const Packing& packing,
-                   const std::function<void(const Vec3&)>& place) {
+                   const std::function<void(const Vec3&)>& place, const Volume* within) {
   const double d = spacing_of(packing);
   const bool turned = !packing.rotation.isZero(0);
   Vec3 half = half_widths(volume);
@@ -301,9 +302,14 @@ void place_lattice(LatticeKind kind, const Volume& volume, const Packing& packin
     return rotation * (sites.at(i, j, k) - extent / 2);
   };
   const Vec3 box = half_widths(volume).array() + d;
+  const Vec3 bounds = within ? Vec3(half_widths(*within).array() + d) : box;
+  const Vec3 off = within ? Vec3(volume.axes.transpose() * (volume.center - within->center))
+                          : Vec3(Vec3::Zero());
   sites.for_each_row([&](int j, int k, int count) {
     double first = 0, last = count - 1;
-    clip(seen(0, j, k), seen(1, j, k) - seen(0, j, k), box, first, last);
+    const Vec3 from = seen(0, j, k), step = seen(1, j, k) - from;
+    clip(from, step, box, first, last);
+    if (within) clip(off + from, step, bounds, first, last);
     for (auto i = static_cast<int>(first); i <= last; ++i) {
       const Vec3 center = volume.center + volume.axes * seen(i, j, k);
       if (depth(volume, center) >= -slack * d) place(center);

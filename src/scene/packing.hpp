@@ -112,9 +112,10 @@ enum class LatticeKind { simple_cubic, fcc, hcp };
 /// bounding box of the volume so that whole spheres fill it, centred in it (a box n diameters wide
 /// holds n layers); the sites whose centres lie inside the volume are kept, so that mass goes with
 /// volume. Cubic axes along x, y, z; hcp: close-packed layers across z, rows along x; turned by
-/// `packing.rotation` about the volume's center.
+/// `packing.rotation` about the volume's center. `within`, of the same axes: sites far outside of
+/// its bounding box may be left out, which saves the time to look at them.
 void place_lattice(LatticeKind kind, const Volume& volume, const Packing& packing,
-                   const std::function<void(const Vec3&)>& place);
+                   const std::function<void(const Vec3&)>& place, const Volume* within = nullptr);
 
 /// About how many grains of this mean size (m, of a ball as large as the mean grain) the bounding
 /// box of a volume has.
