@@ -78,11 +78,10 @@ class Gas:
         self.pressure *= math.exp(-GAMMA * choked * speed * self.hole / volume * step)
 
 
-def swelling(sim):
-    """m, by how much the shell's bodies have moved out on average; Pa, mean stress along it; kg of
-    the shell that still bears."""
+def swelling(sim, gas):
+    """Of the shell that bears: m, mean distance from the middle; Pa, mean stress along it; kg."""
     bodies = sim.bodies
-    shell = bodies.group == 0
+    shell = gas.whole(bodies)
     place = bodies.position[shell]
     far = np.linalg.norm(place, axis=1)
     out = place / far[:, None]
@@ -91,9 +90,8 @@ def swelling(sim):
               + 2 * (shear[:, 0] * out[:, 1] * out[:, 2] + shear[:, 1] * out[:, 2] * out[:, 0]
                      + shear[:, 2] * out[:, 0] * out[:, 1]))
     along = (direct.sum(axis=1) - radial) / 2 - bodies.pressure[shell]
-    whole = shell & (bodies.damage < 1)
     count = total(np.count_nonzero(shell))
-    return (total(far.sum()) / count, total(along.sum()) / count, total(bodies.mass[whole].sum()))
+    return (total(far.sum()) / count, total(along.sum()) / count, total(bodies.mass[shell].sum()))
 
 
 def formulas(pressure):
@@ -108,11 +106,11 @@ def follow(pressure, filling, until, layers):
         "groups.shell.packing.diameter": (OUTER - INNER) / layers})
     gas = Gas(pressure, filling)
     sim.add_force(gas.push)
-    rows = [(0.0, *swelling(sim), gas.pressure, 0.0)]
+    rows = [(0.0, *swelling(sim, gas), gas.pressure, 0.0)]
 
     def between(sim):
         gas.go_on(sim)
-        rows.append((sim.time, *swelling(sim), gas.pressure, gas.hole))
+        rows.append((sim.time, *swelling(sim, gas), gas.pressure, gas.hole))
 
     sim.run_until(until, each=between)
     return sim, gas, np.array(rows).T
