@@ -3,7 +3,7 @@
     PYTHONPATH=build/release/python /usr/bin/python3 cases/tank/tank.py [--breathe]
 
 The gas is a force of this program's own on the bodies of the shell; see README.md. mpirun -n 2
-before it shares the work. Writes tank.png beside this file, or breathing.png.
+before it shares the work. The shot writes tank.png beside this file.
 SPDX-License-Identifier: BSD-3-Clause
 """
 import argparse
