@@ -37,6 +37,7 @@ class Flight:
             self.group, self.mass = group[own], all_bodies["mass"][:][own]
             self.position = all_bodies["position/value"][:][:, own]
             self.velocity = all_bodies["velocity/value"][:][:, own]
+            self.yields = "plastic_strain" in all_bodies
             self.damage, self.temperature = (
                 all_bodies[name + "/value"][-1][own] if name in all_bodies else None
                 for name in ("damage", "temperature"))
@@ -141,15 +142,16 @@ def speeds(flight):
 
 
 def state(flight):
-    """A slice through the axis at the end: the share of broken bonds and the temperature. None
-    where none can break."""
+    """A slice through the axis at the end: damage, which of bonds is the share that is broken, and
+    temperature. None where none can break."""
     if flight.damage is None or not flight.damage.any():
         return None
     k = len(flight.time) - 1
     across = (flight.position[k] - flight.origin) @ np.cross(flight.normal, flight.side)
     chosen = np.abs(across) < flight.diameter / 12
     x, y = 1e3 * flight.depth(k)[chosen], 1e3 * flight.height(k)[chosen]
-    fields = [(flight.damage, "share of bonds broken", "inferno", 1)]
+    damage = "damage" if flight.yields else "share of bonds broken"
+    fields = [(flight.damage, damage, "inferno", 1)]
     if flight.temperature is not None:
         top = np.nanquantile(flight.temperature[chosen], 0.99)
         fields.append((flight.temperature, "temperature, K", "inferno", top))
@@ -160,8 +162,8 @@ def state(flight):
         dots = panel.scatter(x[order], y[order], c=values[chosen][order], s=3, linewidths=0,
                              cmap=colors, vmax=top)
         panel.set(xlabel="mm behind the plate", ylabel="mm", aspect="equal",
-                  title=f"{name}, {readable_time(flight.time[k])}")
-        figure.colorbar(dots, ax=panel, shrink=0.8)
+                  title=readable_time(flight.time[k]))
+        figure.colorbar(dots, ax=panel, shrink=0.8, label=name)
     return figure
 
 
