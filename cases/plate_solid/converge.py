@@ -20,8 +20,9 @@ from pathlib import Path
 
 HERE = Path(__file__).parent
 ROOT = HERE.parent.parent
-sys.path += [str(HERE.parent / "plate"), str(ROOT / "bench")]
+sys.path += [str(HERE.parent / "plate"), str(HERE.parent / "shields"), str(ROOT / "bench")]
 from readme import replace_section  # noqa: E402
+from run import mass_of_ball  # noqa: E402
 from shots import DENSITY, front_band, holes, shot  # noqa: E402
 
 WIDTH = {"4-1287": 4, "4-1353": 5}  # of the plate, in diameters
@@ -80,10 +81,8 @@ def run(options, name, across, seed):
     ball = DENSITY * math.pi / 6 * diameter**3  # kg
     layers, changed = changes(name, across, seed)
     told = spall(options.program, "check", changed)
-    # A lattice has its own number of sites in a sphere.
-    mass = float(re.search(r"^  ball +\d+ +\S+ +\S+ +(\S+)", told, re.M)[1])
     folder = ROOT / "out/plate_solid" / f"{name}-{across:g}-{seed}"
-    _, changed = changes(name, across, seed, (ball / mass)**(1 / 3))
+    _, changed = changes(name, across, seed, (ball / mass_of_ball(told))**(1 / 3))
     spall(options.program, "run", changed, ["--out", folder, "--overwrite"],
           ["mpirun", "-n", options.ranks])
     results = tomllib.loads((folder / "results.toml").read_text())

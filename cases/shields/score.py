@@ -72,6 +72,12 @@ def share(calls):
     return f"{100 * p:.0f} ({low:.0f}–{high:.0f}) %"
 
 
+def has_verdict(line):
+    """Whether a run has one that counts."""
+    return (line["verdict"] in FAILED and float(line["energy_unexplained"]) <= MOST_UNEXPLAINED
+            and (FAILED[line["verdict"]] or float(line["still_coming"]) <= MOST_COMING))
+
+
 def counted(shots, options):
     """(shot, line of results.csv) of what was run by the rule and has a verdict; how many have
     none, and how many the rule has."""
@@ -80,10 +86,7 @@ def counted(shots, options):
              and float(line["across"]) == options.across
              and float(line["wall_across"]) == options.wall_across
              and int(line["seed"]) == options.seed]
-    good = [line for line in lines
-            if line["verdict"] in FAILED
-            and float(line["energy_unexplained"]) <= MOST_UNEXPLAINED
-            and (FAILED[line["verdict"]] or float(line["still_coming"]) <= MOST_COMING)]
+    good = [line for line in lines if has_verdict(line)]
     return [(by_row[int(line["row"])], line) for line in good], len(lines) - len(good), len(by_row)
 
 

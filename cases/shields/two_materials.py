@@ -14,8 +14,8 @@ import threading
 from pathlib import Path
 
 import run
-from equations import EQUATIONS, read_shots
-from score import BEST, FAILED, MOST_COMING, MOST_UNEXPLAINED
+from equations import is_right, read_shots
+from score import BEST, FAILED, has_verdict
 
 HERE = Path(__file__).parent
 WALL_ACROSS = 3  # walls are up to three diameters thick: 9 layers, or the 3 of the rule
@@ -23,23 +23,16 @@ sys.path.append(str(HERE.parent.parent / "bench"))
 from readme import replace_section  # noqa: E402
 
 
-def tells(row):
-    """Whether a run has a verdict that counts, as score.py has it."""
-    return (row["verdict"] in FAILED and float(row["energy_unexplained"]) <= MOST_UNEXPLAINED
-            and (FAILED[row["verdict"]] or float(row["still_coming"]) <= MOST_COMING))
-
-
 def table(shots):
     lines = ["| shot | ball | km/s | bumper, gap, wall, mm | experiment | Spall | margin "
              f"| hole, mm | {BEST} |", "|---|---|--:|---|---|---|--:|--:|---|"]
     right, equation = 0, 0
-    rows = [row for row in run.known() if tells(row)]
+    rows = [row for row in run.known() if has_verdict(row)]
     for row in rows:
         shot = shots[int(row["row"]) - 1]
-        critical = EQUATIONS[BEST](shot)
-        called = shot.diameter > critical
+        called = is_right(shot, BEST) == shot.perforated  # perforated
         right += FAILED[row["verdict"]] == shot.perforated
-        equation += called == shot.perforated
+        equation += is_right(shot, BEST)
         lines.append(f"| {shot.name} | {shot.metals[0]} {10 * shot.diameter:g} mm "
                      f"| {shot.speed:g} | "
                      f"{10 * shot.bumper:g}, {10 * shot.standoff:g}, {10 * shot.wall:g} | "

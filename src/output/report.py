@@ -45,7 +45,7 @@ class Pictures:
 def add_debris(pictures, run):
     import report_debris as debris
     for plate, end in debris.plates(run):
-        if not run.results.get("cloud" + end, {}).get("time"):
+        if not run.results["cloud" + end].get("time"):
             continue
         flight = debris.Flight(run, plate, end)
         pictures.add("radiographs" + end, debris.radiographs(flight),

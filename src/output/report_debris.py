@@ -1,7 +1,6 @@
 # Pictures of a plate's impact: a film strip of radiographs, speeds, and what a wall would receive.
 # SPDX-License-Identifier: BSD-3-Clause
 import os
-import re
 
 import h5py
 import matplotlib.pyplot as plt
@@ -15,10 +14,10 @@ from report_run import readable_time
 def plates(run):
     """(name, what its sections of the results end in) of each plate that [debris] names."""
     debris = run.case["debris"]
-    if "plate" in debris:
-        return [(debris["plate"], "")]
-    return [(name, "_" + re.sub(b"[^A-Za-z0-9]", b"_", name.encode()).decode())
-            for name in debris["plates"]]
+    names = [debris["plate"]] if "plate" in debris else debris["plates"]
+    ends = [section.removeprefix("cloud") for section in run.results
+            if section == "cloud" or section.startswith("cloud_")]
+    return list(zip(names, ends))  # results are in the order of the case
 
 
 class Flight:

@@ -3,7 +3,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "base/random.hpp"
 #include "scene/packing.hpp"
@@ -48,7 +47,7 @@ double grains_of(const Volume& volume, double grain) {
 
 void place_grains(LatticeKind kind, const Volume& volume, const Packing& packing,
                   std::uint64_t seed, const std::function<void(const Vec3&)>& place) {
-  const double d = packing.spacing.value_or(2 * packing.radius), grain = *packing.grain;
+  const double d = spacing_of(packing), grain = *packing.grain;
   std::mt19937_64 engine(seed);
   const std::vector<Vec3> middles = draw_middles(volume, grain, engine);
   const Vec3 half = half_widths(volume);

@@ -69,10 +69,6 @@ void clip(const Vec3& from, const Vec3& step, const Vec3& half, double& first, d
   }
 }
 
-double spacing_of(const Packing& packing) {
-  return packing.spacing.value_or(2 * packing.radius);
-}
-
 void read_nothing(Section&, Packing&) {}
 
 void place_single(const PackingRequest& request) {
@@ -183,6 +179,10 @@ const PackingType hcp_packing{.name = "hcp",
                               .place = place_sites<LatticeKind::hcp>};
 const PackingType file_packing{
     .name = "file", .sized = false, .turns = true, .read = read_file, .place = place_stored};
+
+double spacing_of(const Packing& packing) {
+  return packing.spacing.value_or(2 * packing.radius);
+}
 
 Lattice lattice_of(const Packing& packing) {
   if (packing.type->lattice) return packing.type->lattice(packing);
@@ -302,14 +302,14 @@ void place_lattice(LatticeKind kind, const Volume& volume, const Packing& packin
     return rotation * (sites.at(i, j, k) - extent / 2);
   };
   const Vec3 box = half_widths(volume).array() + d;
-  const Vec3 bounds = within ? Vec3(half_widths(*within).array() + d) : box;
-  const Vec3 off = within ? Vec3(volume.axes.transpose() * (volume.center - within->center))
-                          : Vec3(Vec3::Zero());
+  const Volume& outer = within ? *within : volume;
+  const Vec3 outer_box = half_widths(outer).array() + d;
+  const Vec3 off = volume.axes.transpose() * (volume.center - outer.center);
   sites.for_each_row([&](int j, int k, int count) {
     double first = 0, last = count - 1;
     const Vec3 from = seen(0, j, k), step = seen(1, j, k) - from;
     clip(from, step, box, first, last);
-    if (within) clip(off + from, step, bounds, first, last);
+    clip(off + from, step, outer_box, first, last);
     for (auto i = static_cast<int>(first); i <= last; ++i) {
       const Vec3 center = volume.center + volume.axes * seen(i, j, k);
       if (depth(volume, center) >= -slack * d) place(center);

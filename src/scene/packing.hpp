@@ -100,6 +100,9 @@ class SphereGrid {
 /// Spheres of a group, at most: they are numbered by 32 bits while they are placed.
 inline constexpr double most_spheres = 2147483647;
 
+/// m, of a lattice: between nearest neighbours.
+double spacing_of(const Packing& packing);
+
 /// The lattice of a packing's spheres; a sphere's cell where the packing is none is the sphere.
 Lattice lattice_of(const Packing& packing);
 
