@@ -589,6 +589,50 @@ TEST(SolidStep, what_is_torn_bears_no_tension_and_no_shear) {
   EXPECT_LE(torn.stress[1].norm(), 1e-6 * copper.bulk_modulus());
 }
 
+TEST(SolidStep, what_is_torn_slides_where_it_is_pressed) {
+  Solid rubbing = copper;
+  rubbing.rock.failed_friction = 0.3;
+  const SolidLaw law = solid_law(rubbing, true, "copper");
+  Lab world = held_ball(d, law, 1);
+  const double h = 1e-9;
+  Eigen::Matrix3d shearing = Eigen::Matrix3d::Zero();
+  shearing(0, 1) = 1;
+  // Pressed, and pressed more, then less and less until nothing presses.
+  for (double by : {0.0003, 0.0003, -0.0003, -0.0002, -0.0003}) {
+    deform(world, -by / (20 * h) * as_is, h, 20);
+    deform(world, 0.02 / (100 * h) * shearing, h, 100);
+    const Eigen::Matrix3d stress = stress_of_the_middle(world);
+    const double pressure = -stress.trace() / 3;
+    const double mises = std::sqrt(1.5) * (stress + pressure * as_is).norm();
+    const double rubs = std::sqrt(3.0) * 0.3 * std::max(0.0, pressure);
+    // No more than what is whole bears: A, less what its heat takes.
+    const double least = std::min(rubs, 0.98 * copper.johnson_cook.a);
+    EXPECT_GE(mises, 0.999 * least - 1e-6 * copper.shear_modulus());
+    EXPECT_LE(mises, std::min(1.001 * rubs, copper.johnson_cook.a) + 1e-6 * copper.shear_modulus());
+    // What slid is heat, but for what shear and pressure still hold.
+    if (pressure <= 0) continue;
+    const double volume = d * d * d / std::sqrt(2.0);
+    const double heat = of_the_middle_body(world, &Bodies::heat) / volume;
+    const double held = of_the_middle_body(world, &Bodies::internal_energy) / volume - heat;
+    const double cold = pressure - copper.gruneisen * heat;
+    const double stored =
+        mises * mises / (6 * copper.shear_modulus()) + cold * cold / (2 * copper.bulk_modulus());
+    EXPECT_NEAR(held, stored, 0.01 * stored);
+  }
+}
+
+TEST(SolidStep, momenta_and_energy_are_kept_where_broken_pieces_rub) {
+  const double speed = 300;
+  Solid rubbing = copper;
+  rubbing.rock.failed_friction = 0.5;
+  const SolidLaw law = solid_law(rubbing, true, "copper");
+  Lab world = world_of_two(testing_world(), speed, law);
+  for (double& damage : world.bodies.damage) damage = 1;
+  const Sums before = sums_of(world);
+  solid_steps(world, 0.1 * d / law.sound_speed(), 150);
+  expect_kept(world, before, speed);
+}
+
 // --- how cases ask for it ---
 
 const char* const groups = R"([materials.cu.solid]

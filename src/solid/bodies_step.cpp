@@ -154,11 +154,24 @@ struct Sheared {
   double strained = 0;  ///< plastic strain
 };
 
+/// What is left of metal that has failed: it slides where it bears more than friction.
+Sheared slid_metal(const Bodies& bodies, const Body& b, double hot) {
+  const SolidLaw& law = b.law;
+  const double whole = b.stiffness * law.least_flow_stress(hot);
+  const double stress = std::min({b.mises, law.sliding_strength(bodies.pressure[b.row]), whole});
+  if (stress <= 0) return {};
+  const double shear = law.shear * b.stiffness;
+  return {.scale = stress / b.mises,
+          .energy = b.volume * stress * stress / (6 * shear),
+          .strained = (b.mises - stress) / (3 * shear)};
+}
+
 /// Metals return to their flow stress, and fail where they have flown too far.
 Sheared sheared_metal(Bodies& bodies, const Body& b, double hot) {
   const SolidLaw& law = b.law;
   double& damage = bodies.damage[b.row];
   const bool fluid = damage >= 1 || (law.yields && hot >= 1) || b.stiffness == 0;
+  if (fluid && law.rock.failed_friction > 0 && hot < 1) return slid_metal(bodies, b, hot);
   Sheared left{.scale = fluid ? 0.0 : 1.0};
   if (law.yields && left.scale > 0 && b.mises > 0 && b.h > 0) {
     const double trial = b.mises / b.stiffness;

@@ -112,16 +112,17 @@ std::string flow_of(const SolidLaw& law) {
 
 /// How it breaks, in bodies of this spacing (m).
 std::string failure_of(const SolidLaw& law, double spacing) {
+  const std::string failed =
+      law.rock.failed_friction > 0
+          ? fmt::format("    failed, slides at a shear stress of {:g} of its pressure\n",
+                        law.rock.failed_friction)
+          : "    failed, bears pressure alone: failed_friction is not known\n";
   if (law.brittle()) {
     const double strain = strain_of_first_flaw(law, spacing);
     return fmt::format(
         "    breaks by cracks that grow at {:.4g} m/s from {:.4g}/m^3 eps^{:g} flaws: a tension of "
-        "{:.4g} Pa opens one in half of the bodies\n    failed, {}\n",
-        crack_speed(law), law.flaws.k, law.flaws.m, law.youngs_modulus() * strain,
-        law.rock.failed_friction > 0
-            ? fmt::format("slides at a shear stress of {:g} of its pressure",
-                          law.rock.failed_friction)
-            : "bears pressure alone: failed_friction is not known");
+        "{:.4g} Pa opens one in half of the bodies\n{}",
+        crack_speed(law), law.flaws.k, law.flaws.m, law.youngs_modulus() * strain, failed);
   }
   std::string text =
       std::isfinite(law.strength)
@@ -131,7 +132,7 @@ std::string failure_of(const SolidLaw& law, double spacing) {
                 law.strength)
           : std::string("    does not tear by tension: spall_strength is not known\n");
   if (!law.flow.fails()) text += "    does not fail by strain: johnson_cook_d1 … are not known\n";
-  return text;
+  return text + failed;
 }
 
 std::string describe(const Surroundings& around, std::span<const MaterialUse> uses,

@@ -164,8 +164,7 @@ SolidLaw solid_law(const Solid& solid, bool yields, const std::string& place) {
     need(rock.friction, "lundborg_friction beside the others of Lundborg");
     need(rock.limit, "lundborg_limit beside the others of Lundborg");
   }
-  if (rock.known() || rock.failed_friction > 0)
-    need(solid.weibull.k, "weibull_k beside lundborg_limit or failed_friction");
+  if (rock.known()) need(solid.weibull.k, "weibull_k beside lundborg_limit");
   const SteinbergGuinan& steinberg = solid.steinberg;
   if (steinberg.known()) {
     require(law.flow.a == 0, "{}: johnson_cook_a and steinberg_y0: leave one out", place);

@@ -1,0 +1,158 @@
+"""Makes craters in three thick targets, and puts their depths and widths beside formulas.
+
+    python3 cases/crater/measure.py [--targets aluminium_6061_t6 fused_silica] [--across 4 6]
+    [--seeds 1 2 3]                          prints a table
+
+Each run is case.toml with other sizes and another target.
+SPDX-License-Identifier: BSD-3-Clause
+"""
+import argparse
+import re
+import subprocess
+import time
+import tomllib
+from dataclasses import dataclass
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+HERE = Path(__file__).parent
+ROOT = HERE.parent.parent
+SPEED, BALL_DENSITY = 7.0, 2.703  # km/s, g/cm^3
+STILL = 0.01  # of the ball's speed: what rises faster has left
+
+
+@dataclass
+class Target:
+    ball: float  # mm, diameter
+    wide: float  # balls, diameter of the block
+    deep: float  # balls
+    until: float  # us
+    depth: float  # mm, by formula
+    width: float | None = None  # mm, by formula
+
+
+def metal(hardness, density):
+    """mm. Cour-Palais, Int. J. Impact Engng 5 (1987) 221, for a ball of 6.35 mm; sound at 5.1 km/s.
+    Craters are nearly hemispherical there."""
+    return 10 * 5.24 * 0.635**(19 / 18) * hardness**-0.25 * (BALL_DENSITY / density)**0.5 * (
+        SPEED / 5.1)**(2 / 3)
+
+
+def glass(diameter):
+    """mm. Cour-Palais's depth in fused silica, as NASA/TM-2009-214785 has it (6-8)."""
+    return 10 * 0.53 * (diameter / 10)**(19 / 18) * BALL_DENSITY**0.5 * SPEED**(2 / 3)
+
+
+# Brinell's hardness: 95 of 6061-T6, 23 of 1100-O, usual handbook values.
+TARGETS = {
+    "aluminium_6061_t6": Target(6.35, 10, 6.3, 24, metal(95, 2.703), 2 * metal(95, 2.703)),
+    "aluminium_1100_o": Target(6.35, 13, 8, 40, metal(23, 2.707), 2 * metal(23, 2.707)),
+    "fused_silica": Target(1, 14, 7, 12, glass(1)),
+}
+
+
+def changes(name, across, seed):
+    target = TARGETS[name]
+    ball, spacing = 1e-3 * target.ball, 1e-3 * target.ball / across
+    deep, until = target.deep * ball, 1e-6 * target.until
+    return [f"seed={seed}", f'materials.target.library="{name}"',
+            f"groups.ball.volume.diameter={ball}", f"groups.ball.packing.diameter={spacing}",
+            f"groups.ball.volume.center=[0, 0, {ball / 2 + 1.05 * spacing}]",
+            f"groups.block.volume.diameter={target.wide * ball}",
+            f"groups.block.volume.height={deep}", f"groups.block.packing.diameter={spacing}",
+            f"groups.block.volume.center=[0, 0, {-deep / 2}]",
+            f"phases.impact.step={until / 100}", f"phases.impact.duration={until}",
+            f"output.series_every={until / 40}", f"output.snapshot_every={until / 4}"]
+
+
+def main_piece(position, spacing):
+    """Which bodies hang together with the lowest ones: by cells that are filled side by side."""
+    cells = np.floor((position - position.min(axis=0)) / (1.2 * spacing)).astype(int) + 1
+    filled = np.zeros(cells.max(axis=0) + 2, dtype=bool)
+    filled[tuple(cells.T)] = True
+    reached = np.zeros_like(filled)
+    reached[:, :, :3] = filled[:, :, :3]
+    while True:
+        wider = reached
+        for axis in range(3):
+            wider = wider | np.roll(wider, 1, axis) | np.roll(wider, -1, axis)
+        wider &= filled
+        if np.array_equal(wider, reached):
+            return reached[tuple(cells.T)]
+        reached = wider
+
+
+def crater(start, position, velocity, spacing, radius):
+    """m: depth in the deepest ring around the axis, and the width where the surface is as high as
+    it was, but for what the block has moved far from the axis. Rings are two spacings wide."""
+    far = (np.hypot(start[:, 0], start[:, 1]) > 0.85 * radius) & (start[:, 2] > -0.3 * radius)
+    moved = np.median((position - start)[far, 2])
+    stays = velocity[:, 2] - np.mean(velocity[:, 2]) < STILL * 1e3 * SPEED
+    position = position[stays & (np.abs(position) < 1.5 * radius).all(axis=1)]
+    position = position[main_piece(position, spacing)]
+    ring = 2 * spacing
+    rings = np.floor(np.hypot(position[:, 0], position[:, 1]) / ring).astype(int)
+    top = np.array([position[rings == k, 2].max() for k in range(int(0.85 * radius / ring))])
+    top -= moved + start[:, 2].max()
+    inside = int(np.argmax(top >= 0))
+    edge = inside + 0.5 - top[inside] / (top[inside] - top[inside - 1])
+    return -top[:inside].min(), 2 * ring * edge
+
+
+def spall(options, folder, changed):
+    command = [*options.before.split(), options.program, "run", HERE / "case.toml",
+               "--out", folder, "--overwrite"]
+    for change in changed:
+        command += ["--set", change]
+    subprocess.run([str(part) for part in command], check=True, stdout=subprocess.DEVNULL)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--targets", nargs="+", choices=TARGETS, default=list(TARGETS))
+    parser.add_argument("--across", type=int, nargs="+", default=[4, 6])
+    parser.add_argument("--seeds", type=int, nargs="+", default=[1])
+    parser.add_argument("--program", default=ROOT / "build/release/spall")
+    parser.add_argument("--before", default="", help='put before the program, such as "nice -n 5"')
+    parser.add_argument("--out", type=Path, default=ROOT / "out/crater")
+    options = parser.parse_args()
+    commit = re.search(r"commit (\S+),", subprocess.run(
+        [str(options.program), "--version"], stdout=subprocess.PIPE, text=True).stdout).group(1)
+    print("| target | across | seed | bodies | depth, mm | in the last quarter | formula | | "
+          "width, mm | formula | | energy | minutes |\n"
+          "|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|")
+    for name in options.targets:
+        target = TARGETS[name]
+        for across in options.across:
+            for seed in options.seeds:
+                folder = options.out / f"{name}-{across}-{seed}"
+                begun = time.time()
+                spall(options, folder, changes(name, across, seed))
+                show(name, target, across, seed, folder, time.time() - begun)
+    print(f"commit {commit}")
+
+
+def show(name, target, across, seed, folder, seconds):
+    spacing = 1e-3 * target.ball / across
+    with h5py.File(folder / "trajectory.h5") as file:
+        bodies = file["particles/all"]
+        block = bodies["group"][:] == 0
+        before, after = (
+            crater(bodies["position/value"][0][block], bodies["position/value"][k][block],
+                   bodies["velocity/value"][k][block], spacing,
+                   0.5e-3 * target.ball * target.wide) for k in (-2, -1))
+    results = tomllib.loads((folder / "results.toml").read_text())
+    depth, width = 1e3 * after[0], 1e3 * after[1]
+    grown = 100 * (after[0] / before[0] - 1)
+    wide = (f"{width:.1f} | {target.width:.1f} | {100 * (width / target.width - 1):+.0f} %"
+            if target.width else "| |")
+    print(f"| {name} | {across} | {seed} | {len(block)} | {depth:.2f} | {grown:+.0f} % "
+          f"| {target.depth:.2f} | {100 * (depth / target.depth - 1):+.0f} % | {wide} "
+          f"| {100 * results['conservation']['energy_unexplained']:.2f} % | {seconds / 60:.1f} |",
+          flush=True)
+
+
+if __name__ == "__main__":
+    main()
