@@ -39,7 +39,7 @@ constexpr double crushing_error = 1e-9;
 double shape_of_lattice() {
   const auto shell = [](int bodies, double distance) {
     const double left = std::max(0.0, 1 - distance / neighbour_reach);
-    return bodies * left * left * distance * distance;
+    return bodies * left * distance * distance;
   };
   static const double sum = shell(12, 1) + shell(6, std::sqrt(2.0)) + shell(24, std::sqrt(3.0));
   return sum;
