@@ -589,9 +589,10 @@ TEST(SolidStep, what_is_torn_bears_no_tension_and_no_shear) {
   EXPECT_LE(torn.stress[1].norm(), 1e-6 * copper.bulk_modulus());
 }
 
-TEST(SolidStep, what_is_torn_slides_where_it_is_pressed) {
+void expect_to_slide(double softening) {
   Solid rubbing = copper;
   rubbing.rock.failed_friction = 0.3;
+  rubbing.johnson_cook.m = softening;
   const SolidLaw law = solid_law(rubbing, true, "copper");
   Lab world = held_ball(d, law, 1);
   const double h = 1e-9;
@@ -606,7 +607,7 @@ TEST(SolidStep, what_is_torn_slides_where_it_is_pressed) {
     const double mises = std::sqrt(1.5) * (stress + pressure * as_is).norm();
     const double rubs = std::sqrt(3.0) * 0.3 * std::max(0.0, pressure);
     // No more than what is whole bears: A, less what its heat takes.
-    const double least = std::min(rubs, 0.98 * copper.johnson_cook.a);
+    const double least = std::min(rubs, 0.95 * copper.johnson_cook.a);
     EXPECT_GE(mises, 0.999 * least - 1e-6 * copper.shear_modulus());
     EXPECT_LE(mises, std::min(1.001 * rubs, copper.johnson_cook.a) + 1e-6 * copper.shear_modulus());
     // What slid is heat, but for what shear and pressure still hold.
@@ -619,6 +620,11 @@ TEST(SolidStep, what_is_torn_slides_where_it_is_pressed) {
         mises * mises / (6 * copper.shear_modulus()) + cold * cold / (2 * copper.bulk_modulus());
     EXPECT_NEAR(held, stored, 0.01 * stored);
   }
+}
+
+TEST(SolidStep, what_is_torn_slides_where_it_is_pressed) {
+  expect_to_slide(1.09);
+  expect_to_slide(0.6);  // as of Armco iron, whose softening is steep at first
 }
 
 TEST(SolidStep, momenta_and_energy_are_kept_where_broken_pieces_rub) {

@@ -1,7 +1,7 @@
 """Makes craters in three thick targets, and puts their depths and widths beside formulas.
 
-    python3 cases/crater/measure.py [--targets aluminium_6061_t6 fused_silica] [--across 4 6]
-    [--seeds 1 2 3]                          prints a table
+    /usr/bin/python3 cases/crater/measure.py [--targets aluminium_6061_t6 fused_silica]
+    [--across 4 6] [--seeds 1 2 3]          prints a table
 
 Each run is case.toml with other sizes and another target.
 SPDX-License-Identifier: BSD-3-Clause
@@ -68,12 +68,14 @@ def changes(name, across, seed):
 
 
 def main_piece(position, spacing):
-    """Which bodies hang together with the lowest ones: by cells that are filled side by side."""
+    """Which bodies hang together with the middle of the lowest layers: by cells side by side that
+    are filled."""
     cells = np.floor((position - position.min(axis=0)) / (1.2 * spacing)).astype(int) + 1
     filled = np.zeros(cells.max(axis=0) + 2, dtype=bool)
     filled[tuple(cells.T)] = True
     reached = np.zeros_like(filled)
-    reached[:, :, :3] = filled[:, :, :3]
+    low = np.quantile(position[:, 2], 0.1)
+    reached[tuple(cells[np.argmin(np.linalg.norm(position - [0, 0, low], axis=1))])] = True
     while True:
         wider = reached
         for axis in range(3):
@@ -86,7 +88,8 @@ def main_piece(position, spacing):
 
 def crater(start, position, velocity, spacing, radius):
     """m: depth in the deepest ring around the axis, and the width where the surface is as high as
-    it was, but for what the block has moved far from the axis. Rings are two spacings wide."""
+    it was, to half a spacing, but for what the block has moved far from the axis. Rings are two
+    spacings wide."""
     far = (np.hypot(start[:, 0], start[:, 1]) > 0.85 * radius) & (start[:, 2] > -0.3 * radius)
     moved = np.median((position - start)[far, 2])
     stays = velocity[:, 2] - np.mean(velocity[:, 2]) < STILL * 1e3 * SPEED
@@ -95,10 +98,10 @@ def crater(start, position, velocity, spacing, radius):
     ring = 2 * spacing
     rings = np.floor(np.hypot(position[:, 0], position[:, 1]) / ring).astype(int)
     top = np.array([position[rings == k, 2].max() for k in range(int(0.85 * radius / ring))])
-    top -= moved + start[:, 2].max()
+    top -= moved + start[:, 2].max() - 0.5 * spacing
     inside = int(np.argmax(top >= 0))
     edge = inside + 0.5 - top[inside] / (top[inside] - top[inside - 1])
-    return -top[:inside].min(), 2 * ring * edge
+    return 0.5 * spacing - top[:inside].min(), 2 * ring * edge
 
 
 def spall(options, folder, changed):
@@ -120,6 +123,7 @@ def main():
     options = parser.parse_args()
     commit = re.search(r"commit (\S+),", subprocess.run(
         [str(options.program), "--version"], stdout=subprocess.PIPE, text=True).stdout).group(1)
+    print(f"commit {commit}")
     print("| target | across | seed | bodies | depth, mm | in the last quarter | formula | | "
           "width, mm | formula | | energy | minutes |\n"
           "|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|")
@@ -131,7 +135,6 @@ def main():
                 begun = time.time()
                 spall(options, folder, changes(name, across, seed))
                 show(name, target, across, seed, folder, time.time() - begun)
-    print(f"commit {commit}")
 
 
 def show(name, target, across, seed, folder, seconds):

@@ -60,7 +60,7 @@ def main():
     back = np.sum((mass * velocity[:, 2])[thrown]) / -momentum
     wall, front = results["shield_rear"], results["debris_front"]
     print("| | |\n|---|--:|")
-    print(f"| hole in the front sheet, mm | {0.5 * front['hole_diameter_over_projectile']:.2f} |")
+    print(f"| hole in the front sheet, mm | {0.5 * front['hole_over_diameter']:.2f} |")
     for name, there in (("with no glass left", near),
                         ("with none that has not failed", near & (damage < 1))):
         area = area_without(place, there)

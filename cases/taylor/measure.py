@@ -5,7 +5,7 @@ finite elements with the same law, and beside what was measured.
     [--seeds 1 2 3] [--whole] [--grains 3] [--ranks 2]        prints a table
 
 Length: by how much the lattice has become shorter, of the whole length. Foot: by how much the
-largest distance from the axis has grown, of bodies that have not failed, of the whole width.
+largest distance from the axis has grown, of the whole width. Both of bodies that have not failed.
 --grains: a polycrystal, its grains so many mm large, instead of one crystal.
 --whole: nothing fails, by a copy of the material without the constants that say when.
 SPDX-License-Identifier: BSD-3-Clause
@@ -32,8 +32,7 @@ def shape(folder):
         x = file["particles/all/position/value"][:]
         holds = file["particles/all/damage/value"][-1] < 1
     first, last = x[0], x[-1]
-    extent = np.ptp(first[:, 2])
-    length = np.ptp(last[:, 2]) / extent * LENGTH
+    length = np.ptp(last[holds, 2]) / np.ptp(first[holds, 2]) * LENGTH
     widest = [np.hypot(at[holds, 0], at[holds, 1]).max() for at in (first, last)]
     foot = widest[1] / widest[0] * 2 * RADIUS
     return 1e3 * length, 1e3 * foot, len(first), np.count_nonzero(~holds)

@@ -157,7 +157,7 @@ struct Sheared {
 /// What is left of metal that has failed: it slides where it bears more than friction.
 Sheared slid_metal(const Bodies& bodies, const Body& b, double hot) {
   const SolidLaw& law = b.law;
-  const double whole = b.stiffness * law.least_flow_stress(hot);
+  const double whole = b.stiffness * law.flow_stress(0, 0, hot).stress;
   const double stress = std::min({b.mises, law.sliding_strength(bodies.pressure[b.row]), whole});
   if (stress <= 0) return {};
   const double shear = law.shear * b.stiffness;

@@ -26,7 +26,7 @@ std::vector<double> rest_volumes(const Bodies& bodies, const std::vector<SolidLa
 /// the strength, strength (1 - D), opens voids until it is no more than that. The damage D is what
 /// voids have been at most, of those at which nothing is borne; or the sum of plastic strain over
 /// Johnson and Cook's strain at failure; of a brittle solid, what its cracks have taken the load
-/// from (solid/flaws.hpp). At 1 the body bears pressure alone. The energy grows by
+/// from (solid/flaws.hpp). At 1 the body bears pressure and friction. The energy grows by
 /// the power of the pairs' forces: by that of the new stress over `late` (s), by that of the old
 /// one over the rest of h. Returns the heat (J) that bodies gained.
 double update_bodies(Bodies& bodies, const std::vector<SolidLaw>& laws,

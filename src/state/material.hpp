@@ -54,7 +54,7 @@ struct RockStrength {
   double cohesion = 0;         ///< Pa, Y0
   double friction = 0;         ///< mu_i
   double limit = 0;            ///< Pa, Ym; 0: not known
-  double failed_friction = 0;  ///< mu_d
+  double failed_friction = 0;  ///< mu_d, of metals, too
 
   bool known() const { return limit > 0; }
 };
