@@ -325,6 +325,24 @@ TEST(Debris, log_survives_a_restart_and_reports_all_read_outs) {
   EXPECT_NE(one.toml().find("time = [1.0, 2.0]"), std::string::npos);
 }
 
+TEST(Debris, log_warns_where_the_plate_has_moved_away) {
+  const Comm comm = testing_world();
+  const Case asked = scene("[0, 0, -6000]", "every = 1\n");
+  std::vector<Body> bodies = plate(target_of(asked), 20, Vec3::Zero());
+  for (Body& body : bodies) body.velocity = {0, 0, -1};
+  World world;
+  world.comm = comm;
+  world.bodies = bodies_of(comm, bodies);
+  DebrisLog log(asked);
+  // Of 1 m/s: 0.5 m after a second, 1.5 m after two, 3.5 m after four, beside 10 m / 4.
+  EXPECT_EQ(log.read_out(world, 1).size(), 1);
+  EXPECT_EQ(log.read_out(world, 2).size(), 1);
+  EXPECT_NE(log.read_out(world, 4).back().find("plate has moved by 3.5 m"), std::string::npos);
+  ResultTable table;
+  log.conclude(world, Rigid(), false, 4, table);
+  EXPECT_NE(table.toml().find("plate_moved = 3.5 "), std::string::npos) << table.toml();
+}
+
 TEST(Debris, each_of_two_plates_is_measured_as_if_it_were_alone) {
   const std::string second = R"(
 [[groups]]

@@ -15,32 +15,34 @@ import matplotlib
 import numpy as np
 
 HERE = Path(__file__).parent
-sys.path.append(str(HERE.parent / "shields"))
+sys.path += [str(HERE.parent / "shields"), str(HERE.parent / "plate"),
+             str(HERE.parent.parent / "bench")]
 from equations import Shot, jsc, reimerdes  # noqa: E402
+from shots import holes  # noqa: E402
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 
-CELLS, PARTICLE = 2, 3  # groups, as case.toml has them
-RADIUS, SPACING = 4e-3, 0.1e-3  # m, of the cells and of their bodies
-SHEET, GAP, SPEED = 0.025, 2.0, 7.0  # cm, cm, km/s
+FRONT, CELLS, PARTICLE = 1, 2, 3  # groups, as case.toml has them
+RADIUS, SPACING = 4e-3, 0.1e-3  # m, of cells and front sheet, and of their bodies
+EDGE = 0.8e-3  # m: so much at the rim of the cut-out is not looked at
+SHEET, GAP, SPEED, BALL = 0.025, 2.0, 7.0, 0.5  # cm, cm, km/s, mm
 GLASS = 0.03 * 2.201 / 2.703  # cm of aluminium that weigh as much as the cells
 YIELD = 40.0  # ksi, of 6061-T6
 
 
 def critical(equation, bumper):
     """mm: the ball that two sheets just bear."""
-    return 10 * equation(Shot(0, "", "", ("AA6061-T6",) * 3, (2.703,) * 3, 0.05, 0, SPEED, bumper,
+    return 10 * equation(Shot(0, "", "", ("AA6061-T6",) * 3, (2.703,) * 3, BALL / 10, 0, SPEED, bumper,
                               GAP, SHEET, YIELD, False))
 
 
 def area_without(place, there):
-    """mm^2 of the cells in which no body is, of those that are `there`: by pixels of two
-    spacings."""
+    """mm^2 of a sheet where no body is, of those that are `there`: by pixels of two spacings."""
     edges = np.arange(-RADIUS, RADIUS + SPACING, 2 * SPACING)
     counts, _, _ = np.histogram2d(place[there, 0], place[there, 1], bins=[edges, edges])
     middles = (edges[:-1] + edges[1:]) / 2
-    inside = np.add.outer(middles**2, middles**2) < (RADIUS - 2 * SPACING)**2
+    inside = np.add.outer(middles**2, middles**2) < (RADIUS - EDGE)**2
     return 1e6 * (2 * SPACING)**2 * np.count_nonzero(inside & (counts == 0))
 
 
@@ -49,23 +51,25 @@ def main():
     results = tomllib.loads((folder / "results.toml").read_text())
     with h5py.File(folder / "trajectory.h5") as file:
         bodies = file["particles/all"]
-        cells = bodies["group"][:] == CELLS
+        group = bodies["group"][:]
         place, velocity = (bodies[f"{name}/value"][-1] for name in ("position", "velocity"))
         damage, mass = bodies["damage/value"][-1], bodies["mass"][:]
         first = bodies["velocity/value"][0][:, 2]
-        particle = bodies["group"][:] == PARTICLE
-    near = cells & (np.abs(place[:, 2] - 0.25e-3) < 2e-3)
+    cells, front, particle = (group == k for k in (CELLS, FRONT, PARTICLE))
+    near = cells & (np.abs(place[:, 2]) < 1e-3)
     momentum = np.sum((mass * first)[particle])
     thrown = cells & (velocity[:, 2] > 0) | particle & (velocity[:, 2] > 0)
     back = np.sum((mass * velocity[:, 2])[thrown]) / -momentum
-    wall, front = results["shield_rear"], results["debris_front"]
+    wall = results["shield_rear"]
     print("| | |\n|---|--:|")
-    print(f"| hole in the front sheet, mm | {0.5 * front['hole_over_diameter']:.2f} |")
-    for name, there in (("with no glass left", near),
-                        ("with none that has not failed", near & (damage < 1))):
+    for name, there in (("front sheet in which nothing whole is left", front & (damage < 1)),
+                        ("cells in which no glass is left", near),
+                        ("cells in which none is left that has not failed", near & (damage < 1))):
         area = area_without(place, there)
-        print(f"| cells {name}, mm² | {area:.1f} |")
+        print(f"| {name}, mm² | {area:.1f} |")
         print(f"| a circle as large, mm | {math.sqrt(4 * area / math.pi):.1f} |")
+    least, most = (BALL * hole for hole in holes(1e3 * SPEED, 10 * SHEET / BALL))
+    print(f"| hole in such a sheet without cells by formulas, mm | {least:.2f}–{most:.2f} |")
     print(f"| momentum thrown back, of the particle's | {back:.2f} |")
     print(f"| rear sheet | {wall['verdict']}, margin {wall['margin']:.2f} |")
     for name, equation in (("JSC", jsc), ("Reimerdes", reimerdes)):

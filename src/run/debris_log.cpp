@@ -18,6 +18,21 @@ DebrisLog::DebrisLog(const Case& scene) {
   every_ = scene.debris->every;
 }
 
+namespace {
+
+/// m, along the normal: how far what is left of the plate has gone, by its speeds at the read-outs.
+double moved(const std::vector<Cloud>& rows) {
+  double way = 0, time = 0, speed = 0;
+  for (const Cloud& row : rows) {
+    way += (speed + row.plate_speed) / 2 * (row.time - time);
+    time = row.time;
+    speed = row.plate_speed;
+  }
+  return way;
+}
+
+}  // namespace
+
 std::vector<std::string> DebrisLog::read_out(const World& world, double time) {
   std::vector<std::string> lines;
   for (auto& [laid, t, rows] : plates_) {
@@ -29,6 +44,11 @@ std::vector<std::string> DebrisLog::read_out(const World& world, double time) {
         laid.section.empty() ? "" : " behind " + laid.name, time, c.front / t.speed,
         c.centre / t.speed, c.rear / t.speed, c.radial / t.speed, c.hole / t.diameter,
         c.hole_spread / t.diameter));
+    if (const double way = moved(rows); std::abs(way) > t.diameter / 4)
+      lines.push_back(fmt::format(
+          "warning: {} has moved by {:.4g} m, more than a quarter of the projectile: bodies of it "
+          "count as debris, and the hole is not to be believed; make it wider, or the run shorter",
+          laid.name, way));
   }
   return lines;
 }
@@ -65,6 +85,8 @@ void DebrisLog::conclude(const Plate& plate, const World& world, const LinkedBod
             last.contour_width > 0 ? last.contour_length / last.contour_width : 0.0);
   const double momentum = last.projectile_momentum + last.plate_momentum;
   table.add(debris, "momentum_forward", momentum, "kg m/s");
+  table.add(debris, "plate_moved", moved(plate.rows), "m",
+            "what is left of it; beyond D/4 it counts as debris, and hole is not to be believed");
   if (linked) {
     const Fragments f =
         find_fragments(world.comm, linked->ghosts, linked->bodies, linked->links, t);
