@@ -33,8 +33,8 @@ YIELD = 40.0  # ksi, of 6061-T6
 
 def critical(equation, bumper):
     """mm: the ball that two sheets just bear."""
-    return 10 * equation(Shot(0, "", "", ("AA6061-T6",) * 3, (2.703,) * 3, BALL / 10, 0, SPEED, bumper,
-                              GAP, SHEET, YIELD, False))
+    return 10 * equation(Shot(0, "", "", ("AA6061-T6",) * 3, (2.703,) * 3, BALL / 10, 0, SPEED,
+                              bumper, GAP, SHEET, YIELD, False))
 
 
 def area_without(place, there):
