@@ -87,21 +87,22 @@ def main_piece(position, spacing):
 
 
 def crater(start, position, velocity, spacing, radius):
-    """m: depth in the deepest ring around the axis, and the width where the surface is as high as
-    it was, to half a spacing, but for what the block has moved far from the axis. Rings are two
-    spacings wide."""
-    far = (np.hypot(start[:, 0], start[:, 1]) > 0.85 * radius) & (start[:, 2] > -0.3 * radius)
-    moved = np.median((position - start)[far, 2])
+    """m: depth in the deepest ring around the axis, rings being two spacings wide; width in the two
+    spacings below the old surface, the median of sixteen sectors. The surface is where it was, but
+    for what the block has moved far from the axis."""
+    from_axis = np.hypot(start[:, 0], start[:, 1])
+    far = (from_axis > 0.85 * radius) & (start[:, 2] > -0.3 * radius)
+    surface = np.median((position - start)[far, 2]) + start[:, 2].max()
     stays = velocity[:, 2] - np.mean(velocity[:, 2]) < STILL * 1e3 * SPEED
     position = position[stays & (np.abs(position) < 1.5 * radius).all(axis=1)]
     position = position[main_piece(position, spacing)]
-    ring = 2 * spacing
-    rings = np.floor(np.hypot(position[:, 0], position[:, 1]) / ring).astype(int)
-    top = np.array([position[rings == k, 2].max() for k in range(int(0.85 * radius / ring))])
-    top -= moved + start[:, 2].max() - 0.5 * spacing
-    inside = int(np.argmax(top >= 0))
-    edge = inside + 0.5 - top[inside] / (top[inside] - top[inside - 1])
-    return 0.5 * spacing - top[:inside].min(), 2 * ring * edge
+    height, from_axis = position[:, 2] - surface, np.hypot(position[:, 0], position[:, 1])
+    rings = np.floor(from_axis / (2 * spacing)).astype(int)
+    depth = -min(height[rings == k].max() for k in range(int(0.25 * radius / spacing)))
+    sectors = np.floor(np.arctan2(position[:, 1], position[:, 0]) / (2 * np.pi) * 16).astype(int)
+    near = (height > -2 * spacing) & (height < 0)
+    edges = [from_axis[near & (sectors == k)].min() for k in range(-8, 8)]
+    return depth, 2 * np.median(edges)
 
 
 def spall(options, folder, changed):
