@@ -3,7 +3,8 @@
     /usr/bin/python3 cases/crater/measure.py [--targets aluminium_6061_t6 fused_silica]
     [--across 4 6] [--seeds 1 2 3]          prints a table
 
-Each run is case.toml with other sizes and another target.
+Each run is case.toml with other sizes and another target. The last run of each target is drawn in
+craters.png.
 SPDX-License-Identifier: BSD-3-Clause
 """
 import argparse
@@ -15,7 +16,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import h5py
+import matplotlib
 import numpy as np
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt  # noqa: E402
 
 HERE = Path(__file__).parent
 ROOT = HERE.parent.parent
@@ -113,6 +118,27 @@ def spall(options, folder, changed):
     subprocess.run([str(part) for part in command], check=True, stdout=subprocess.DEVNULL)
 
 
+def draw(folders):
+    """Sections through craters: plastic strain of metals, damage of glass."""
+    figure, axes = plt.subplots(1, len(folders), figsize=(5 * len(folders), 3.6),
+                                layout="constrained", squeeze=False)
+    for (name, folder), axis in zip(folders.items(), axes[0]):
+        target = TARGETS[name]
+        with h5py.File(folder / "trajectory.h5") as file:
+            bodies = file["particles/all"]
+            x = 1e3 * bodies["position/value"][-1]
+            glass_like = target.width is None
+            colour = bodies["damage/value" if glass_like else "plastic_strain/value"][-1]
+            cut = np.abs(x[:, 1]) < 2e3 * bodies["radius"][:]
+        drawn = axis.scatter(x[cut, 0], x[cut, 2], c=colour[cut], s=3, cmap="viridis", vmin=0,
+                             vmax=1)
+        figure.colorbar(drawn, label="damage" if glass_like else "plastic strain")
+        wide = 0.5 * target.ball * target.wide
+        axis.set(aspect="equal", title=name, xlabel="x (mm)", ylabel="z (mm)", xlim=(-wide, wide),
+                 ylim=(-target.ball * target.deep, 0.6 * wide))
+    figure.savefig(HERE / "craters.png", dpi=75)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--targets", nargs="+", choices=TARGETS, default=list(TARGETS))
@@ -128,14 +154,16 @@ def main():
     print("| target | across | seed | bodies | depth, mm | in the last quarter | formula | | "
           "width, mm | formula | | energy | minutes |\n"
           "|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|")
+    drawn = {}
     for name in options.targets:
         target = TARGETS[name]
         for across in options.across:
             for seed in options.seeds:
-                folder = options.out / f"{name}-{across}-{seed}"
+                drawn[name] = folder = options.out / f"{name}-{across}-{seed}"
                 begun = time.time()
                 spall(options, folder, changes(name, across, seed))
                 show(name, target, across, seed, folder, time.time() - begun)
+    draw(drawn)
 
 
 def show(name, target, across, seed, folder, seconds):
