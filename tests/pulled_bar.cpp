@@ -3,7 +3,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cmath>
 
-#include "scene/scene.hpp"
 #include "solid_worlds.hpp"
 
 namespace spall {
@@ -11,17 +10,6 @@ namespace {
 
 constexpr double d = 1e-3, radius = 4 * d, length = 24 * d;  // m
 constexpr double held = 2 * d;                               // m, at each end
-
-SolidLaw law_of(const std::string& material) {
-  const Case scene = parse_case(
-      fmt::format("[materials.bar]\nfile = \"{}.toml\"\n[[groups]]\nname = \"bar\"\n"
-                  "material = \"bar\"\nvolume = {{shape = \"sphere\", radius = 1}}\n"
-                  "packing = {{kind = \"fcc\", diameter = 1}}\n[[phases]]\nname = \"only\"\n"
-                  "method = \"solid\"\nstep = \"1 ns\"\nduration = \"2 ns\"\n",
-                  material),
-      MATERIALS "/x.toml");
-  return solid_law(*scene.materials[0].solid, true, material);
-}
 
 /// A bar whose ends are drawn apart so that it grows at `rate` (1/s).
 Lab pulled_bar(const SolidLaw& law, const Eigen::Matrix3d& turn, double rate) {
@@ -64,7 +52,7 @@ double most_damage(const Lab& world) {
 
 TEST(PulledBar, bears_its_flow_stress_and_does_not_part_while_it_is_whole) {
   for (const char* material : {"copper", "aluminium_6061_t6", "steel_4340"}) {
-    const SolidLaw law = law_of(material);
+    const SolidLaw law = solid_law(*material_of_library(material).solid, true, material);
     for (const Eigen::Matrix3d& turn : {as_is, turned}) {
       // A tenth in as long as sound runs twelve times along it.
       const double rate = 0.1 / (12 * length / law.sound_speed());

@@ -3,10 +3,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cmath>
 
-#include "scene/scene.hpp"
+#include "solid_worlds.hpp"
 #include "spall/error.hpp"
-#include "testing.hpp"
-#include "worlds.hpp"
 
 namespace spall {
 namespace {
@@ -25,15 +23,9 @@ struct Bar {
 Bar bar_of(const std::string& material, double speed, int cells, int flyer = 0) {
   constexpr int across = 4;  // cells: more than twice the reach of a body
   const double a = std::sqrt(2.0) * d;
-  const Case scene = parse_case(
-      fmt::format("[materials.bar]\nfile = \"{}.toml\"\n[[groups]]\nname = \"bar\"\n"
-                  "material = \"bar\"\nvolume = {{shape = \"sphere\", radius = 1}}\n"
-                  "packing = {{kind = \"fcc\", diameter = {}}}\n[[phases]]\nname = \"only\"\n"
-                  "method = \"solid\"\nstep = \"1 ns\"\nduration = \"2 ns\"\n",
-                  material, d),
-      MATERIALS "/x.toml");
+  const Material named = material_of_library(material);
   Bar bar;
-  bar.solid = *scene.materials[0].solid;
+  bar.solid = *named.solid;
   bar.length = cells * a;
   std::vector<Sphere> spheres;
   const double mass = bar.solid.density * d * d * d / std::sqrt(2.0);
@@ -55,7 +47,7 @@ Bar bar_of(const std::string& material, double speed, int cells, int flyer = 0) 
   bar.world = make_world(testing_world(), spheres, {});
   for (Index b = 0; b < bar.world.bodies.owned; ++b)
     bar.world.bodies.group[b] = flies(bar.layer[bar.world.bodies.id[b]]);
-  bar.world.materials = scene.materials;
+  bar.world.materials = {named};
   bar.world.solid.laws = {solid_law(bar.solid, true, material)};
   if (flyer == 0) bar.world.planes.emplace_back();
   bar.world.period.size = {across * a, across * a, 0};

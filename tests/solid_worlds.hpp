@@ -6,10 +6,23 @@
 #include <cmath>
 #include <vector>
 
+#include "scene/scene.hpp"
 #include "testing.hpp"
 #include "worlds.hpp"
 
 namespace spall {
+
+/// A material of the library, as a case has it that names it.
+inline Material material_of_library(std::string_view name) {
+  return parse_case(
+             fmt::format("[materials.named]\nlibrary = \"{}\"\n[[groups]]\nname = \"all\"\n"
+                         "material = \"named\"\nvolume = {{shape = \"sphere\", radius = 1}}\n"
+                         "packing = {{kind = \"fcc\", diameter = 1}}\n[[phases]]\n"
+                         "name = \"only\"\nmethod = \"solid\"\nstep = 1\nduration = 1\n",
+                         name),
+             "x.toml")
+      .materials[0];
+}
 
 inline Eigen::Matrix3d turn(const Vec3& about) {
   return Eigen::AngleAxisd(about.norm(), about.normalized()).toRotationMatrix();

@@ -8,7 +8,6 @@ craters.png.
 SPDX-License-Identifier: BSD-3-Clause
 """
 import argparse
-import re
 import subprocess
 import time
 import tomllib
@@ -35,7 +34,12 @@ class Target:
     deep: float  # balls
     until: float  # us
     depth: float  # mm, by formula
-    width: float | None = None  # mm, by formula
+    glass: bool = False  # its crater is no hemisphere
+
+    @property
+    def width(self):
+        """mm, by formula."""
+        return 2 * self.depth
 
 
 def metal(hardness, density):
@@ -52,9 +56,9 @@ def glass(diameter):
 
 # Brinell's hardness: 95 of 6061-T6, 23 of 1100-O, usual handbook values.
 TARGETS = {
-    "aluminium_6061_t6": Target(6.35, 10, 6.3, 24, metal(95, 2.703), 2 * metal(95, 2.703)),
-    "aluminium_1100_o": Target(6.35, 13, 8, 40, metal(23, 2.707), 2 * metal(23, 2.707)),
-    "fused_silica": Target(1, 14, 7, 12, glass(1)),
+    "aluminium_6061_t6": Target(6.35, 10, 6.3, 24, metal(95, 2.703)),
+    "aluminium_1100_o": Target(6.35, 13, 8, 40, metal(23, 2.707)),
+    "fused_silica": Target(1, 14, 7, 12, glass(1), glass=True),
 }
 
 
@@ -127,12 +131,11 @@ def draw(folders):
         with h5py.File(folder / "trajectory.h5") as file:
             bodies = file["particles/all"]
             x = 1e3 * bodies["position/value"][-1]
-            glass_like = target.width is None
-            colour = bodies["damage/value" if glass_like else "plastic_strain/value"][-1]
+            colour = bodies["damage/value" if target.glass else "plastic_strain/value"][-1]
             cut = np.abs(x[:, 1]) < 2e3 * bodies["radius"][:]
         drawn = axis.scatter(x[cut, 0], x[cut, 2], c=colour[cut], s=3, cmap="viridis", vmin=0,
                              vmax=1)
-        figure.colorbar(drawn, label="damage" if glass_like else "plastic strain")
+        figure.colorbar(drawn, label="damage" if target.glass else "plastic strain")
         wide = 0.5 * target.ball * target.wide
         axis.set(aspect="equal", title=name, xlabel="x (mm)", ylabel="z (mm)", xlim=(-wide, wide),
                  ylim=(-target.ball * target.deep, 0.6 * wide))
@@ -148,12 +151,9 @@ def main():
     parser.add_argument("--before", default="", help='put before the program, such as "nice -n 5"')
     parser.add_argument("--out", type=Path, default=ROOT / "out/crater")
     options = parser.parse_args()
-    commit = re.search(r"commit (\S+),", subprocess.run(
-        [str(options.program), "--version"], stdout=subprocess.PIPE, text=True).stdout).group(1)
-    print(f"commit {commit}")
     print("| target | across | seed | bodies | depth, mm | in the last quarter | formula | | "
-          "width, mm | formula | | energy | minutes |\n"
-          "|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|")
+          "width, mm | formula | | energy | minutes | commit |\n"
+          "|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|---|")
     drawn = {}
     for name in options.targets:
         target = TARGETS[name]
@@ -171,19 +171,19 @@ def show(name, target, across, seed, folder, seconds):
     with h5py.File(folder / "trajectory.h5") as file:
         bodies = file["particles/all"]
         block = bodies["group"][:] == 0
-        before, after = (
-            crater(bodies["position/value"][0][block], bodies["position/value"][k][block],
-                   bodies["velocity/value"][k][block], spacing,
-                   0.5e-3 * target.ball * target.wide) for k in (-2, -1))
+        start, radius = bodies["position/value"][0][block], 0.5e-3 * target.ball * target.wide
+        before, after = (crater(start, bodies["position/value"][k][block],
+                                bodies["velocity/value"][k][block], spacing, radius)
+                         for k in (-2, -1))
     results = tomllib.loads((folder / "results.toml").read_text())
     depth, width = 1e3 * after[0], 1e3 * after[1]
     grown = 100 * (after[0] / before[0] - 1)
-    wide = (f"{width:.1f} | {target.width:.1f} | {100 * (width / target.width - 1):+.0f} %"
-            if target.width else "| |")
+    wide = ("| |" if target.glass else
+            f"{width:.1f} | {target.width:.1f} | {100 * (width / target.width - 1):+.0f} %")
     print(f"| {name} | {across} | {seed} | {len(block)} | {depth:.2f} | {grown:+.0f} % "
           f"| {target.depth:.2f} | {100 * (depth / target.depth - 1):+.0f} % | {wide} "
-          f"| {100 * results['conservation']['energy_unexplained']:.2f} % | {seconds / 60:.1f} |",
-          flush=True)
+          f"| {100 * results['conservation']['energy_unexplained']:.2f} % | {seconds / 60:.1f} "
+          f"| {results['provenance']['commit']} |", flush=True)
 
 
 if __name__ == "__main__":

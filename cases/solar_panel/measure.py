@@ -57,9 +57,8 @@ def main():
         first = bodies["velocity/value"][0][:, 2]
     cells, front, particle = (group == k for k in (CELLS, FRONT, PARTICLE))
     near = cells & (np.abs(place[:, 2]) < 1e-3)
-    momentum = np.sum((mass * first)[particle])
-    thrown = cells & (velocity[:, 2] > 0) | particle & (velocity[:, 2] > 0)
-    back = np.sum((mass * velocity[:, 2])[thrown]) / -momentum
+    thrown = (cells | particle) & (velocity[:, 2] > 0)
+    back = np.sum((mass * velocity[:, 2])[thrown]) / -np.sum((mass * first)[particle])
     wall = results["shield_rear"]
     print("| | |\n|---|--:|")
     for name, there in (("front sheet in which nothing whole is left", front & (damage < 1)),

@@ -33,7 +33,7 @@ Flight flight_of(const Target& target, const Vec3& position, const Vec3& velocit
 }
 
 bool is_debris(const Target& target, const Flight& flight) {
-  return flight.depth > target.diameter / 4;
+  return flight.depth > target.clearance();
 }
 
 /// Calls `f(row, flight)` for this rank's bodies of projectile and plate.
@@ -148,7 +148,7 @@ void measure_contour(const Comm& comm, const Bodies& bodies, const Target& targe
     reach = {std::max(reach[0], f.depth), std::max(reach[1], f.radius)};
   });
   comm.max(reach);
-  const double start = target.diameter / 4, pixel = target.diameter / 4;
+  const double start = target.clearance(), pixel = target.diameter / 4;
   for (int view = 0; view < 2; ++view) {
     Map map = Map::along(pixel, start, reach[0] + pixel - start, reach[1] + pixel);
     for_each_body(bodies, target, [&](Index b, const Flight& f) {
@@ -170,7 +170,7 @@ void measure_hole(const Comm& comm, const Bodies& bodies, const Target& target, 
   const int rings = static_cast<int>(target.half_width / width);
   if (rings <= 0) return;
   std::vector<double> part(static_cast<std::size_t>(sectors * rings), 0.0);
-  const double reach = target.diameter / 4;
+  const double reach = target.clearance();
   double largest = 0;
   for_each_body(bodies, target, [&](Index b, const Flight& f) {
     if (bodies.group[b] != target.plate) return;
@@ -260,7 +260,7 @@ Cloud measure_cloud(const Comm& comm, const Bodies& bodies, const Target& target
       origin[1] += m * f.axial;
       if (bodies.has(Field::heat) && bodies.heat[b] > target.melt_energy[of_plate ? 1 : 0] * m)
         origin[2] += m;
-    } else if (f.depth < -target.thickness - target.diameter / 4 && f.axial < 0) {
+    } else if (f.depth < -target.thickness - target.clearance() && f.axial < 0) {
       sums[6] += m;
       sums[7] += m * f.axial;
     } else if (of_plate && std::isfinite(m)) {

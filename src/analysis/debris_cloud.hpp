@@ -28,6 +28,9 @@ struct Target {
   double areal_density = 0;             ///< kg/m^2, of the plate
   double density = 0;                   ///< kg/m^3, of the projectile's solid
   std::array<double, 2> melt_energy{};  ///< J/kg, of projectile and plate; 0: not known
+
+  /// m: what is farther from the plate has left it.
+  double clearance() const { return diameter / 4; }
 };
 /// `plate` is one of the case's `debris->plates`.
 Target find_target(const Case& scene, const DebrisPlate& plate);

@@ -9,15 +9,6 @@
 
 namespace spall {
 
-DebrisLog::DebrisLog(const Case& scene) {
-  if (!scene.debris) return;
-  for (const DebrisPlate& plate : scene.debris->plates)
-    plates_.push_back({.laid = plate, .target = find_target(scene, plate)});
-  projectile_ = scene.debris->projectile_name;
-  wall_ = scene.debris->wall;
-  every_ = scene.debris->every;
-}
-
 namespace {
 
 /// m, along the normal: how far what is left of the plate has gone, by its speeds at the read-outs.
@@ -33,6 +24,15 @@ double moved(const std::vector<Cloud>& rows) {
 
 }  // namespace
 
+DebrisLog::DebrisLog(const Case& scene) {
+  if (!scene.debris) return;
+  for (const DebrisPlate& plate : scene.debris->plates)
+    plates_.push_back({.laid = plate, .target = find_target(scene, plate)});
+  projectile_ = scene.debris->projectile_name;
+  wall_ = scene.debris->wall;
+  every_ = scene.debris->every;
+}
+
 std::vector<std::string> DebrisLog::read_out(const World& world, double time) {
   std::vector<std::string> lines;
   for (auto& [laid, t, rows] : plates_) {
@@ -44,7 +44,7 @@ std::vector<std::string> DebrisLog::read_out(const World& world, double time) {
         laid.section.empty() ? "" : " behind " + laid.name, time, c.front / t.speed,
         c.centre / t.speed, c.rear / t.speed, c.radial / t.speed, c.hole / t.diameter,
         c.hole_spread / t.diameter));
-    if (const double way = moved(rows); std::abs(way) > t.diameter / 4)
+    if (const double way = moved(rows); std::abs(way) > t.clearance())
       lines.push_back(fmt::format(
           "warning: {} has moved by {:.4g} m, more than a quarter of the projectile: bodies of it "
           "count as debris, and the hole is not to be believed; make it wider, or the run shorter",

@@ -38,8 +38,8 @@ constexpr double crushing_error = 1e-9;
 /// tr K of a body in an fcc lattice, of d^2 V.
 double shape_of_lattice() {
   const auto shell = [](int bodies, double distance) {
-    const double left = std::max(0.0, 1 - distance / neighbour_reach);
-    return bodies * left * distance * distance;
+    const double weight = std::max(0.0, neighbour_weight(distance / neighbour_reach));
+    return bodies * weight * distance * distance;
   };
   static const double sum = shell(12, 1) + shell(6, std::sqrt(2.0)) + shell(24, std::sqrt(3.0));
   return sum;
@@ -154,26 +154,24 @@ struct Sheared {
   double strained = 0;  ///< plastic strain
 };
 
-/// What is left of metal that has failed: it slides where it bears more than friction.
-Sheared slid_metal(const Bodies& bodies, const Body& b, double hot) {
-  const SolidLaw& law = b.law;
-  const double whole = b.stiffness * law.flow_stress(0, 0, hot).stress;
-  const double stress = std::min({b.mises, law.sliding_strength(bodies.pressure[b.row]), whole});
-  if (stress <= 0) return {};
-  const double shear = law.shear * b.stiffness;
-  return {.scale = stress / b.mises,
-          .energy = b.volume * stress * stress / (6 * shear),
-          .strained = (b.mises - stress) / (3 * shear)};
+/// Pa, that metal bears once it has failed: friction, and no more than what is whole.
+double rubbing_stress(const Bodies& bodies, const Body& b, double hot) {
+  const double rubs = b.law.sliding_strength(bodies.pressure[b.row]);
+  return rubs > 0 ? std::min(rubs, b.stiffness * b.law.flow_stress(0, 0, hot).stress) : 0;
 }
 
-/// Metals return to their flow stress, and fail where they have flown too far.
+/// Metals return to their flow stress, and fail where they have flown too far. What has failed
+/// slides.
 Sheared sheared_metal(Bodies& bodies, const Body& b, double hot) {
   const SolidLaw& law = b.law;
   double& damage = bodies.damage[b.row];
   const bool fluid = damage >= 1 || (law.yields && hot >= 1) || b.stiffness == 0;
-  if (fluid && law.rock.failed_friction > 0 && hot < 1) return slid_metal(bodies, b, hot);
   Sheared left{.scale = fluid ? 0.0 : 1.0};
-  if (law.yields && left.scale > 0 && b.mises > 0 && b.h > 0) {
+  if (const double rubs = fluid ? rubbing_stress(bodies, b, hot) : 0; rubs > 0 && b.mises > 0) {
+    const double stress = std::min(b.mises, rubs);
+    left.scale = stress / b.mises;
+    left.strained = (b.mises - stress) / (3 * law.shear * b.stiffness);
+  } else if (law.yields && !fluid && b.mises > 0 && b.h > 0) {
     const double trial = b.mises / b.stiffness;
     if (trial > law.least_flow_stress(hot))
       left.strained = law.plastic_increment(trial, bodies.plastic_strain[b.row], b.h, hot);

@@ -51,8 +51,8 @@ struct SolidLaw {
   /// The plastic strain that brings von Mises' stress `trial` (Pa, over the stiffness) back to the
   /// flow stress within `h` (s).
   double plastic_increment(double trial, double strain, double h, double homologous) const;
-  /// Pa, von Mises' stress sqrt(3 J2) that intact rock bears at this pressure, and at which what has
-  /// failed slides.
+  /// Pa, von Mises' stress sqrt(3 J2) that intact rock bears at this pressure, and at which what
+  /// has failed slides.
   double intact_strength(double pressure) const;
   double sliding_strength(double pressure) const;
   /// alpha, where pores have been crushed so far.

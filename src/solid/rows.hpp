@@ -13,6 +13,12 @@ namespace spall {
 /// Of the spacing: up to which bodies are neighbours.
 inline constexpr double neighbour_reach = 1.7;
 
+/// Of a neighbour at this share r/R of the reach; why so: docs/physics/solid.md.
+template <class T>
+T neighbour_weight(const T& share) {
+  return 1.0 - share;
+}
+
 /// Where a body is and how it moves.
 struct alignas(64) MotionRow {
   RowHalf place;   ///< x, y, z (m), volume (m^3), no more than at rest: a weight in sums

@@ -99,7 +99,7 @@ struct MotionLanes {
 };
 
 /// Adds to the sums of owned bodies; those of ghosts mean nothing. `reach` is R of each body (m). A
-/// neighbour has the weight 1 - r/R.
+/// neighbour counts by `neighbour_weight`.
 inline void sweep_shapes(const std::vector<PieceWindow>& windows, const double* reach,
                          const MotionRow* rows, ShapeRow* shapes) {
   double* const sums = reinterpret_cast<double*>(shapes);
@@ -120,8 +120,7 @@ inline void sweep_shapes(const std::vector<PieceWindow>& windows, const double* 
         const PairMask acts = (share2 < 1.0) & (share2 > 0.0);
         if (!any_lane(acts)) continue;
         const MotionLanes j(rows, partners);
-        const PairLanes left = 1.0 - square_root(share2);
-        const PairLanes weight = select(acts, left, zero);
+        const PairLanes weight = select(acts, neighbour_weight(square_root(share2)), zero);
         // Who has not failed does not see who has: nothing holds it there.
         const PairMask partner_failed = j.failed();
         const PairLanes of_own = select(partner_failed & ~failed, zero, weight * beside.volume);
@@ -229,8 +228,9 @@ void sweep_forces(const std::vector<PieceWindow>& windows, const double* reach,
         const PairMask acts = (share2 < 1.0) & (share2 > 0.0);
         if (!any_lane(acts)) continue;
         const ResponseLanes b(responses, partners);
-        const PairLanes inverse_r = inverse_sqrt(r2), left_over = 1.0 - r2 * inverse_r * inverse;
-        const PairLanes w = select(acts, left_over * a.volume * b.volume, zero);
+        const PairLanes inverse_r = inverse_sqrt(r2);
+        const PairLanes weight = neighbour_weight(r2 * inverse_r * inverse);
+        const PairLanes w = select(acts, weight * a.volume * b.volume, zero);
         const PairLanes from_own = select(a.failed < b.failed, zero, w);
         const PairLanes from_partner = select(b.failed < a.failed, zero, w);
         PairLanes t[9];
