@@ -6,11 +6,11 @@ holds."""
 import concurrent.futures
 import os
 import pathlib
-import subprocess
 import tomllib
 
 import h5py
 import numpy as np
+from program import spall
 
 G = 6.67430e-11
 SEEDS = (1, 2, 3, 4, 5)  # of the piles of 1,000 boulders
@@ -30,8 +30,8 @@ def pile(seed, settles=True):
     """The folder of the settled pile of a seed, which is made where it is missing."""
     folder = pathlib.Path("out/pile" if seed == 1 else f"out/pile-{seed}")
     if settles and not (folder / "after_settling.h5").exists():
-        subprocess.run(["mpirun", "-n", "2", "build/release/spall", "run", "cases/pile/case.toml",
-                        "--out", str(folder), "--overwrite", "--set", f"seed={seed}"], check=True)
+        spall("run", "cases/pile/case.toml", "--out", folder, "--overwrite",
+              changes=[f"seed={seed}"], ranks=2, shows=True)
     return folder
 
 
@@ -45,9 +45,7 @@ def run_all(case, runs, groups):
     def run(folder, seed, changes):
         changes = [*changes, *(f"groups.{group}.packing.file=../../{pile(seed)}/after_settling.h5"
                                for group in groups)]
-        subprocess.run(["build/release/spall", "run", case, "--out", str(folder), "--overwrite",
-                        *(word for change in changes for word in ("--set", change))],
-                       check=True, stdout=subprocess.DEVNULL)
+        spall("run", case, "--out", folder, "--overwrite", changes=changes)
         print(folder, flush=True)
 
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:

@@ -8,7 +8,7 @@ craters.png.
 SPDX-License-Identifier: BSD-3-Clause
 """
 import argparse
-import subprocess
+import sys
 import time
 import tomllib
 from dataclasses import dataclass
@@ -18,11 +18,13 @@ import h5py
 import matplotlib
 import numpy as np
 
+HERE = Path(__file__).parent
+sys.path.append(str(HERE.parent))
+from program import PROGRAM, ROOT, spall  # noqa: E402
+
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 
-HERE = Path(__file__).parent
-ROOT = HERE.parent.parent
 SPEED, BALL_DENSITY = 7.0, 2.703  # km/s, g/cm^3
 STILL = 0.01  # of the ball's speed: what rises faster has left
 
@@ -114,14 +116,6 @@ def crater(start, position, velocity, spacing, radius):
     return depth, 2 * np.median(edges)
 
 
-def spall(options, folder, changed):
-    command = [*options.before.split(), options.program, "run", HERE / "case.toml",
-               "--out", folder, "--overwrite"]
-    for change in changed:
-        command += ["--set", change]
-    subprocess.run([str(part) for part in command], check=True, stdout=subprocess.DEVNULL)
-
-
 def draw(folders):
     """Sections through craters: plastic strain of metals, damage of glass."""
     figure, axes = plt.subplots(1, len(folders), figsize=(5 * len(folders), 3.6),
@@ -147,7 +141,7 @@ def main():
     parser.add_argument("--targets", nargs="+", choices=TARGETS, default=list(TARGETS))
     parser.add_argument("--across", type=int, nargs="+", default=[4, 6])
     parser.add_argument("--seeds", type=int, nargs="+", default=[1])
-    parser.add_argument("--program", default=ROOT / "build/release/spall")
+    parser.add_argument("--program", default=PROGRAM)
     parser.add_argument("--before", default="", help='put before the program, such as "nice -n 5"')
     parser.add_argument("--out", type=Path, default=ROOT / "out/crater")
     options = parser.parse_args()
@@ -161,7 +155,9 @@ def main():
             for seed in options.seeds:
                 drawn[name] = folder = options.out / f"{name}-{across}-{seed}"
                 begun = time.time()
-                spall(options, folder, changes(name, across, seed))
+                spall("run", HERE / "case.toml", "--out", folder, "--overwrite",
+                      changes=changes(name, across, seed), program=options.program,
+                      before=options.before.split())
                 show(name, target, across, seed, folder, time.time() - begun)
     draw(drawn)
 

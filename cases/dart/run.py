@@ -5,7 +5,6 @@
 beside this script."""
 import pathlib
 import shutil
-import subprocess
 import sys
 import tomllib
 
@@ -15,6 +14,7 @@ import numpy as np
 
 HERE = pathlib.Path(__file__).parent
 sys.path[:0] = [str(HERE.parent), str(HERE.parent / "didymoon")]
+from program import spall  # noqa: E402
 from remnants import G, axes, largest_remnant, last_frame, results  # noqa: E402
 from table import look_up  # noqa: E402
 
@@ -157,9 +157,7 @@ class Bodies:
 
 def run(folder, changes, start="cases/dart/case.toml"):
     command = "run" if start.endswith(".toml") else "resume"
-    subprocess.run(["mpirun", "-n", "2", "build/release/spall", command, start,
-                    "--out", str(folder), "--overwrite",
-                    *(part for change in changes for part in ("--set", change))], check=True)
+    spall(command, start, "--out", folder, "--overwrite", changes=changes, ranks=2, shows=True)
 
 
 def main():
@@ -260,7 +258,7 @@ def main():
     panel.legend(frameon=False)
     figure.savefig(HERE / "ejecta.png", dpi=110)
     finest = [folder for key, (folder, _) in there.items() if key[:3] == main_columns[-1]][0]
-    subprocess.run(["build/release/spall", "report", str(finest)], check=True)
+    spall("report", finest)
     shutil.copy(finest / "report/bodies.png", HERE / "bodies.png")
 
 

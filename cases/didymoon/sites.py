@@ -10,7 +10,6 @@ import contextlib
 import csv
 import os
 import pathlib
-import subprocess
 import sys
 
 import matplotlib
@@ -18,6 +17,7 @@ import numpy as np
 
 HERE = pathlib.Path(__file__).parent
 sys.path[:0] = [str(HERE), str(HERE.parent)]
+from program import spall  # noqa: E402
 from remnants import commits, results  # noqa: E402
 from table import print_table  # noqa: E402
 
@@ -38,15 +38,11 @@ def directions():
     return np.stack([x, across * np.cos(turn), across * np.sin(turn)], axis=1)
 
 
-def spall(*words):
-    subprocess.run(["build/release/spall", *words], check=True, stdout=subprocess.DEVNULL)
-
-
 def settle(pile):
     folder = OUT / f"pile{pile}"
     if not (folder / "after_aggregation.h5").exists():
-        spall("run", "cases/didymoon/case.toml", "--out", str(folder), "--overwrite",
-              "--set", f"seed={pile}")
+        spall("run", "cases/didymoon/case.toml", "--out", folder, "--overwrite",
+              changes=[f"seed={pile}"])
 
 
 def folder_of(cohesion, pile, site, law=""):
@@ -58,8 +54,8 @@ def hit(cohesion, pile, site, direction, law="", changes=()):
     changes = [f"phases.impact.cohesion={cohesion:g} N",
                f"phases.impact.impactor.direction={[float(x) for x in direction]}",
                "output.snapshot_every=0", *changes]
-    spall("resume", str(OUT / f"pile{pile}/after_aggregation.h5"), "--out", str(folder),
-          "--overwrite", *(word for change in changes for word in ("--set", change)))
+    spall("resume", OUT / f"pile{pile}/after_aggregation.h5", "--out", folder, "--overwrite",
+          changes=changes)
     print(folder, flush=True)
 
 

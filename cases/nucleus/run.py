@@ -3,11 +3,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """run.py [--only-table]: runs what is missing in out/, writes results.md beside this script."""
 import pathlib
-import subprocess
 import sys
 import tomllib
 
 HERE = pathlib.Path(__file__).parent
+sys.path.append(str(HERE.parent))
+from program import spall  # noqa: E402
+
 # Tables 3.18 and 3.19 of "Discrete Models of Hypervelocity Impacts of Orbiting Objects": dv (m/s),
 # v_ejecta (m/s)
 THESIS = {400: (0.0010, 13.9917), 500: (0.0015, 22.5372), 1000: (0.00066, 2.2168),
@@ -15,16 +17,13 @@ THESIS = {400: (0.0010, 13.9917), 500: (0.0015, 22.5372), 1000: (0.00066, 2.2168
 
 
 def main():
-    spall = ["mpirun", "-n", "2", "build/release/spall"]
     if "--only-table" not in sys.argv:
         if not pathlib.Path("out/nucleus/after_aggregation.h5").exists():
-            subprocess.run([*spall, "run", "cases/nucleus/case.toml", "--out", "out/nucleus"],
-                           check=True)
+            spall("run", "cases/nucleus/case.toml", "--out", "out/nucleus", ranks=2, shows=True)
         for c in THESIS:
             if not pathlib.Path(f"out/nucleus-{c}/results.toml").exists():
-                subprocess.run([*spall, "resume", "out/nucleus/after_aggregation.h5", "--out",
-                                f"out/nucleus-{c}", "--set",
-                                f"phases.impact.cohesion={c} N"], check=True)
+                spall("resume", "out/nucleus/after_aggregation.h5", "--out", f"out/nucleus-{c}",
+                      changes=[f"phases.impact.cohesion={c} N"], ranks=2, shows=True)
     lines = ["| c, N | dv at 11 s, mm/s | dv at 90 s, mm/s | thesis | what the thesis's ejecta "
              "allow | m v / M | m v (1 + e) / M | bodies lost | "
              "their mass, kg | v_ejecta, m/s | thesis | momentum not closed, of m v |",

@@ -8,13 +8,12 @@ SPDX-License-Identifier: BSD-3-Clause
 """
 import argparse
 import json
-import os
-import subprocess
 import tomllib
 from pathlib import Path
 
 import shots
-from readme import replace_section  # noqa: E402  (shots knows where it is)
+from program import PROGRAM, spall  # noqa: E402  (shots knows where these are)
+from readme import replace_section  # noqa: E402
 
 HERE = Path(__file__).parent
 KEPT = HERE / "others.json"
@@ -22,11 +21,8 @@ SPEEDS = [3000, 4000, 5000, 6680, 8000]  # m/s
 
 
 def results_of(case, folder, options, changes=()):
-    command = ["mpirun", "-n", str(options.ranks), str(options.program), "run", str(case), "--out",
-               str(folder)]
-    for change in changes:
-        command += ["--set", change]
-    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+    spall("run", case, "--out", folder, changes=changes, ranks=options.ranks,
+          program=options.program)
     return tomllib.loads((folder / "results.toml").read_text())
 
 
@@ -109,7 +105,7 @@ def cases_table(oblique, whipple):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--ranks", type=int, default=2)
-    parser.add_argument("--program", type=Path, default=shots.ROOT / "build/release/spall")
+    parser.add_argument("--program", type=Path, default=PROGRAM)
     parser.add_argument("--only", nargs="+", default=["speeds", "oblique", "whipple"])
     parser.add_argument("--table", action="store_true", help="run nothing")
     options = parser.parse_args()
@@ -122,6 +118,4 @@ def main():
 
 
 if __name__ == "__main__":
-    os.environ.setdefault("OMPI_ALLOW_RUN_AS_ROOT", "1")
-    os.environ.setdefault("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1")
     main()

@@ -9,16 +9,15 @@ SPDX-License-Identifier: BSD-3-Clause
 """
 import argparse
 import csv
-import os
 import statistics
-import subprocess
 import sys
 import tomllib
 from pathlib import Path
 
 HERE = Path(__file__).parent
 ROOT = HERE.parent.parent
-sys.path.append(str(ROOT / "bench"))
+sys.path += [str(HERE.parent), str(ROOT / "bench")]
+from program import PROGRAM, spall  # noqa: E402
 from readme import replace_section  # noqa: E402
 
 DATA = tomllib.loads((HERE / "shots.toml").read_text())
@@ -66,17 +65,12 @@ def run(options, name, seed):
                f"output.snapshot_every={duration / 7 if options.pictures else duration}"]
     folder = ROOT / "out/plate" / (f"{name}-{speed:g}-{options.across:g}-{options.width:g}-"
                                    f"{1e6 * duration:g}us-{seed}")
-    command = ["mpirun", "-n", str(options.ranks), str(options.program), "run",
-               str(HERE / "case.toml"), "--out", str(folder)]
-    for change in changes + options.set:
-        command += ["--set", change]
-    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+    spall("run", HERE / "case.toml", "--out", folder, changes=changes + options.set,
+          ranks=options.ranks, program=options.program)
     if options.pictures:
-        subprocess.run([options.program, "report", folder], check=True, stdout=subprocess.DEVNULL)
+        spall("report", folder, program=options.program)
     results = tomllib.loads((folder / "results.toml").read_text())
     debris, cloud = results["debris"], results["cloud"]
-    commit = subprocess.run(["git", "describe", "--always", "--dirty"], cwd=ROOT, text=True,
-                            capture_output=True).stdout.strip()
     kinetic = 0.5 * DENSITY * 3.14159265 / 6 * diameter**3 * speed**2
     conservation = results["conservation"]
     unexplained = conservation["energy_unexplained"] * conservation["dissipated"]
@@ -92,7 +86,8 @@ def run(options, name, seed):
             "energy": f"{unexplained / kinetic:.5f}",
             "momentum": f"{conservation['linear']:.1e}",
             "steps": results["solver"]["steps"],
-            "seconds": f"{results['time']['total_s']:.1f}", "commit": commit}
+            "seconds": f"{results['time']['total_s']:.1f}",
+            "commit": results["provenance"]["commit"]}
 
 
 def front_band(ratio):
@@ -178,7 +173,7 @@ def main():
     parser.add_argument("--shots", nargs="+",
                         default=[s["id"] for s in DATA["shots"]] + ["hiermaier"])
     parser.add_argument("--ranks", type=int, default=2)
-    parser.add_argument("--program", type=Path, default=ROOT / "build/release/spall")
+    parser.add_argument("--program", type=Path, default=PROGRAM)
     parser.add_argument("--duration", type=float, help="s")
     parser.add_argument("--pictures", action="store_true", help="eight snapshots and their report")
     parser.add_argument("--set", action="append", default=[], help="change a key of the case")
@@ -203,6 +198,4 @@ def main():
 
 
 if __name__ == "__main__":
-    os.environ.setdefault("OMPI_ALLOW_RUN_AS_ROOT", "1")
-    os.environ.setdefault("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1")
     main()

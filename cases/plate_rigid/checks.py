@@ -9,8 +9,6 @@ SPDX-License-Identifier: BSD-3-Clause
 """
 import argparse
 import csv
-import os
-import subprocess
 import sys
 import tomllib
 from pathlib import Path
@@ -20,7 +18,8 @@ import numpy as np
 
 HERE = Path(__file__).parent
 ROOT = HERE.parent.parent
-sys.path.append(str(ROOT / "bench"))
+sys.path += [str(HERE.parent), str(ROOT / "bench")]
+from program import PROGRAM, spall  # noqa: E402
 from readme import replace_section  # noqa: E402
 
 DIAMETER, SPEED = 9.4744e-3, 6700.0  # of the sphere, m and m/s
@@ -32,20 +31,17 @@ def run(options, part):
     width, depth = 5.1 * DIAMETER, 0.425 * DIAMETER  # 204 and 17 of 40
     step = part * d / 2 / SPEED
     folder = ROOT / f"out/plate_rigid/{options.across:g}-{options.tolerance:g}-{part:g}"
-    command = ["mpirun", "-n", str(options.ranks), str(options.program), "run",
-               str(HERE / "case.toml"),
-               "--out", str(folder)]
-    for change in [f"groups.plate.volume.size=[{width}, {width}, {depth}]",
-                   f"groups.plate.volume.center=[0, 0, {-depth / 2}]",
-                   f"groups.plate.packing.diameter={d}",
-                   f"groups.ball.volume.center=[0, 0, {DIAMETER / 2 + d / 2}]",
-                   f"groups.ball.packing.diameter={d}",
-                   f"contact.cohesion_range={0.01 * d}", f"solver.tolerance={options.tolerance}",
-                   "solver.max_iterations=3000", f"phases.impact.step={step}",
-                   "output.series_every=0",
-                   "output.snapshot_every=1"]:
-        command += ["--set", change]
-    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+    changes = [f"groups.plate.volume.size=[{width}, {width}, {depth}]",
+               f"groups.plate.volume.center=[0, 0, {-depth / 2}]",
+               f"groups.plate.packing.diameter={d}",
+               f"groups.ball.volume.center=[0, 0, {DIAMETER / 2 + d / 2}]",
+               f"groups.ball.packing.diameter={d}",
+               f"contact.cohesion_range={0.01 * d}", f"solver.tolerance={options.tolerance}",
+               "solver.max_iterations=3000", f"phases.impact.step={step}",
+               "output.series_every=0",
+               "output.snapshot_every=1"]
+    spall("run", HERE / "case.toml", "--out", folder, changes=changes, ranks=options.ranks,
+          program=options.program)
     results = tomllib.loads((folder / "results.toml").read_text())
     with (folder / "series.csv").open() as file:
         series = list(csv.DictReader(file))
@@ -58,8 +54,6 @@ def run(options, part):
     # What cohesion's impulses did to the bodies, beside what the bonds gave for it within their
     # range.
     beyond = scalars["ledger.cohesion_work"] + bonds[-1] - bonds[0]
-    commit = subprocess.run(["git", "describe", "--always", "--dirty"], cwd=ROOT, text=True,
-                            capture_output=True).stdout.strip()
     return {"across": f"{options.across:g}", "tolerance": f"{options.tolerance:g}",
             "part": f"{part:g}",
             "bodies": bodies, "steps": len(kinetic),
@@ -73,7 +67,7 @@ def run(options, part):
             "unexplained": f"{(unexplained[-1] - beyond) / kinetic[0]:.1e}",
             "momentum": f"{results['conservation']['linear']:.1e}",
             "seconds": f"{results['time']['total_s']:.0f}",
-            "commit": commit}
+            "commit": results["provenance"]["commit"]}
 
 
 def table(rows):
@@ -102,7 +96,7 @@ def main():
     parser.add_argument("--parts", type=float, nargs="+", default=[2, 1, 0.5],
                         help="of a radius of flight")
     parser.add_argument("--ranks", type=int, default=2)
-    parser.add_argument("--program", type=Path, default=ROOT / "build/release/spall")
+    parser.add_argument("--program", type=Path, default=PROGRAM)
     parser.add_argument("--table", action="store_true", help="run nothing")
     options = parser.parse_args()
     path = HERE / "checks.csv"
@@ -119,6 +113,4 @@ def main():
 
 
 if __name__ == "__main__":
-    os.environ.setdefault("OMPI_ALLOW_RUN_AS_ROOT", "1")
-    os.environ.setdefault("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1")
     main()

@@ -10,17 +10,17 @@ SPDX-License-Identifier: BSD-3-Clause
 import argparse
 import csv
 import math
-import os
 import re
 import statistics
-import subprocess
 import sys
 import tomllib
 from pathlib import Path
 
 HERE = Path(__file__).parent
 ROOT = HERE.parent.parent
-sys.path += [str(HERE.parent / "plate"), str(HERE.parent / "shields"), str(ROOT / "bench")]
+sys.path += [str(HERE.parent), str(HERE.parent / "plate"), str(HERE.parent / "shields"),
+             str(ROOT / "bench")]
+from program import PROGRAM, spall  # noqa: E402
 from readme import replace_section  # noqa: E402
 from run import mass_of_ball  # noqa: E402
 from shots import DENSITY, front_band, holes, shot  # noqa: E402
@@ -68,23 +68,16 @@ def changes(name, across, seed, grown=1):
         f"output.snapshot_every={UNTIL[name] / 4}"]
 
 
-def spall(program, verb, changed, more=(), before=()):
-    command = [*before, program, verb, HERE / "case.toml", *more]
-    for change in changed:
-        command += ["--set", change]
-    return subprocess.run([str(part) for part in command], check=True, text=True,
-                          stdout=subprocess.PIPE).stdout
-
-
 def run(options, name, across, seed):
     speed, _, diameter = shot(name)
     ball = DENSITY * math.pi / 6 * diameter**3  # kg
     layers, changed = changes(name, across, seed)
-    told = spall(options.program, "check", changed)
+    case = HERE / "case.toml"
+    told = spall("check", case, changes=changed, program=options.program)
     folder = ROOT / "out/plate_solid" / f"{name}-{across:g}-{seed}"
     _, changed = changes(name, across, seed, (ball / mass_of_ball(told))**(1 / 3))
-    spall(options.program, "run", changed, ["--out", folder, "--overwrite"],
-          ["mpirun", "-n", options.ranks])
+    spall("run", case, "--out", folder, "--overwrite", changes=changed, ranks=options.ranks,
+          program=options.program)
     results = tomllib.loads((folder / "results.toml").read_text())
     debris, cloud, conservation = (results[key] for key in ("debris", "cloud", "conservation"))
     with open(folder / "series.csv") as file:
@@ -141,7 +134,7 @@ def main():
     parser.add_argument("--seeds", type=int, nargs="+", default=[1, 2, 3])
     parser.add_argument("--shots", nargs="+", default=list(UNTIL))
     parser.add_argument("--ranks", type=int, default=1)
-    parser.add_argument("--program", type=Path, default=ROOT / "build/release/spall")
+    parser.add_argument("--program", type=Path, default=PROGRAM)
     parser.add_argument("--table", action="store_true", help="run nothing")
     options = parser.parse_args()
     path = HERE / "results.csv"
@@ -167,6 +160,4 @@ def main():
 
 
 if __name__ == "__main__":
-    os.environ.setdefault("OMPI_ALLOW_RUN_AS_ROOT", "1")
-    os.environ.setdefault("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1")
     main()

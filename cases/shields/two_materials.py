@@ -8,7 +8,6 @@ SPDX-License-Identifier: BSD-3-Clause
 """
 import argparse
 import math
-import os
 import sys
 import threading
 from pathlib import Path
@@ -68,6 +67,4 @@ def main():
 
 
 if __name__ == "__main__":
-    os.environ.setdefault("OMPI_ALLOW_RUN_AS_ROOT", "1")
-    os.environ.setdefault("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1")
     main()

@@ -11,7 +11,7 @@ largest distance from the axis has grown, of the whole width. Both of bodies tha
 SPDX-License-Identifier: BSD-3-Clause
 """
 import argparse
-import subprocess
+import sys
 import tempfile
 from pathlib import Path
 
@@ -22,7 +22,9 @@ import finite_elements
 from finite_elements import LENGTH, MATERIALS, RADIUS
 
 HERE = Path(__file__).parent
-ROOT = HERE.parent.parent
+sys.path.append(str(HERE.parent))
+from program import PROGRAM, spall  # noqa: E402
+
 MEASURED = {("copper", 190): (16.2, 13.5)}  # mm, length and foot: Johnson & Cook 1983
 ELEMENTS = 20  # across
 
@@ -55,13 +57,11 @@ def case_of(folder, options):
 def run(options, across, seed):
     with tempfile.TemporaryDirectory() as scratch:
         folder = Path(scratch)
-        command = ["mpirun", "--oversubscribe", "-n", options.ranks, options.spall, "run",
-                   case_of(folder, options), "--out", folder / "out"]
-        for change in (f"seed={seed}", "solid.courant=0.2", "phases.impact.step=0.5e-6",
+        spall("run", case_of(folder, options), "--out", folder / "out", ranks=options.ranks,
+              program=options.spall,
+              changes=[f"seed={seed}", "solid.courant=0.2", "phases.impact.step=0.5e-6",
                        f"groups.cylinder.packing.diameter={2 * RADIUS / across}",
-                       f"groups.cylinder.velocity=[0, 0, {-options.speed}]"):
-            command += ["--set", change]
-        subprocess.run([str(part) for part in command], check=True, stdout=subprocess.DEVNULL)
+                       f"groups.cylinder.velocity=[0, 0, {-options.speed}]"])
         return shape(folder / "out")
 
 
@@ -71,7 +71,7 @@ def main():
     parser.add_argument("--speed", type=float, default=190, help="m/s")
     parser.add_argument("--across", type=int, nargs="+", default=[8, 12])
     parser.add_argument("--seeds", type=int, nargs="+", default=[1, 2, 3])
-    parser.add_argument("--spall", default=ROOT / "build/release/spall")
+    parser.add_argument("--spall", default=PROGRAM)
     parser.add_argument("--ranks", type=int, default=2)
     parser.add_argument("--grains", type=float, help="mm, mean size")
     parser.add_argument("--whole", action="store_true", help="nothing fails")
