@@ -123,7 +123,10 @@ class Page(unittest.TestCase):
         self.assertIn("<th scope=col>one<th scope=col>two", text)
 
     def test_one_message_says_that_a_file_is_damaged(self):
-        for name, content in (("results.toml", b"[pile"), ("trajectory.h5", b"not HDF5")):
+        for name, content, words in (
+                ("results.toml", b"[pile", f"a file of {WORK / 'damaged'} cannot be read"),
+                ("trajectory.h5", b"not HDF5", f"a file of {WORK / 'damaged'} cannot be read"),
+                ("series.csv", b"", f"'{WORK / 'damaged' / 'series.csv'}' has no row yet")):
             with self.subTest(name):
                 copy = WORK / "damaged"
                 shutil.rmtree(copy, ignore_errors=True)
@@ -132,7 +135,7 @@ class Page(unittest.TestCase):
                 run = subprocess.run([SPALL, "report", copy], capture_output=True, text=True)
                 self.assertNotEqual(run.returncode, 0)
                 self.assertEqual(run.stderr.count("\n"), 1, run.stderr)
-                self.assertIn(f"spall report: a file of {copy} cannot be read", run.stderr)
+                self.assertIn(f"spall report: {words}", run.stderr)
 
     def test_more_bodies_than_a_page_has_room_for_are_thinned_and_that_is_said(self):
         most, report_bodies.MOST_BODIES = report_bodies.MOST_BODIES, 10

@@ -110,6 +110,8 @@ class Run:
                 self.impactor_text = ", ".join(str(part) for part in parts if part is not None)
         self.rows, self.series = Series(self.file("series.csv")), {}
         self.update()
+        if not self.rows.names:
+            sys.exit(f"{program}: '{self.rows.path}' has no row yet")
 
     def case_as_run(self):
         """With what --set changed."""
