@@ -44,9 +44,11 @@ Middle middle_of(const Lab& world, double rate) {
   world.comm.sum(sums);
   return {sums[1] / sums[0], sums[2] / sums[0]};
 }
+/// Of bodies that are not held: those are stretched without growing thinner.
 double most_damage(const Lab& world) {
   double most = 0;
-  for (Index b = 0; b < world.bodies.owned; ++b) most = std::max(most, world.bodies.damage[b]);
+  for (Index b = 0; b < world.bodies.owned; ++b)
+    if (std::isfinite(world.bodies.mass[b])) most = std::max(most, world.bodies.damage[b]);
   return world.comm.max(most);
 }
 

@@ -148,6 +148,9 @@ TEST(SolidShock, a_plate_that_is_hit_parts_where_releases_meet) {
       const double pulled = 2 * law.strength / (law.density * law.bulk_speed());
       const double speed = share * pulled;
       bar = bar_of(material, speed, cells, flyer);
+      // As bodies of a tenth of a millimetre part: of coarse ones that part at once several layers
+      // do, and the surface feels less of it.
+      bar.world.solid.laws[0].fracture_energy *= 10;
       const double h = 0.7 * longest_step(law, d, speed), a = std::sqrt(2.0) * d;
       double fastest = 0, slowest = infinity;
       bool back = false;
@@ -174,11 +177,16 @@ TEST(SolidShock, a_plate_that_is_hit_parts_where_releases_meet) {
     }
 }
 
-// Copper stays whole at 190 m/s, whatever peaks of stress the edge of its foot has.
+// Copper stays whole at 190 m/s, whatever peaks of stress the edge of its foot has, even if it tore
+// where voids are a twelfth of the volume.
 TEST(SolidShock, a_copper_cylinder_that_hits_a_wall_stays_whole) {
   constexpr double radius = 3.81e-3, length = 25.4e-3, spacing = 2 * radius / 8;
-  const SolidLaw law = bar_of("copper", 0, 4).world.solid.laws[0];
-  for (const Vec3& turn : {Vec3(0.5, -0.9, 0.3), Vec3(-0.2, 0.4, 1.3)}) {
+  const double volume = std::pow(spacing, 3) / std::sqrt(2.0);
+  SolidLaw law = bar_of("copper", 0, 4).world.solid.laws[0];
+  for (const auto& [turn, voids] : {std::pair(Vec3(0.5, -0.9, 0.3), 0.25),
+                                    {Vec3(0.5, -0.9, 0.3), 1. / 12},
+                                    {Vec3(-0.2, 0.4, 1.3), 1. / 12}}) {
+    law.fracture_energy = voids / 2 * law.strength * std::cbrt(volume);
     const Eigen::Matrix3d R = Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix();
     std::vector<Sphere> spheres;
     const int n = static_cast<int>(length / spacing) + 2;

@@ -23,6 +23,11 @@ TEST(Units, powers_of_ten_are_rounded_once) {
   EXPECT_EQ(parse_quantity("5 %", dimension::number), 0.05);
 }
 
+TEST(Units, brackets_have_partners) {
+  EXPECT_EQ(complaint("1 m/(s", dimension::speed), "\"1 m/(s\": a bracket has no partner");
+  EXPECT_EQ(complaint("1 m/s)", dimension::speed), "\"1 m/s)\": a bracket has no partner");
+}
+
 TEST(Units, compound_units_multiply_and_divide) {
   const Dimension pressure{-1, 1, -2}, specific_energy{2, 0, -2}, inertia{2, 1, 0};
   EXPECT_EQ(parse_quantity("1600 kg/m^3", dimension::density), 1600);

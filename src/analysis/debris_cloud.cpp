@@ -163,12 +163,12 @@ void measure_contour(const Comm& comm, const Bodies& bodies, const Target& targe
 
 /// Seen along the normal, in rings of sectors: the first ring from which on, over the next D/4, the
 /// plate is there. 0 where that is narrower than three of the plate's bodies: so wide may gaps
-/// between them look in a whole plate, and where the line of flight leaves beside it.
+/// between them look in a whole plate.
 void measure_hole(const Comm& comm, const Bodies& bodies, const Target& target, Cloud& cloud) {
   constexpr int sectors = 12, ahead = 4;
   const double width = target.diameter / (4 * ahead);
   const int rings = static_cast<int>(target.half_width / width);
-  if (rings <= 0) return;
+  if (rings <= 0) return;  // the line of flight meets the plate's rim
   std::vector<double> part(static_cast<std::size_t>(sectors * rings), 0.0);
   const double reach = target.clearance();
   double largest = 0;
@@ -206,6 +206,19 @@ void measure_hole(const Comm& comm, const Bodies& bodies, const Target& target, 
   cloud.hole_spread = std::sqrt(std::max(0.0, squares - sum * sum));
 }
 
+/// m along the normal: how far the plate has gone, by its bodies that are no farther than it is
+/// thick from `middle`, the median of their depths.
+double way_of_plate(const Comm& comm, const Bodies& bodies, const Target& target, double middle) {
+  std::array<double, 2> sums{};  // mass, and times depth
+  for_each_body(bodies, target, [&](Index b, const Flight& f) {
+    if (bodies.group[b] != target.plate || std::abs(f.depth - middle) > target.thickness) return;
+    sums[0] += bodies.mass[b];
+    sums[1] += bodies.mass[b] * f.depth;
+  });
+  comm.sum(sums);
+  return sums[0] > 0 ? sums[1] / sums[0] + target.thickness / 2 : 0;
+}
+
 }  // namespace
 
 Target find_target(const Case& scene, const DebrisPlate& measured) {
@@ -221,8 +234,9 @@ Target find_target(const Case& scene, const DebrisPlate& measured) {
   t.speed = ball.velocity.norm();
   t.thickness = plate.volume.extents[thin];
   const double volume = volume_of(plate.volume);
-  t.areal_density = plate.total_mass.value_or(scene.materials[plate.material].density * volume) *
-                    t.thickness / volume;
+  t.area = volume / t.thickness;
+  t.areal_density =
+      plate.total_mass.value_or(scene.materials[plate.material].density * volume) / t.area;
   t.density = scene.materials[ball.material].density;
   for (std::size_t k = 0; const Group* group : {&ball, &plate}) {
     const auto& solid = scene.materials[group->material].solid;
@@ -246,15 +260,17 @@ Target find_target(const Case& scene, const DebrisPlate& measured) {
 
 Cloud measure_cloud(const Comm& comm, const Bodies& bodies, const Target& target, double time) {
   Cloud cloud{.time = time};
-  std::vector<Sample> samples{{0.99}, {0.01}, {0.99}, {0.01}, {0.99}, {0.99}};
+  std::vector<Sample> samples{{0.99}, {0.01}, {0.99}, {0.01}, {0.99}, {0.99}, {0.5}};
   // By origin, projectile then plate: mass, momentum, molten mass; ejecta; what is left.
   std::array<double, 10> sums{};
   for_each_body(bodies, target, [&](Index b, const Flight& f) {
     const double m = bodies.mass[b];
     const bool of_plate = bodies.group[b] == target.plate;
+    if (of_plate) samples.back().values.emplace_back(f.depth, m);
     if (is_debris(target, f)) {
       const double values[] = {f.axial, f.axial, f.radial, f.depth, f.depth, f.radius};
-      for (std::size_t s = 0; s < samples.size(); ++s) samples[s].values.emplace_back(values[s], m);
+      for (std::size_t s = 0; s < std::size(values); ++s)
+        samples[s].values.emplace_back(values[s], m);
       double* const origin = &sums[of_plate ? 3 : 0];
       origin[0] += m;
       origin[1] += m * f.axial;
@@ -263,7 +279,7 @@ Cloud measure_cloud(const Comm& comm, const Bodies& bodies, const Target& target
     } else if (f.depth < -target.thickness - target.clearance() && f.axial < 0) {
       sums[6] += m;
       sums[7] += m * f.axial;
-    } else if (of_plate && std::isfinite(m)) {
+    } else if (of_plate) {
       sums[8] += m;
       sums[9] += m * f.axial;
     }
@@ -290,6 +306,7 @@ Cloud measure_cloud(const Comm& comm, const Bodies& bodies, const Target& target
   cloud.radial = p[2];
   cloud.length = p[4] - p[3];
   cloud.width = 2 * p[5];
+  cloud.plate_moved = way_of_plate(comm, bodies, target, p[6]);
   measure_contour(comm, bodies, target, cloud);
   measure_hole(comm, bodies, target, cloud);
   return cloud;
@@ -335,7 +352,8 @@ WallLoad load_wall(const Comm& comm, const Bodies& bodies, const Target& target,
   for_each_body(bodies, target, [&](Index b, const Flight& f) {
     if (!is_debris(target, f) || f.axial <= 0) return;
     const double momentum = bodies.mass[b] * f.axial;
-    const double left = std::max(0.0, distance - f.depth) / f.axial;  // s
+    // Also what has gone farther: where it came through.
+    const double left = (distance - f.depth) / f.axial;  // s
     const Flight hit =
         flight_of(target, bodies.position[b] + left * bodies.velocity[b], bodies.velocity[b]);
     load.momentum += momentum;

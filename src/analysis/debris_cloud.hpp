@@ -21,12 +21,13 @@ struct Target {
   Vec3 origin = Vec3::Zero();              ///< m
   Vec3 normal = Vec3::UnitZ();             ///< to the rear
   std::array<Vec3, 2> across;
-  double diameter = 0;                  ///< m, of the projectile, D
-  double speed = 0;                     ///< m/s
-  double thickness = 0;                 ///< m
-  double half_width = 0;                ///< m, of the plate about the origin
-  double areal_density = 0;             ///< kg/m^2, of the plate
-  double density = 0;                   ///< kg/m^3, of the projectile's solid
+  double diameter = 0;       ///< m, of the projectile, D
+  double speed = 0;          ///< m/s
+  double thickness = 0;      ///< m
+  double half_width = 0;     ///< m, of the plate about the origin
+  double area = 0;           ///< m^2, of the plate
+  double areal_density = 0;  ///< kg/m^2, of the plate; by its material until it is weighed
+  double density = 0;        ///< kg/m^3, of the projectile's solid
   std::array<double, 2> melt_energy{};  ///< J/kg, of projectile and plate; 0: not known
 
   /// m: what is farther from the plate has left it.
@@ -52,6 +53,7 @@ struct Cloud {
   double hole = 0, hole_spread = 0;  ///< m: where the plate has half of its areal density, mean and
                                      ///< standard deviation over twelve sectors
   double plate_speed = 0;            ///< m/s along the normal, mean of the plate's other bodies
+  double plate_moved = 0;            ///< m along it, what is left of the plate
 };
 /// Velocities and positions must belong to the same instant. Collective.
 Cloud measure_cloud(const Comm& comm, const Bodies& bodies, const Target& target, double time);
@@ -79,6 +81,8 @@ void for_each_column(CloudLike& c, F&& f) {
   f("hole", c.hole, "m", "diameter at half of the areal density");
   f("hole_spread", c.hole_spread, "m", "standard deviation over twelve sectors");
   f("plate_speed", c.plate_speed, "m/s", "mean of what is left of the plate");
+  f("plate_moved", c.plate_moved, "m",
+    "beyond D/4 the plate counts as debris, and hole is not to be believed");
 }
 
 /// Pieces of the debris: bodies joined by links.
@@ -92,11 +96,12 @@ struct Fragments {
 Fragments find_fragments(const Comm& comm, const Ghosts& ghosts, const Bodies& bodies,
                          const Links& links, const Target& target);
 
-/// What a wall so far behind the plate receives of debris that fly on freely.
+/// What a wall so far behind the plate receives, or would have, of debris that fly freely.
 struct WallLoad {
   double momentum = 0;                 ///< kg m/s along the normal
   double half_radius = 0, radius = 0;  ///< m, about the line of flight: with half, 90 % of it
-  double peak = 0;                     ///< Pa s, on the pixel, D/2 wide, with most of it
+  double peak = 0;                     ///< Pa s, on the pixel, D/2 wide, with most of it; no
+                                       ///< farther from the line than twice the distance
 };
 /// Collective.
 WallLoad load_wall(const Comm& comm, const Bodies& bodies, const Target& target, double distance);

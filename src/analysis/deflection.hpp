@@ -15,11 +15,13 @@ namespace spall {
 /// The instant at which the impactor was added. All other bodies of finite mass are the target.
 struct BeforeImpact {
   BodyId impactor = -1;
-  double impactor_mass = 0;             ///< kg, m
-  double target_mass = 0;               ///< kg, M
-  double struck_mass = 0;               ///< kg, of the body that the impactor meets first; 0 where
-                                        ///< bodies are parts of a solid, not bodies that meet
-  Vec3 target_velocity = Vec3::Zero();  ///< m/s, mass-weighted mean
+  double impactor_mass = 0;  ///< kg, m
+  double target_mass = 0;    ///< kg, M
+  double struck_mass = 0;    ///< kg, of the body that the impactor meets first; 0 where
+                             ///< bodies are parts of a solid, not bodies that meet
+  double stirred = 0;  ///< kg m/s, of the target's largest clump against all of it: read-outs take
+                       ///< it for the impact's
+  Vec3 target_velocity = Vec3::Zero();    ///< m/s, mass-weighted mean
   Vec3 relative_velocity = Vec3::Zero();  ///< m/s, U: impactor less target
   Vec3 direction() const { return relative_velocity.normalized(); }  ///< of flight
   double speed() const { return relative_velocity.norm(); }          ///< m/s
@@ -29,7 +31,7 @@ struct BeforeImpact {
 /// bodies the ejecta, and with them beta, grow with this share: it is set by the size of the body.
 double rigid_share(const BeforeImpact& before, double restitution);
 
-/// `struck_mass` is left as it is made. Collective.
+/// `struck_mass` and `stirred` are left as they are made. Collective.
 BeforeImpact before_impact(const Comm& comm, const Bodies& bodies, BodyId impactor);
 
 /// What of the ejecta is faster than a speed (m/s): bodies and their mass (kg).

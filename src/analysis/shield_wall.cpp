@@ -3,6 +3,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "analysis/shield_wall.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
@@ -23,15 +24,16 @@ constexpr double smallest_spall = 4;  // bodies: pi d^2 of a close-packed layer 
 /// Spacings behind the rear surface, beyond which a piece has left it; of single bodies, which may
 /// have failed there and ride on it, in a layer or two.
 constexpr double gap_of_pieces = 1, gap_of_singles = 2;
+constexpr double plate_like = 0.5;   // thickness over width, at most
 constexpr double nearly = 1 - 1e-9;  // of a sum of masses on many ranks
 
 /// A point as the wall sees it.
 struct Seen {
   double x, y, depth;  ///< m
 };
-Seen see(const ShieldWall& wall, const Vec3& position, double time) {
-  const Vec3 from = position - wall.center - time * wall.velocity;
-  return {from.dot(wall.across[0]), from.dot(wall.across[1]), from.dot(wall.normal)};
+Seen see(const WallFrame& frame, const Vec3& position) {
+  const Vec3 from = position - frame.center;
+  return {from.dot(frame.across[0]), from.dot(frame.across[1]), from.dot(frame.normal)};
 }
 
 /// Square pixels about the wall's middle, and beyond its edges.
@@ -211,6 +213,40 @@ double diameter_of_ball(double volume) {
   return std::cbrt(6 * volume / pi);
 }
 
+/// Of the main piece where it is now: its normal is the way in which it is thinnest. What is left
+/// of a wall may be no plate any more: then it is seen along the normal of the start. A wall that
+/// moves and turns by less than a pixel is seen in the same ones.
+WallFrame frame_of(const Comm& comm, const Bodies& bodies, const std::vector<BodyId>& name,
+                   const Clump& main, const ShieldWall& wall) {
+  std::array<double, 9> sums{};
+  Eigen::Map<Eigen::Matrix3d> spread(sums.data());
+  for (Index b = 0; b < bodies.owned; ++b) {
+    if (name[b] != main.name) continue;
+    const Vec3 off = bodies.position[b] - main.position;
+    spread += bodies.mass[b] * off * off.transpose();
+  }
+  comm.sum(sums);
+  const WallFrame& start = wall.start;
+  const double pixel = wall.spacing / pixels_a_spacing;
+  const Vec3 moved = main.position - start.center;
+  WallFrame frame = start;
+  frame.center += moved.dot(start.normal) * start.normal;
+  for (const Vec3& across : start.across)
+    frame.center += pixel * std::round(moved.dot(across) / pixel) * across;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread);
+  const Vec3& along = axes.eigenvalues();
+  if (along[0] > plate_like * plate_like * along[1]) return frame;
+  const Vec3 thin = axes.eigenvectors().col(0);
+  const Vec3 normal = thin.dot(start.normal) < 0 ? Vec3(-thin) : thin;
+  const double widest = std::max(wall.half_width[0], wall.half_width[1]);
+  if ((normal - start.normal).norm() * widest < pixel) return frame;
+  frame.center = main.position;
+  frame.normal = normal;
+  const auto turn = Eigen::Quaterniond::FromTwoVectors(start.normal, frame.normal);
+  for (Vec3& across : frame.across) across = turn * across;
+  return frame;
+}
+
 /// Links within the wall alone.
 Links links_of_group(const LinkedBodies& linked, std::int32_t group) {
   Links own;
@@ -225,24 +261,24 @@ Links links_of_group(const LinkedBodies& linked, std::int32_t group) {
 
 /// Adds up the pieces that have left the rear; `name` are those of the other pieces alone.
 void weigh_spall(const Comm& comm, const Bodies& bodies, const std::vector<BodyId>& name,
-                 const ShieldWall& wall, const Clump& main, const Grid2& grid, const Maps& maps,
-                 const Window& window, double time, WallVerdict& verdict) {
-  const double main_rear = see(wall, main.position, time).depth + wall.thickness / 2;
+                 const ShieldWall& wall, const Clump& main, const WallFrame& frame,
+                 const Grid2& grid, const Maps& maps, const Window& window, WallVerdict& verdict) {
+  const double main_rear = wall.thickness / 2;
   std::array<double, 4> sums{};  // pieces, mass, momentum; mass from the rim
   double largest = 0;
   for (const Clump& piece : share_of_clumps(comm, bodies, name)) {
-    const Seen at = see(wall, piece.position, time);
+    const Seen at = see(frame, piece.position);
     const std::size_t pixel = grid.nearest(at.x, at.y);
     const double rear = maps.open(pixel) ? main_rear : maps.rear[pixel];
     const Vec3 motion = piece.velocity - main.velocity;
-    const double speed = motion.dot(wall.normal);
+    const double speed = motion.dot(frame.normal);
     const double gap = (piece.count > 1 ? gap_of_pieces : gap_of_singles) * wall.spacing;
     if (at.depth <= rear + gap || speed <= 0) continue;
     // It flies freely: where it was as deep as the rear. What a cloud blows off the wall's edges,
     // which a wider plate has not, flies past the rim.
     const double since = (at.depth - rear) / speed;  // s
-    if (!window.contains(at.x - since * motion.dot(wall.across[0]),
-                         at.y - since * motion.dot(wall.across[1]))) {
+    if (!window.contains(at.x - since * motion.dot(frame.across[0]),
+                         at.y - since * motion.dot(frame.across[1]))) {
       sums[3] += piece.mass;
       continue;
     }
@@ -261,21 +297,21 @@ void weigh_spall(const Comm& comm, const Bodies& bodies, const std::vector<BodyI
 
 /// Share of the energy that flew at the wall of what is before it and will still meet it.
 double share_still_coming(const Comm& comm, const Bodies& bodies, const ShieldWall& wall,
-                          const Clump& main, double time) {
-  const double front = see(wall, main.position, time).depth - wall.thickness / 2;
+                          const Clump& main, const WallFrame& frame) {
+  const double front = -wall.thickness / 2;
   std::array<double, 2> energy{};  // still coming, at the start
   for (Index b = 0; b < bodies.owned; ++b) {
     const double m = bodies.mass[b];
     if (bodies.group[b] == wall.group || !std::isfinite(m)) continue;
     for (const auto& [group, speed] : wall.approaches)
       if (bodies.group[b] == group) energy[1] += m / 2 * speed * speed;
-    const Seen at = see(wall, bodies.position[b], time);
+    const Seen at = see(frame, bodies.position[b]);
     const Vec3 motion = bodies.velocity[b] - main.velocity;
-    const double speed = motion.dot(wall.normal);
+    const double speed = motion.dot(frame.normal);
     if (at.depth >= front || speed <= 0) continue;
     const double left = (front - at.depth) / speed;  // s
-    const double x = at.x + left * motion.dot(wall.across[0]);
-    const double y = at.y + left * motion.dot(wall.across[1]);
+    const double x = at.x + left * motion.dot(frame.across[0]);
+    const double y = at.y + left * motion.dot(frame.across[1]);
     if (std::abs(x) <= wall.half_width[0] && std::abs(y) <= wall.half_width[1])
       energy[0] += m / 2 * speed * speed;
   }
@@ -302,10 +338,7 @@ ShieldWall lay_wall(const Comm& comm, const Case& scene, const Shield& shield) {
   ShieldWall wall{.name = group.name,
                   .section = results_of(shield),
                   .group = shield.wall,
-                  .center = group.volume.center,
-                  .velocity = group.velocity,
-                  .normal = shield.rear,
-                  .across = {},
+                  .start = {.center = group.volume.center, .normal = shield.rear},
                   .approaches = {}};
   const int thin = axis_through(group.volume);
   wall.thickness = group.volume.extents[thin];
@@ -313,16 +346,14 @@ ShieldWall lay_wall(const Comm& comm, const Case& scene, const Shield& shield) {
   wall.spacing = lattice_of(group.packing).distance;
   for (int k = 0; k < 2; ++k) {
     const int axis = (thin + 1 + k) % 3;
-    wall.across[k] = group.volume.axes.col(axis);
+    wall.start.across[k] = group.volume.axes.col(axis);
     wall.half_width[k] = group.volume.extents[axis] / 2;
     wall.spacing = std::max(
         wall.spacing, 2 * (1 + seen_beyond) * wall.half_width[k] * pixels_a_spacing / most_pixels);
   }
   for (std::size_t g = 0; g < scene.groups.size(); ++g) {
-    const Group& other = scene.groups[g];
-    const double speed = speed_across(other.velocity - wall.velocity, wall.normal);
-    if (speed > 0 && (wall.center - other.volume.center).dot(wall.normal) > 0)
-      wall.approaches.push_back({static_cast<std::int32_t>(g), speed});
+    const double speed = speed_of_flight(group, scene.groups[g], wall.start.normal);
+    if (speed > 0) wall.approaches.push_back({static_cast<std::int32_t>(g), speed});
   }
 
   // The recipe alone: every rank runs through it, and draws its share.
@@ -337,7 +368,7 @@ ShieldWall lay_wall(const Comm& comm, const Case& scene, const Shield& shield) {
                              .put =
                                  [&](const PackedSphere& sphere) {
                                    if (count++ % comm.size == comm.rank)
-                                     draw(grid, wall.spacing, see(wall, sphere.center, 0), maps);
+                                     draw(grid, wall.spacing, see(wall.start, sphere.center), maps);
                                  }});
   sum_over_ranks(comm, maps);
   const Window window(wall, {0, 0});
@@ -357,8 +388,7 @@ ShieldWall lay_wall(const Comm& comm, const Case& scene, const Shield& shield) {
   return wall;
 }
 
-WallVerdict judge_wall(const Comm& comm, const LinkedBodies& linked, const ShieldWall& wall,
-                       double time) {
+WallVerdict judge_wall(const Comm& comm, const LinkedBodies& linked, const ShieldWall& wall) {
   const Bodies& bodies = linked.bodies;
   std::vector<BodyId> name =
       find_clumps(comm, linked.ghosts, bodies, links_of_group(linked, wall.group));
@@ -376,11 +406,12 @@ WallVerdict judge_wall(const Comm& comm, const LinkedBodies& linked, const Shiel
   require(!pieces.largest.empty(), "the wall \"{}\" has no bodies", wall.name);
   const Clump& main = pieces.largest.front();
 
+  const WallFrame frame = frame_of(comm, bodies, name, main, wall);
   const Grid2 grid(wall);
   Maps maps(grid.size());
   for (Index b = 0; b < bodies.owned; ++b) {
     if (name[b] != main.name) continue;
-    draw(grid, wall.spacing, see(wall, bodies.position[b], time), maps);
+    draw(grid, wall.spacing, see(frame, bodies.position[b]), maps);
     name[b] = -1;
   }
   sum_over_ranks(comm, maps);
@@ -396,8 +427,8 @@ WallVerdict judge_wall(const Comm& comm, const LinkedBodies& linked, const Shiel
   verdict.openings = openings.count;
   verdict.opening_at_edge = openings.at_edge;
   verdict.hole = diameter_of_circle(openings.largest);
-  weigh_spall(comm, bodies, name, wall, main, grid, maps, window, time, verdict);
-  verdict.still_coming = share_still_coming(comm, bodies, wall, main, time);
+  weigh_spall(comm, bodies, name, wall, main, frame, grid, maps, window, verdict);
+  verdict.still_coming = share_still_coming(comm, bodies, wall, main, frame);
 
   if (verdict.openings > 0) {
     verdict.outcome = Outcome::perforated;

@@ -13,14 +13,18 @@
 
 namespace spall {
 
-/// A wall as the case laid it. Places are told along its normal, from its middle towards its rear,
-/// and across it, in a frame that moves on with the wall's velocity at the start.
+/// Places are told along the normal of a wall, from its middle towards its rear, and across it.
+struct WallFrame {
+  Vec3 center = Vec3::Zero();   ///< m
+  Vec3 normal = Vec3::UnitZ();  ///< to the rear
+  std::array<Vec3, 2> across = {};
+};
+
+/// A wall as the case laid it.
 struct ShieldWall {
   std::string name, section;  ///< of the group; of the results
   std::int32_t group = 0;
-  Vec3 center, velocity;        ///< m, m/s at the start
-  Vec3 normal = Vec3::UnitZ();  ///< to the rear
-  std::array<Vec3, 2> across;
+  WallFrame start;
   double thickness = 0;                ///< m
   std::array<double, 2> half_width{};  ///< m, across
   bool round = false;                  ///< a disc
@@ -40,8 +44,9 @@ ShieldWall lay_wall(const Comm& comm, const Case& scene, const Shield& shield);
 enum class Outcome { held, detached_spall, perforated };
 const char* name_of(Outcome outcome);
 
-/// Judged is its main piece: the heaviest of those whose bodies hang together by links. A rim of a
-/// tenth of the half width, or of two spacings where that is more, is not judged.
+/// Judged is its main piece: the heaviest of those whose bodies hang together by links. It is seen
+/// along its own normal, about its own centre of mass, wherever it has gone. A rim of a tenth of
+/// the half width, or of two spacings where that is more, is not judged.
 ///
 /// It is perforated where a sphere as large as its bodies could pass along the normal without
 /// touching that piece. An opening is what such a sphere can sweep. Else spall has detached where
@@ -63,7 +68,6 @@ struct WallVerdict {
   double still_coming = 0;  ///< share of the energy that flew at it of what is yet to meet it
 };
 /// Velocities and positions must belong to the same instant. Collective.
-WallVerdict judge_wall(const Comm& comm, const LinkedBodies& linked, const ShieldWall& wall,
-                       double time);
+WallVerdict judge_wall(const Comm& comm, const LinkedBodies& linked, const ShieldWall& wall);
 
 }  // namespace spall

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "keys/units.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <optional>
@@ -176,6 +177,8 @@ double parse_quantity(std::string_view text, Dimension wanted) {
   require(code == std::errc() && std::isfinite(value),
           "\"{}\" does not begin with a number; {} is wanted", text, describe(wanted));
   const std::string_view number = rest.substr(0, static_cast<std::size_t>(end - rest.data()));
+  require(std::ranges::count(text, '(') == std::ranges::count(text, ')'),
+          "\"{}\": a bracket has no partner", text);
   const Unit unit = parse_units(rest.substr(number.size()), text, wanted);
   require(unit.dimension == wanted, "\"{}\" is {}; {} is wanted", text, name_of(unit.dimension),
           describe(wanted));

@@ -44,7 +44,7 @@ class Reference:
         try:
             with open(path, "rb") as file:
                 table = tomllib.load(file)
-            self.title, self.source = table["title"], table.get("source", "")
+            self.title, self.source = table.get("title", "the source"), table.get("source", "")
             self.rows = [Row(row, results) for row in table.get("row", [])]
         except (KeyError, ValueError) as error:
             sys.exit(f"'{path}': {error}")

@@ -9,21 +9,6 @@
 
 namespace spall {
 
-namespace {
-
-/// m, along the normal: how far what is left of the plate has gone, by its speeds at the read-outs.
-double moved(const std::vector<Cloud>& rows) {
-  double way = 0, time = 0, speed = 0;
-  for (const Cloud& row : rows) {
-    way += (speed + row.plate_speed) / 2 * (row.time - time);
-    time = row.time;
-    speed = row.plate_speed;
-  }
-  return way;
-}
-
-}  // namespace
-
 DebrisLog::DebrisLog(const Case& scene) {
   if (!scene.debris) return;
   for (const DebrisPlate& plate : scene.debris->plates)
@@ -31,6 +16,11 @@ DebrisLog::DebrisLog(const Case& scene) {
   projectile_ = scene.debris->projectile_name;
   wall_ = scene.debris->wall;
   every_ = scene.debris->every;
+}
+
+void DebrisLog::weigh(std::span<const GroupContent> groups) {
+  for (Plate& plate : plates_)
+    plate.target.areal_density = groups[plate.laid.group].mass / plate.target.area;
 }
 
 std::vector<std::string> DebrisLog::read_out(const World& world, double time) {
@@ -44,11 +34,11 @@ std::vector<std::string> DebrisLog::read_out(const World& world, double time) {
         laid.section.empty() ? "" : " behind " + laid.name, time, c.front / t.speed,
         c.centre / t.speed, c.rear / t.speed, c.radial / t.speed, c.hole / t.diameter,
         c.hole_spread / t.diameter));
-    if (const double way = moved(rows); std::abs(way) > t.clearance())
+    if (std::abs(c.plate_moved) > t.clearance())
       lines.push_back(fmt::format(
           "warning: {} has moved by {:.4g} m, more than a quarter of the projectile: bodies of it "
           "count as debris, and the hole is not to be believed; make it wider, or the run shorter",
-          laid.name, way));
+          laid.name, c.plate_moved));
   }
   return lines;
 }
@@ -85,8 +75,6 @@ void DebrisLog::conclude(const Plate& plate, const World& world, const LinkedBod
             last.contour_width > 0 ? last.contour_length / last.contour_width : 0.0);
   const double momentum = last.projectile_momentum + last.plate_momentum;
   table.add(debris, "momentum_forward", momentum, "kg m/s");
-  table.add(debris, "plate_moved", moved(plate.rows), "m",
-            "what is left of it; beyond D/4 it counts as debris, and hole is not to be believed");
   if (linked) {
     const Fragments f =
         find_fragments(world.comm, linked->ghosts, linked->bodies, linked->links, t);

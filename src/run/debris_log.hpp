@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "engine/engine.hpp"
 #include "output/restart.hpp"
 #include "output/results.hpp"
+#include "scene/scene.hpp"
 
 namespace spall {
 
@@ -18,6 +20,9 @@ class DebrisLog {
  public:
   explicit DebrisLog(const Case& scene);
   double every() const { return every_; }  ///< s; 0: never
+
+  /// What is in the groups is known: a hole is where a plate has half of what its bodies weigh.
+  void weigh(std::span<const GroupContent> groups);
 
   /// Measures each cloud; velocities and positions synchronous. Returns a line a plate to show.
   /// Collective.

@@ -68,8 +68,9 @@ class Run {
 
   bool go() {
     SignalGuard signals;
-    progress_.say(describe_phases(scene_, measure_bodies(comm_, scene_, world().bodies)) +
-                  shields_.describe());
+    const std::vector<GroupContent> contents = measure_bodies(comm_, scene_, world().bodies);
+    debris_.weigh(contents);
+    progress_.say(describe_phases(scene_, contents) + shields_.describe());
     say_what_is_over();
     if (begins_phase()) begin_phase();
     open_files();  // a run that was refused by now has left nothing
@@ -148,6 +149,7 @@ class Run {
     const std::string coupled = verdict_.impactor_added(
         events, world().contact(phase().impactor->material, static_cast<int>(material)).restitution,
         struck_mass);
+    if (!events.flow) verdict_.look_at_target(world(), simulation_->engine());
     progress_.say(fmt::format("impactor: {:.4g} kg at {:.4g} m/s, aimed at body {}",
                               phase().impactor->mass, phase().impactor->speed, events.aim->struck));
     if (!coupled.empty()) progress_.say(coupled);

@@ -22,7 +22,8 @@ std::string Shields::describe() const {
         "\n  judged in the end: {}, {:.3g} spacings thick, its rear towards {}; openings "
         "narrower "
         "than {:.3g} m are not seen\n",
-        wall.name, wall.thickness / wall.spacing, words_of_direction(wall.normal), wall.spacing);
+        wall.name, wall.thickness / wall.spacing, words_of_direction(wall.start.normal),
+        wall.spacing);
   }
   return text;
 }
@@ -94,7 +95,7 @@ std::vector<std::string> Shields::read_out(const World& world, const Engine& eng
   if (walls_.empty()) return lines;
   const LinkedBodies linked = engine.links(world);
   for (Judged& judged : walls_) {
-    judged.last = judge_wall(world.comm, linked, judged.wall, time);
+    judged.last = judge_wall(world.comm, linked, judged.wall);
     judged.times.push_back(time);
     judged.margins.push_back(judged.last.margin);
     lines.push_back(sentence_of(judged.wall, judged.last));

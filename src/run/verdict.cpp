@@ -61,6 +61,13 @@ std::string Verdict::impactor_added(const PhaseEvents& events, double restitutio
       100 * rigid_share(before_, restitution), struck_mass);
 }
 
+void Verdict::look_at_target(const World& world, const Engine& engine) {
+  const LinkedBodies linked = engine.links(world);
+  const Deflection d = measure_deflection(world.comm, linked.ghosts, linked.bodies, linked.links,
+                                          world.gravity.constant, before_, 0);
+  before_.stirred = d.clump.mass * d.dv_vector.norm();
+}
+
 std::string Verdict::read_out(const World& world, const Engine& engine, double since_impact) {
   const LinkedBodies linked = engine.links(world);
   const Deflection d = measure_deflection(world.comm, linked.ghosts, linked.bodies, linked.links,
@@ -92,9 +99,15 @@ std::string Verdict::read_out(const World& world, const Engine& engine, double s
 }
 
 std::string Verdict::warning() const {
-  if (rows_.empty() || flow_ || before_.struck_mass == 0) return "";
-  // Bodies of the ejecta bring less than this part of m U: beta tells of the bounce alone.
-  constexpr double resolved = 0.02;
+  if (rows_.empty() || flow_) return "";
+  constexpr double resolved = 0.02;  // of m U: less is not looked at
+  if (before_.stirred > resolved * impactor_momentum())
+    return fmt::format(
+        "WARNING: before the impact the largest clump of the target already had {:.2g} of m U "
+        "against the rest of it: dv, beta and ejecta count that as the impact's. They are of one "
+        "body, or of a pile that hangs together and rests",
+        before_.stirred / impactor_momentum());
+  if (before_.struck_mass == 0) return "";
   const Row& last = rows_.back();
   if (last.dv_ejecta > resolved * last.dv_impactor) return "";
   return fmt::format(
@@ -188,6 +201,7 @@ void Verdict::for_each_scalar(Self& self, F&& f) {
   f("verdict.impactor_mass", self.before_.impactor_mass);
   f("verdict.target_mass", self.before_.target_mass);
   f("verdict.struck_mass", self.before_.struck_mass);
+  f("verdict.stirred", self.before_.stirred);
   vector("verdict.target_velocity", self.before_.target_velocity);
   vector("verdict.relative_velocity", self.before_.relative_velocity);
   f("verdict.restitution", self.restitution_);

@@ -23,6 +23,8 @@ class Verdict {
   /// Called when the impactor is in the world; `struck_mass` as in BeforeImpact. Returns a line to
   /// show, or nothing.
   std::string impactor_added(const PhaseEvents& events, double restitution, double struck_mass);
+  /// Looks at what moves in the target before anything has hit it. Collective.
+  void look_at_target(const World& world, const Engine& engine);
   std::size_t read_outs() const { return rows_.size(); }
   /// Measures the deflection at this instant, `since_impact` seconds after the impactor was added.
   /// Velocities and positions must belong to the same instant. Returns a line to show. Collective.
@@ -31,7 +33,8 @@ class Verdict {
   /// Adds its sections: [pile], [deflection], [orbit], [ejecta], [read_out].
   void add_to(ResultTable& table, const std::optional<Binary>& binary) const;
 
-  /// What a reader of `beta` must know, or nothing: no ejecta were resolved.
+  /// What a reader of `beta` must know, or nothing: the target moved in itself before the impact,
+  /// or no ejecta were resolved.
   std::string warning() const;
 
   bool has_impact() const { return before_.impactor >= 0; }

@@ -281,7 +281,7 @@ void check_whole(const Case& scene, Groups groups) {
   for (const Phase& phase : scene.phases)
     require(phase.cohesion.value_or(0) == 0 || scene.contact.common().cohesion_range > 0,
             "{}.cohesion needs contact.cohesion_range: the gap up to which it acts", phase.place);
-  check_consistency(scene, groups);
+  check_consistency(scene);
 }
 
 /// The impactor's material is the case's of this name; else one of its density is added.
@@ -343,8 +343,9 @@ std::vector<std::string> unused_parts(const toml::table& root, const Case& scene
     if (root.contains(table))
       unused.push_back(fmt::format("[{}] is not used: no phase has method = {}", table,
                                    fmt::join(names, " or ")));
-  // Who asks for no friction and no restitution asks for no material of a wall.
-  if (methods.contains("contact"))
+  // Who asks for no friction and no restitution asks for no material of a wall, but for its law
+  // between pairs.
+  if (methods.contains("contact") && methods.contains("pair_potential"))
     for (const char* walls : {"planes", "boxes", "cylinders"})
       if (const toml::array* all = root[walls].as_array())
         for (const toml::node& wall : *all)

@@ -8,7 +8,7 @@ namespace spall {
 
 /// Throws Error, with file, line and key, where keys that are right by themselves do not go
 /// together.
-void check_consistency(const Case& scene, Groups groups);
+void check_consistency(const Case& scene);
 
 /// Where a phase's method leaves behind what held bodies together in the one before, in words.
 std::vector<std::string> lost_bonds(const Case& scene);

@@ -3,6 +3,7 @@
 #include "scene/debris.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "scene/shape.hpp"
 #include "scene/shields.hpp"
@@ -27,6 +28,43 @@ void read_debris(Section& in, DebrisSettings& debris) {
   debris.place = in.place();
 }
 
+namespace {
+
+/// A plate at rest, at whose rear face debris begin, and which the projectile's line meets.
+void check_plate(const Case& scene, int group, const std::string& told) {
+  const Group &plate = scene.groups[group], &ball = scene.groups[scene.debris->projectile];
+  const Volume& volume = plate.volume;
+  require(volume.shape == Shape::box || volume.shape == Shape::cylinder,
+          "{} is neither a box nor a cylinder", told);
+  const int thin = axis_through(volume);
+  require(thin >= 0, "{} is no plate: it must be thinner along one axis than along the others",
+          told);
+  require(!plate.held(), "{} is {}: nothing can break it", told,
+          plate.fixed ? "fixed" : "moved as prescribed");
+  require(plate.velocity.isZero(0) && plate.spin.isZero(0),
+          "{} moves: debris are measured behind a plate that rests; give the projectile the "
+          "velocity of both",
+          told);
+  const Vec3 normal = volume.axes.col(thin);
+  const std::string projectile =
+      fmt::format("{}.projectile = \"{}\"", scene.debris->place, ball.name);
+  require(!ball.held(), "{} has no mass of its own: it is {}", projectile,
+          ball.fixed ? "fixed" : "moved as prescribed");
+  const double speed = speed_across(ball.velocity, normal);
+  require(speed != 0, "{} has no velocity towards the plate, along {}", projectile,
+          words_of_direction(normal));
+  const double flight = normal.dot(volume.center - ball.volume.center) / speed;  // s
+  require(flight > 0, "{} flies away from \"{}\"", projectile, plate.name);
+  const Vec3 off = ball.volume.center + flight * ball.velocity - volume.center;
+  for (int k = 1; k <= 2; ++k) {
+    const int side = (thin + k) % 3;
+    require(std::abs(volume.axes.col(side).dot(off)) < volume.extents[side] / 2,
+            "{} flies past \"{}\": its line does not meet it", projectile, plate.name);
+  }
+}
+
+}  // namespace
+
 void find_debris_groups(Case& scene) {
   if (!scene.debris) return;
   DebrisSettings& debris = *scene.debris;
@@ -40,6 +78,7 @@ void find_debris_groups(Case& scene) {
     require(!phase.remove_drift,
             "{}.remove_drift would move groups.{} from where [debris] looks at it", phase.place,
             debris.plates.front().name);
+  require(!scene.period.any(), "{}: debris are not measured in a [periodic] box", debris.place);
   debris.projectile = find("projectile", debris.projectile_name);
   for (DebrisPlate& plate : debris.plates) {
     const std::string key = plate.section.empty() ? "plate" : "plates";
@@ -50,13 +89,7 @@ void find_debris_groups(Case& scene) {
       require(&other == &plate || other.section != plate.section,
               "{}.plates: \"{}\" and \"{}\" would have the same sections of the results",
               debris.place, other.name, plate.name);
-    const Volume& volume = scene.groups[plate.group].volume;
-    require(volume.shape == Shape::box || volume.shape == Shape::cylinder,
-            "{}.{} = \"{}\" is neither a box nor a cylinder", debris.place, key, plate.name);
-    const Vec3 normal = volume.axes.col(thin_axis(volume));
-    require(speed_across(scene.groups[debris.projectile].velocity, normal) != 0,
-            "{}.projectile = \"{}\" has no velocity towards the plate, along {}", debris.place,
-            debris.projectile_name, words_of_direction(normal));
+    check_plate(scene, plate.group, fmt::format("{}.{} = \"{}\"", debris.place, key, plate.name));
   }
 }
 

@@ -48,6 +48,7 @@ std::string describe_material_library() {
     tell("steinberg_y0", "flow stress under pressure");
     tell("johnson_cook_d1", "strain at failure");
     tell("spall_strength", "spall");
+    tell("fracture_energy", "toughness");
     tell("weibull_k", "flaws");
     tell("lundborg_limit", "strength under pressure");
     tell("failed_friction", "friction");

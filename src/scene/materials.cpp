@@ -30,6 +30,9 @@ void read_solid(Section& in, Solid& solid) {
   in.take("yield_strength", "", solid.yield_strength, positive(pressure));
   in.take("tensile_strength", "", solid.tensile_strength, positive(pressure));
   in.take("spall_strength", "at which a shock tears it", solid.spall_strength, positive(pressure));
+  in.take("fracture_energy",
+          "K_Ic^2 (1 - nu^2)/E of its toughness K_Ic: what parts an area of a metal",
+          solid.fracture_energy, positive(spring_constant));
   in.take("specific_heat", "from which snapshots tell the temperature", solid.specific_heat,
           positive(specific_heat));
   in.take("melting_point", "", solid.melting_point, positive(dimension::temperature));

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 
 #include "scene/packing.hpp"
 #include "scene/shape.hpp"
@@ -36,17 +37,36 @@ std::string results_of(const Shield& shield) {
   return "shield" + section_end(shield.wall_name);
 }
 
+double speed_of_flight(const Group& wall, const Group& other, const Vec3& normal) {
+  const Vec3 velocity = other.velocity - wall.velocity;
+  const double speed = speed_across(velocity, normal);
+  const double ahead = normal.dot(wall.volume.center - other.volume.center);
+  if (other.held() || speed <= 0 || ahead <= 0) return 0;
+  const Vec3 meets = other.volume.center + ahead / speed * velocity - wall.volume.center;
+  const double radius = half_widths(other.volume).norm();
+  const int thin = axis_through(wall.volume);
+  for (int k = 1; k <= 2; ++k) {
+    const int side = (thin + k) % 3;
+    const double off = std::abs(wall.volume.axes.col(side).dot(meets));
+    if (off > wall.volume.extents[side] / 2 + radius) return 0;
+  }
+  return speed;
+}
+
 namespace {
 
-/// The way along `normal` of the groups that fly at the wall; 0 where there are none or they come
-/// from both sides.
-double way_of_flight(const Case& scene, const Group& wall, const Vec3& normal) {
+/// The way along `normal` of the groups that fly at the wall; 0 where they come from both sides.
+double way_of_flight(const Case& scene, const Group& wall, const Vec3& normal,
+                     const std::string& told) {
   bool up = false, down = false;
   for (const Group& group : scene.groups) {
-    const double closing = speed_across(group.velocity - wall.velocity, normal);
-    const double ahead = normal.dot(wall.volume.center - group.volume.center);
-    if (closing * ahead > 0) (closing > 0 ? up : down) = true;
+    up |= speed_of_flight(wall, group, normal) > 0;
+    down |= speed_of_flight(wall, group, -normal) > 0;
   }
+  require(up || down,
+          "{}: no group flies at it along {}: one with a mass and a velocity, whose line meets it, "
+          "is wanted",
+          told, words_of_direction(normal));
   return up == down ? 0 : up ? 1 : -1;
 }
 
@@ -63,6 +83,7 @@ void find_wall(const Case& scene, Shield& shield) {
           told);
   require(!wall.held(), "{} is {}: nothing can break it", told,
           wall.fixed ? "fixed" : "moved as prescribed");
+  require(wall.spin.isZero(0), "{} spins: a wall is judged as it was laid, but for its way", told);
   require(!scene.period.any(), "{}: walls are not judged in a [periodic] box", told);
   const Lattice lattice = lattice_of(wall.packing);
   require(wall.packing.type->lattice && lattice.neighbours > 0,
@@ -89,12 +110,13 @@ void find_wall(const Case& scene, Shield& shield) {
           "strength, and \"potential\" with bonds that break",
           told, last.name, last.engine->name, scene.materials[wall.material].name);
   const Vec3 normal = wall.volume.axes.col(thin);
-  const double way = way_of_flight(scene, wall, normal);
+  const double way = way_of_flight(scene, wall, normal, told);
   if (shield.rear.isZero(0)) {
-    require(way != 0,
-            "{}: no group flies at it along {}, or some from either side: {}.rear tells the way "
-            "through it, such as [0, 0, -1]",
-            told, words_of_direction(normal), place);
+    require(
+        way != 0,
+        "{}: groups fly at it from either side along {}: {}.rear tells the way through it, such "
+        "as [0, 0, -1]",
+        told, words_of_direction(normal), place);
     shield.rear = way * normal;
     return;
   }

@@ -13,6 +13,10 @@ void read_shield(Section& in, Shield& shield);
 /// cannot be judged.
 void find_shield_walls(Case& scene);
 
+/// m/s, towards the wall along `normal`, of a group that is before it and whose line of flight
+/// meets it; else 0.
+double speed_of_flight(const Group& wall, const Group& other, const Vec3& normal);
+
 /// Its own axis that leads through a plate; -1 of a volume that is none.
 int axis_through(const Volume& volume);
 

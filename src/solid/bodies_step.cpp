@@ -23,9 +23,6 @@ constexpr double unresolved = 0.1, resolved = 0.4;
 constexpr double surely_resolved = 0.8;
 /// A body is not deformed by more within a step: what moves so is not resolved in time.
 constexpr double most_squeezed = 0.5, most_stretched = 2;
-/// The share of voids at which metal bears nothing (Tvergaard & Needleman, Acta Metallurgica 32
-/// (1984) 157).
-constexpr double most_voids = 0.25;
 /// Johnson & Cook's strain at failure is that of bars with notches, in which mean tension is no
 /// more than about von Mises' stress (Bridgman). Beyond, voids alone are judged.
 constexpr double most_triaxial = 1;
@@ -295,7 +292,9 @@ Pressed pressed(const Bodies& bodies, const Body& b, const Sheared& sheared, boo
   }
   const double whole_pressure = after.pressure, whole_energy = cold.energy;
   const bool parted = damage >= 1 || melted || (!plain && law.brittle() && damage > 0);
-  const double bearable = parted ? 0 : (1 - damage) * law.strength;
+  // A body alone may be pulled more than its neighbours: the noise of pressure opens no voids.
+  const double alone = std::max(0.0, b.around - bodies.pressure[b.row]);
+  const double bearable = parted ? 0 : (1 - damage) * law.strength + alone;
   if (after.pressure < -bearable) {
     // Matter between voids is less stretched: cold it is hardly so, hot it bears pressure before.
     const double low = alpha * x;
@@ -312,7 +311,8 @@ Pressed pressed(const Bodies& bodies, const Body& b, const Sheared& sheared, boo
       pressure = after.damage * pressure + (1 - after.damage) * whole_pressure;
       cold.energy = after.damage * cold.energy + (1 - after.damage) * whole_energy;
     } else if (law.yields) {
-      after.damage = std::min(1.0, std::max(after.damage, (1 - alpha * x / matter) / most_voids));
+      after.damage = std::min(
+          1.0, std::max(after.damage, (1 - alpha * x / matter) / law.most_voids(b.rest_volume)));
     }
     after.pressure = pressure;
   }

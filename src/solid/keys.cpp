@@ -105,9 +105,14 @@ std::string flow_of(const SolidLaw& law) {
                        law.flow.a, law.flow.b, law.flow.n, law.flow.c, law.flow.m);
   return fmt::format(
       "    intact, bears a shear stress of {:.4g} Pa, and under pressure {:g} of it more, but at "
-      "most {:.4g} Pa{}\n",
-      law.rock.cohesion, law.rock.friction, law.rock.limit,
-      law.flow.a > 0 ? "; yield_strength counts in contacts alone" : "");
+      "most {:.4g} Pa\n",
+      law.rock.cohesion, law.rock.friction, law.rock.limit);
+}
+
+/// A yield strength beside another law of flow.
+bool yields_in_contacts_alone(const Solid& solid) {
+  return solid.yield_strength > 0 &&
+         (solid.johnson_cook.a > 0 || solid.steinberg.known() || solid.rock.known());
 }
 
 /// How it breaks, in bodies of this spacing (m).
@@ -127,9 +132,10 @@ std::string failure_of(const SolidLaw& law, double spacing) {
   std::string text =
       std::isfinite(law.strength)
           ? fmt::format(
-                "    opens voids at a tension of {:.4g} Pa and fails where they are a quarter of "
-                "the volume\n",
-                law.strength)
+                "    opens voids at a tension of {:.4g} Pa and fails where they are {:.3g} of the "
+                "volume{}\n",
+                law.strength, law.most_voids(spacing * spacing * spacing / std::sqrt(2.0)),
+                law.fracture_energy > 0 ? "" : ": fracture_energy is not known")
           : std::string("    does not tear by tension: spall_strength is not known\n");
   if (!law.flow.fails()) text += "    does not fail by strain: johnson_cook_d1 … are not known\n";
   return text + failed;
@@ -158,7 +164,10 @@ std::string describe(const Surroundings& around, std::span<const MaterialUse> us
             "    pores, {:.3g} of its volume, are crushed from {:.4g} Pa on and closed at {:.4g} "
             "Pa\n",
             1 - law.filled, law.pores.elastic, law.pores.compacted);
-      text += flow_of(law) + failure_of(law, spacing);
+      text += flow_of(law);
+      if (yields_in_contacts_alone(*around.materials[use.material].solid))
+        text += "    yield_strength counts in contacts alone\n";
+      text += failure_of(law, spacing);
     } else {
       text += "    elastic: nothing yields, melts or tears\n";
     }

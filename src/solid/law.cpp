@@ -63,6 +63,15 @@ double SolidLaw::failure_strain(double triaxiality, double rate, double homologo
   return (d[0] + d[1] * std::exp(d[2] * triaxiality)) * fast * (1 + d[4] * homologous);
 }
 
+double SolidLaw::most_voids(double rest_volume) const {
+  // Tvergaard & Needleman, Acta Metallurgica 32 (1984) 157.
+  constexpr double joined = 0.25;
+  if (fracture_energy == 0) return joined;
+  // A layer of bodies is a band whose opening takes the fracture energy (Bazant & Oh, Matériaux et
+  // Constructions 16 (1983) 155): the tension falls in proportion to it.
+  return std::min(joined, 2 * fracture_energy / (strength * std::cbrt(rest_volume)));
+}
+
 double SolidLaw::plastic_increment(double trial, double strain, double h, double homologous) const {
   // What is left, trial - 3 G x - Y(strain + x, x/h), falls with x: Newton's steps in a bracket.
   const bool by_rate = !steinberg.known() && homologous < 1;
@@ -106,6 +115,7 @@ void check_rock(const SolidLaw& law, const Solid& solid, const std::string& plac
   };
   both(solid.johnson_cook.fails(), "weibull_k", "johnson_cook_d1 ...");
   both(solid.spall_strength > 0, "weibull_k", "spall_strength");
+  both(solid.fracture_energy > 0, "weibull_k", "fracture_energy");
   both(solid.steinberg.known(), "weibull_k", "steinberg_y0");
   if (!law.rock.known()) return;
   both(solid.johnson_cook.a > 0, "lundborg_limit", "johnson_cook_a");
@@ -158,6 +168,9 @@ SolidLaw solid_law(const Solid& solid, bool yields, const std::string& place) {
     return law;
   }
   if (solid.spall_strength > 0) law.strength = solid.spall_strength;
+  if (solid.fracture_energy > 0 && !solid.weibull.known())
+    need(solid.spall_strength, "spall_strength beside fracture_energy");
+  law.fracture_energy = solid.fracture_energy;
   const RockStrength& rock = solid.rock;
   if (rock.known() || rock.cohesion > 0 || rock.friction > 0) {
     need(rock.cohesion, "lundborg_cohesion beside the others of Lundborg");

@@ -18,6 +18,7 @@ struct SolidLaw {
   double slope = 0;            ///< s of the shock speed c0 + s u_p
   double gruneisen = 0;
   double strength = infinity;             ///< Pa, tension from all sides that opens voids
+  double fracture_energy = 0;             ///< J/m^2; 0: not known
   double specific_heat = 0, melting = 0;  ///< J/(kg K), K; 0: not known
   bool yields = true;
   JohnsonCook flow;
@@ -46,6 +47,8 @@ struct SolidLaw {
   Flow flow_stress(double strain, double rate, double homologous) const;
   /// The plastic strain at which it fails.
   double failure_strain(double triaxiality, double rate, double homologous) const;
+  /// The share of voids at which a body of this volume at rest (m^3) bears nothing any more.
+  double most_voids(double rest_volume) const;
   /// Pa, which no flow stress at this temperature is below, at the stiffness 1.
   double least_flow_stress(double homologous) const;
   /// The plastic strain that brings von Mises' stress `trial` (Pa, over the stiffness) back to the

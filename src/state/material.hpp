@@ -85,6 +85,7 @@ struct Solid {
   double yield_strength = 0;      ///< Pa
   double tensile_strength = 0;    ///< Pa
   double spall_strength = 0;      ///< Pa
+  double fracture_energy = 0;     ///< J/m^2, K_Ic^2 (1 - nu^2)/E of its toughness K_Ic
   double specific_heat = 0;       ///< J/(kg K)
   double melting_point = 0;       ///< K
   double melt_energy = 0;         ///< J/kg, from room temperature to liquid

@@ -1,0 +1,88 @@
+// How much it takes to tear metal: as much energy an area as its toughness says, whatever its
+// bodies' size, and no less than a peak of tension of one body. SPDX-License-Identifier:
+// BSD-3-Clause
+#include <cmath>
+
+#include "solid_worlds.hpp"
+#include "spall/error.hpp"
+#include "testing.hpp"
+
+namespace spall {
+namespace {
+
+double volume_of_body(double d) {
+  return d * d * d / std::sqrt(2.0);  // m^3
+}
+
+// A body is a band as wide as the cube root of its volume, with an area of that squared.
+TEST(Tearing, takes_the_fracture_energy_whatever_the_spacing) {
+  const SolidLaw law =
+      solid_law(*material_of_library("aluminium_6061_t6").solid, true, "aluminium_6061_t6");
+  ASSERT_GT(law.fracture_energy, 0);
+  for (const double d : {0.2e-3, 0.4e-3, 0.8e-3}) {
+    Lab world = held_ball(d, law);
+    const double h = 0.1 * d / law.sound_speed(), step = 3e-5;
+    for (int n = 0; of_the_middle_body(world, &Bodies::damage) < 1; ++n) {
+      ASSERT_LT(n, 10000) << d;
+      deform(world, step / h * as_is, h, 1);
+    }
+    const double side = std::cbrt(volume_of_body(d));
+    const double heat = of_the_middle_body(world, &Bodies::heat) / (side * side);
+    // The integral of (1 - phi/phi_F) sigma dV, V = V_0/(1 - phi).
+    const double grown = 1 + 2. / 3 * law.most_voids(volume_of_body(d));
+    EXPECT_NEAR(heat, grown * law.fracture_energy, 0.06 * law.fracture_energy) << d;
+  }
+}
+
+TEST(Tearing, needs_voids_of_a_quarter_at_most) {
+  SolidLaw law = solid_law(*material_of_library("copper").solid, true, "copper");
+  EXPECT_EQ(law.fracture_energy, 0);
+  EXPECT_EQ(law.most_voids(1e-9), 0.25);
+  law.fracture_energy = 100;
+  EXPECT_EQ(law.most_voids(1e-30), 0.25);
+  EXPECT_DOUBLE_EQ(law.most_voids(8e-9), 2 * 100 / (law.strength * 2e-3));
+}
+
+/// What a body bears whose neighbours are not pulled as it is: Pa, and its damage.
+std::array<double, 2> pulled_alone(double strain) {
+  const double d = 1e-3;
+  const SolidLaw law = solid_law(*material_of_library("copper").solid, true, "copper");
+  Lab world = held_ball(d, law);
+  // The body in the middle has been pulled already, and this step asks all of them what they bear.
+  Bodies& bodies = world.bodies;
+  for (Index b = 0; b < bodies.owned; ++b)
+    if (bodies.position[b].norm() < d / 2) {
+      bodies.compression[b] = 1 - strain;
+      bodies.pressure[b] = -law.bulk * strain;
+    }
+  solid_steps(world, 0.1 * d / law.sound_speed(), 2);
+  return {-of_the_middle_body(world, &Bodies::pressure),
+          of_the_middle_body(world, &Bodies::damage)};
+}
+
+TEST(Tearing, a_body_that_is_pulled_alone_bears_more_than_the_strength_but_not_twice_as_much) {
+  const double strength = material_of_library("copper").solid->spall_strength;
+  const double bulk = material_of_library("copper").solid->bulk_modulus();
+  const auto [some, whole] = pulled_alone(1.5 * strength / bulk);
+  EXPECT_GT(some, 1.3 * strength);
+  EXPECT_EQ(whole, 0);
+  const auto [most, damage] = pulled_alone(2.5 * strength / bulk);
+  EXPECT_LT(most, 2.5 * strength);
+  EXPECT_GT(damage, 0);
+}
+
+TEST(Tearing, fracture_energy_needs_what_it_goes_with) {
+  Solid solid = *material_of_library("copper").solid;
+  solid.fracture_energy = 1e4;
+  solid.spall_strength = 0;
+  EXPECT_EQ(complaint_of([&] { solid_law(solid, true, "x"); }),
+            "x: a solid with a stress needs spall_strength beside fracture_energy");
+  solid = *material_of_library("basalt").solid;
+  solid.fracture_energy = 1e4;
+  EXPECT_EQ(complaint_of([&] { solid_law(solid, true, "x"); }),
+            "x: weibull_k and fracture_energy: a solid breaks by its flaws, or as metals do; leave "
+            "one out");
+}
+
+}  // namespace
+}  // namespace spall
