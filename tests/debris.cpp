@@ -292,6 +292,23 @@ TEST(Debris, wall_receives_what_flies_there) {
   EXPECT_GT(load.peak, 0);
 }
 
+TEST(Debris, what_has_passed_the_wall_is_counted_where_it_came_through) {
+  const Comm comm = testing_world();
+  const Target t = target_of(scene());
+  WallLoad load[2];
+  for (int late = 0; late < 2; ++late) {
+    std::vector<Body> all;
+    for (int k = 1; k <= 9; ++k) {
+      const Vec3 velocity(0, 10. * k, -50);
+      all.push_back({1, 1, Vec3(0, 0, -14) + (late ? 4. : 0.5) * velocity, velocity});
+    }
+    load[late] = load_wall(comm, bodies_of(comm, all), t, 100);
+  }
+  EXPECT_NEAR(load[1].half_radius, load[0].half_radius, 1e-9 * load[0].half_radius);
+  EXPECT_NEAR(load[1].radius, load[0].radius, 1e-9 * load[0].radius);
+  EXPECT_EQ(load[1].peak, load[0].peak);
+}
+
 TEST(Debris, wall_receives_what_is_slow_and_nothing_of_what_stands_still) {
   const Comm comm = testing_world();
   const std::vector<Body> all{{1, 3, {0, 0, -24}, {0, 0, -0.5}}, {1, 7, {0, 0, -24}, {9, 0, 0}}};
@@ -316,6 +333,27 @@ TEST(Debris, log_survives_a_restart_and_reports_all_read_outs) {
   resumed.conclude(world, Rigid(), false, 2, two);
   EXPECT_EQ(one.toml(), two.toml());
   EXPECT_NE(one.toml().find("time = [1.0, 2.0]"), std::string::npos);
+}
+
+TEST(Debris, a_plate_is_as_heavy_as_its_bodies) {
+  const Comm comm = testing_world();
+  const Case asked = scene("[0, 0, -6000]", "every = 1\n");
+  std::vector<Body> bodies = plate(target_of(asked), 13, Vec3::Zero());
+  for (Body& body : bodies) body.mass *= 0.4;
+  World world;
+  world.comm = comm;
+  world.bodies = bodies_of(comm, bodies);
+  std::vector<GroupContent> contents(2);
+  contents[0].mass = 0.4 * 2700 * 50 * 60 * 4;
+  DebrisLog log(asked);
+  log.weigh(contents);
+  log.read_out(world, 1);
+  ResultTable table;
+  log.conclude(world, Rigid(), false, 1, table);
+  const std::string told = table.toml(), key = "\nhole = ";
+  const auto at = told.find(key);
+  ASSERT_NE(at, std::string::npos) << told;
+  EXPECT_NEAR(std::stod(told.substr(at + key.size())), 13, 0.2) << told;
 }
 
 TEST(Debris, log_warns_where_the_plate_has_moved_away) {

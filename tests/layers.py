@@ -23,8 +23,7 @@ FLOORS = [
 ]
 LEVEL = {room: level for level, floor in enumerate(FLOORS) for room in floor}
 # Where public headers live that are not of the ground floor.
-PUBLIC = {"bodies.hpp": "state", "scene.hpp": "scene", "spall.hpp": "run", "simulation.hpp": "run",
-          "sweep.hpp": "potential"}
+PUBLIC = {"bodies.hpp": "state", "scene.hpp": "scene", "spall.hpp": "run", "simulation.hpp": "run"}
 
 
 def room_of(path):

@@ -91,6 +91,44 @@ TEST(Hello, accounts_for_its_energy) {
             3 * 4.03e-7);
 }
 
+/// What is warned of beside the deflection of a ball that has a moon, which moves so fast.
+std::string warning_beside_a_moon(double speed) {
+  const std::string text = fmt::format(R"(
+read_out = ["0.05 s"]
+[materials.rock]
+density = "2000 kg/m^3"
+[contact]
+restitution = 0.5
+[[groups]]
+name = "ball"
+material = "rock"
+volume = {{shape = "sphere", radius = 2}}
+packing = {{kind = "random", radius = 2, count = 1}}
+[[groups]]
+name = "moon"
+material = "rock"
+volume = {{shape = "sphere", radius = 1, center = [0, 6, 0]}}
+packing = {{kind = "random", radius = 1, count = 1}}
+velocity = [{}, 0, 0]
+[[phases]]
+name = "hit"
+step = 1e-4
+duration = 0.06
+impactor = {{mass = 100, diameter = 0.4, speed = 1000, direction = [1, 0, 0], distance = 1}}
+)",
+                                       speed);
+  const std::string folder = std::filesystem::absolute(
+      fmt::format("moon_{}_of_{}", testing_world().rank, testing_world().size));
+  run_case(alone(), parse_case(text, "moon.toml", {}), folder, Former::overwrite);
+  const toml::table results = toml::parse_file(folder + "/results.toml");
+  return results["deflection"]["warning"].value_or(std::string());
+}
+
+TEST(Mission, warns_of_what_moved_before_the_impact) {
+  EXPECT_NE(warning_beside_a_moon(-5).find("already had 0.37 of m U"), std::string::npos);
+  EXPECT_EQ(warning_beside_a_moon(0).find("already had"), std::string::npos);
+}
+
 /// Grains that fall on the ground, solved in so many iterations a step: a convex problem, which
 /// enough of them solve to any tolerance.
 toml::table results_of_grains(int iterations) {

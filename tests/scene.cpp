@@ -316,9 +316,10 @@ step = 0.1
 duration = 1
 impactor = {mass = 1, diameter = 0.5, speed = 9, direction = [1, 0, 0], distance = 3}
 )";
-  EXPECT_EQ(complaint_of([&] { parse_case(text, "x.toml"); }),
-            "x.toml:1:12: read_out: a held body would take a part of the recoil, which is the free "
-            "target's");
+  EXPECT_EQ(
+      complaint_of([&] { parse_case(text, "x.toml"); }),
+      "x.toml:1:12: read_out tells how a target is deflected, but all groups are fixed or move "
+      "as prescribed");
 }
 
 TEST(Case, nothing_is_resolved_where_a_program_adds_spheres) {

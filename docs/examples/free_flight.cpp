@@ -87,7 +87,6 @@ void check(const Surroundings& around, std::span<const MaterialUse>, const Engin
           "{}.method = \"free\": [[planes]], [[boxes]], [[cylinders]] and [periodic] do not act in "
           "it",
           phase.place);
-  require(!phase.read_outs, "{}.method = \"free\": read_out needs contacts", phase.place);
 }
 
 FieldSet fields(const Surroundings&, const EngineSettings&) {

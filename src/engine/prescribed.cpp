@@ -57,7 +57,7 @@ double largest_meeting_speed(const World& world, double lasts) {
   const Bodies& bodies = world.bodies;
   std::vector<char> moves(bodies.owned, 0);
   for_each_moving(world, [&](Index b, std::int32_t, const PrescribedMotion&) { moves[b] = 1; });
-  Box others;
+  RowBox others;
   double turning = 0;  // of one of them
   for (Index b = 0; b < bodies.owned; ++b) {
     if (moves[b]) continue;
@@ -79,7 +79,7 @@ double largest_meeting_speed(const World& world, double lasts) {
   return world.comm.max(largest);
 }
 
-std::vector<PrescribedPlace> advance_prescribed(World& world, double t, Box& velocities) {
+std::vector<PrescribedPlace> advance_prescribed(World& world, double t, RowBox& velocities) {
   const double before = world.time;
   world.time += t;
   std::vector<PrescribedPlace> places;
@@ -97,7 +97,7 @@ std::vector<PrescribedPlace> advance_prescribed(World& world, double t, Box& vel
 }
 
 void move_prescribed(World& world, double t) {
-  Box velocities;
+  RowBox velocities;
   for (const auto& [row, position] : advance_prescribed(world, t, velocities))
     world.bodies.position[row] = position;
 }

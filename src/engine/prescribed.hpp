@@ -33,7 +33,7 @@ struct PrescribedPlace {
 };
 /// Time goes on by `t` (s): `world.time`. Tells where bodies of moving groups are then, and adds
 /// their mean velocities meanwhile to `velocities`.
-std::vector<PrescribedPlace> advance_prescribed(World& world, double t, Box& velocities);
+std::vector<PrescribedPlace> advance_prescribed(World& world, double t, RowBox& velocities);
 /// The same, and puts them there.
 void move_prescribed(World& world, double t);
 

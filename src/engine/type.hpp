@@ -36,10 +36,9 @@ void check_images(const Surroundings& around, const std::string& place);
 
 /// A phase as its engine sees it.
 struct PhaseView {
-  std::string place;       ///< "cases/x.toml:12:1: phases.impact"
-  bool read_outs = false;  ///< the deflection is asked for
-  bool impactor = false;   ///< there is one, whose material no law of materials can name
-  bool cohesion = false;   ///< it sets another cohesion of contacts
+  std::string place;      ///< "cases/x.toml:12:1: phases.impact"
+  bool impactor = false;  ///< there is one, whose material no law of materials can name
+  bool cohesion = false;  ///< it sets another cohesion of contacts
 };
 
 struct EngineType {

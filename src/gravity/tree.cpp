@@ -108,7 +108,7 @@ GravityField evaluate(const Comm& comm, double constant, const TreeSettings& set
   field.acceleration.resize(rows.size());
   field.potential.resize(rows.size());
   field.rate.resize(rates ? rows.size() : 0);
-  const double bound = 2 * (1 + 2 * estimate_error);  // see gravity_direct.cpp
+  const double bound = 2 * (1 + 2 * estimate_error);  // see direct.cpp
   for (std::size_t k = 0; k < rows.size(); ++k) {
     const double* row = felt.data() + k * felt_width(rates);
     field.acceleration[rows[k]] = constant * Vec3::Map(row);

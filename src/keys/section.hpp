@@ -49,7 +49,7 @@ class Section {
   };
   static Reference reference(const Reader& read);
 
-  /// The table of the file `path`; `read` asks for its keys. Throws Error at the first key that is
+  /// The table of `file`; `read` asks for its keys. Throws Error at the first key that is
   /// unknown, missing or wrong, and std::logic_error where `read` asks for a key that `listed`
   /// lacks: one behind a condition that is not passed to `reads`.
   static void read_all(const toml::table& table, const std::string& file, const Reader& read,

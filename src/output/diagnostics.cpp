@@ -57,7 +57,6 @@ Diagnostics diagnose(const World& world) {
                               translation,
                               rotation,
                               world.ledger.dissipated,
-                              world.ledger.cohesion_work,
                               world.ledger.corrections,
                               squares,
                               world.ledger.own_work,
@@ -74,7 +73,7 @@ Diagnostics diagnose(const World& world) {
   d.mass = sums[0];
   d.centre = d.mass > 0 ? Vec3(Vec3(sums[1], sums[2], sums[3]) / d.mass) : Vec3::Zero();
   if (d.mass > 0)
-    d.gyration_radius = std::sqrt(std::max(0.0, sums[17] / d.mass - d.centre.squaredNorm()));
+    d.gyration_radius = std::sqrt(std::max(0.0, sums[16] / d.mass - d.centre.squaredNorm()));
   d.momentum = {sums[4], sums[5], sums[6]};
   d.angular_momentum = {sums[7], sums[8], sums[9]};
   d.momentum_scale = sums[10];
@@ -82,14 +81,13 @@ Diagnostics diagnose(const World& world) {
   d.kinetic = sums[12] + sums[13];
   d.rms_speed = d.mass > 0 ? std::sqrt(2 * sums[12] / d.mass) : 0;
   d.dissipated = sums[14];
-  d.cohesion_work = sums[15];
-  d.corrections = sums[16];
-  d.own_work = sums[18];
-  d.fallen = sums[19];
-  d.prescribed_work = sums[20];
-  d.gained = sums[27];
-  d.given_momentum = -Vec3(sums[21], sums[22], sums[23]);
-  d.given_angular_momentum = -Vec3(sums[24], sums[25], sums[26]);
+  d.corrections = sums[15];
+  d.own_work = sums[17];
+  d.fallen = sums[18];
+  d.prescribed_work = sums[19];
+  d.gained = sums[26];
+  d.given_momentum = -Vec3(sums[20], sums[21], sums[22]);
+  d.given_angular_momentum = -Vec3(sums[23], sums[24], sums[25]);
   return d;
 }
 

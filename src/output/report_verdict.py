@@ -4,7 +4,7 @@
 from report_run import readable_time
 
 GOOD, NOTE, BAD = "good", "note", "bad"
-ROUND_OFF = 1e-9  # drift of momentum, of the impactor's, that sums of many numbers make
+ROUND_OFF = 1e-9  # of three spacings; of the impactor's momentum, the drift that sums make
 # Drift of angular momentum that gravity's tree may make: the default of its accuracy.
 OF_A_TREE = 1e-4
 ENERGY_CLOSED, ENERGY_OPEN = 0.01, 0.05  # unexplained, of what was dissipated or moves
@@ -13,7 +13,6 @@ SAME_BETA = 0.02  # beta within this of 1 + e is taken for it
 STILL_RISING = 0.02  # of dv between the last two read-outs
 YET_TO_COME = 0.01  # of the energy that flies at a wall, beyond which its verdict is not final
 STILL_FAILING = 0.05  # of the margin between the last two snapshots
-ROUND_OFF = 1e-9  # of three spacings
 FEW_LAYERS = 3  # of bodies in a wall, fewer than which tell little of it
 LARGE_OVERLAP = 0.01  # of the smaller radius: rigid bodies should have none
 

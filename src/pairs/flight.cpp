@@ -10,10 +10,10 @@
 
 namespace spall {
 
-Box Box::united(const Comm& comm) const {
+RowBox RowBox::united(const Comm& comm) const {
   std::array<double, 6> ends{-low[0], -low[1], -low[2], high[0], high[1], high[2]};
   comm.max(ends);
-  Box all;
+  RowBox all;
   all.low = RowHalf{-ends[0], -ends[1], -ends[2], 0};
   all.high = RowHalf{ends[3], ends[4], ends[5], 0};
   return all;
@@ -22,9 +22,9 @@ Box Box::united(const Comm& comm) const {
 namespace {
 
 /// The box of all within `room(b)` of `place(b)`, of `count` bodies. In plain numbers: without
-/// vectors of four, `Box::add` takes twenty times as long.
+/// vectors of four, `RowBox::add` takes twenty times as long.
 template <class Place, class Room>
-Box box_of(Index count, const Place& place, const Room& room) {
+RowBox box_of(Index count, const Place& place, const Room& room) {
   std::array<double, 3> low, high;
   low.fill(infinity);
   high.fill(-infinity);
@@ -41,9 +41,9 @@ Box box_of(Index count, const Place& place, const Room& room) {
 
 }  // namespace
 
-Box velocities_with_walls(const World& world) {
+RowBox velocities_with_walls(const World& world) {
   const Bodies& bodies = world.bodies;
-  Box box = box_of(
+  RowBox box = box_of(
       bodies.owned, [&](Index b) { return bodies.velocity[b]; },
       [&](Index b) { return turning_speed(world.shapes, bodies, b); });
   if (world.walls().size() > 0) box.add(Vec3(Vec3::Zero()));
@@ -72,7 +72,7 @@ double approach_since_search(const World& world, const NearPairs& near) {
   return near.cells.approach(world.comm, near.reach + near.skin, displacement);
 }
 
-void book_motion(const Comm& comm, const Box& velocities, double h, NearPairs& near) {
+void book_motion(const Comm& comm, const RowBox& velocities, double h, NearPairs& near) {
   near.moved += h * velocities.united(comm).diagonal();
   if (!std::isfinite(near.moved)) throw LostMotion("velocities are no longer finite");
 }

@@ -20,7 +20,7 @@ inline Vec3 vector_of(const RowHalf& half) {
 }
 
 /// The box that holds some vectors.
-struct Box {
+struct RowBox {
   RowHalf low = RowHalf{} + infinity, high = RowHalf{} - infinity;
   void add(const RowHalf& v) {
     low = smaller(v, low);
@@ -33,13 +33,13 @@ struct Box {
     add(half_row(v, 0) + r);
   }
   /// Of the boxes of all ranks. Collective.
-  Box united(const Comm& comm) const;
+  RowBox united(const Comm& comm) const;
   Vec3 centre() const { return vector_of((low + high) / 2); }
   double diagonal() const { return vector_of(high - low).norm(); }
 };
 
 /// Of all bodies, the spheres of clumps included, and of what stands still where there are walls.
-Box velocities_with_walls(const World& world);
+RowBox velocities_with_walls(const World& world);
 
 /// m, that two of the owned `bodies` have come nearer at most since they were at `from`: twice the
 /// radius of the displacements about the centre of their box. A common motion counts for nothing,
@@ -53,7 +53,7 @@ double approach_since_search(const World& world, const NearPairs& near);
 
 /// Bodies have flown at these velocities for `h` (s): no two came nearer by more than the diagonal.
 /// Collective.
-void book_motion(const Comm& comm, const Box& velocities, double h, NearPairs& near);
+void book_motion(const Comm& comm, const RowBox& velocities, double h, NearPairs& near);
 
 /// How many pairs are listed, as a function of the gap up to which they are: so many bodies lie in
 /// a sphere as large as two bodies that meet, grown by that gap.

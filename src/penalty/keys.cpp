@@ -153,9 +153,6 @@ void check(const Surroundings& around, std::span<const MaterialUse> uses,
           "\"nonsmooth\" only",
           phase.place);
   check_images(around, phase.place);
-  require(!phase.read_outs,
-          "{}.method = \"penalty\": read_out is for phases of method = \"nonsmooth\" only",
-          phase.place);
 }
 
 FieldSet fields(const Surroundings& around, const EngineSettings&) {

@@ -123,13 +123,13 @@ void turn_bodies(World& world, double t) {
 
 /// Forces at the present positions, the kick by them over `h`, and drifts over two times, of which
 /// the second may be none.
-Box kick_and_drift(World& world, Penalty& engine, const ByPair<PenaltyLaw>& laws, double h,
-                   double first, double second) {
+RowBox kick_and_drift(World& world, Penalty& engine, const ByPair<PenaltyLaw>& laws, double h,
+                      double first, double second) {
   StageTimer timer(world.stages, "forces");
   Bodies& bodies = world.bodies;
   const bool clumps = !world.shapes.empty();
   const Vec3 fall = h * world.steady_gravity();
-  Box box;
+  RowBox box;
   double taken = 0;
   const auto finish = [&](Index b, ForceRow& row) {
     const double scale = h / bodies.mass[b], r = bodies.radius[b];
@@ -170,7 +170,6 @@ Box kick_and_drift(World& world, Penalty& engine, const ByPair<PenaltyLaw>& laws
     turn_bodies(world, first);
     if (second != 0) turn_bodies(world, second);
   }
-  // Nobody reads a ghost's force, but its row belongs to another body after the next search.
   world.ledger.dissipated += taken;
   return box;
 }
@@ -241,12 +240,8 @@ class Motion {
   ByPair<PenaltyLaw> laws_;
   std::int64_t searches_;  // after which the step was found short enough
   double h_ = 0;
-  Box velocities_;
+  RowBox velocities_;
 };
-
-}  // namespace
-
-namespace {
 
 /// Pairs as bodies are now. They are found anew, in a copy with ghosts of its own, so that no body
 /// changes its rank.

@@ -255,9 +255,6 @@ void check(const Surroundings& around, std::span<const MaterialUse> uses,
                 "pair_potential.materials or in a [[pair_potential.between]]",
                 phase.place, names_of_pair(around, use.material, of_wall));
   }
-  require(!phase.read_outs,
-          "{}.method = \"potential\": read_out is for phases of method = \"nonsmooth\" only",
-          phase.place);
   require(!phase.cohesion,
           "{}.cohesion is that of contacts: in method = \"potential\" pairs attract by their law",
           phase.place);

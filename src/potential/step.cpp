@@ -259,8 +259,8 @@ void update_pushes(World& world, Potential& engine, const Embeddings& laws) {
 
 /// Forces at the present positions, the kick by them over `h`, and drifts over two times, of which
 /// the second may be none.
-Box kick_and_drift(World& world, Potential& engine, const ByPair<double>& damping, double h,
-                   double first, double second) {
+RowBox kick_and_drift(World& world, Potential& engine, const ByPair<double>& damping, double h,
+                      double first, double second) {
   StageTimer timer(world.stages, "forces");
   PairRow* const rows = engine.rows.data();
   Vec3* const velocity = world.bodies.velocity.data();
@@ -268,7 +268,7 @@ Box kick_and_drift(World& world, Potential& engine, const ByPair<double>& dampin
   double* const heat = world.bodies.heat.data();
   const bool is_damped = spall::is_damped(engine.law), is_embedded = has_embedding(engine.law);
   const RowHalf fall = half_row(h * world.steady_gravity(), 0);
-  Box box;
+  RowBox box;
   double taken = 0;
   const auto finish = [&, damped = is_damped](Index b) {
     PairRow& row = rows[b];
@@ -390,7 +390,7 @@ class Motion {
   bool is_damped_;
   Embeddings embeddings_;
   double h_ = 0;
-  Box velocities_;
+  RowBox velocities_;
 };
 
 }  // namespace
@@ -514,8 +514,6 @@ void for_each_near_pair(const World& world, const Potential& engine,
   for_each_pair_of(Found(world, engine), f);
 }
 
-/// Neighbours hold together where a bond has any force, at most up to half the way to the second
-/// neighbours of a lattice.
 std::optional<FoundPairs> Potential::found_pairs(const World& world) const {
   if (near.skin == 0) return {};
   const Bodies& bodies = world.bodies;
@@ -526,6 +524,8 @@ std::optional<FoundPairs> Potential::found_pairs(const World& world) const {
   return found;
 }
 
+/// Neighbours hold together where a bond has any force, at most up to half the way to the second
+/// neighbours of a lattice.
 LinkedBodies Potential::links(const World& world) const {
   LinkedBodies linked;
   Found found(world, *this);

@@ -44,7 +44,7 @@ class Progress {
   std::int64_t last_step_ = 0;  // of the phase, made by then
 };
 
-/// "1.5 km", "12.3 ms", "2 h 4 min": numbers as people read them.
+/// "12.3 ms", "2 h 4 min": times as people read them.
 std::string readable_time(double seconds);
 
 }  // namespace spall

@@ -96,13 +96,11 @@ RankShares share_out(const SharedState& state, int ranks, int most) {
           bodies.owned);
   constexpr double uneven = 1.1;  // as `needs_cut`, after a first cut
   const Comm alone(MPI_COMM_SELF);
-  const std::vector<double> equal(bodies.owned, 1.0);
   RankShares shares;
   shares.ranks = ranks;
   std::vector<int> owner = bisect(alone, bodies, state.first_work(), ranks);
   shares.by_work = most_over_mean(sum_by_rank(owner, ranks, state.work)) > uneven;
   if (shares.by_work) owner = bisect(alone, bodies, state.work, ranks);
-  shares.imbalance = most_over_mean(sum_by_rank(owner, ranks, equal));
 
   std::vector<RankShare> all(ranks);
   for (int rank = 0; rank < ranks; ++rank) all[rank].rank = rank;

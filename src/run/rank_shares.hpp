@@ -48,7 +48,6 @@ struct RankShare {
 struct RankShares {
   int ranks = 1;
   bool by_work = false;    ///< cut a second time, as the work of the first shares was uneven
-  double imbalance = 1;    ///< of bodies: most over mean
   std::vector<int> owner;  ///< of each body
   std::vector<RankShare> sample;
 };

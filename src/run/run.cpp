@@ -51,6 +51,7 @@ class Run {
         progress_(comm, scene_),
         reactions_(scene_),
         provenance_(provenance_of(comm, scene_)),
+        verdict_(scene_),
         seconds_at_start_(MPI_Wtime()),
         last_restart_(seconds_at_start_) {
     if (from) {
@@ -473,10 +474,6 @@ class Run {
   bool row_ = false;  // whether the series has one of this instant
   double seconds_before_ = 0, seconds_at_start_, last_restart_;
 };
-
-}  // namespace
-
-namespace {
 
 /// Calls `f`. Where memory ends, an Error says how much was wanted and what `spall check`
 /// foretells.

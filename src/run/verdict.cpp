@@ -100,6 +100,7 @@ std::string Verdict::read_out(const World& world, const Engine& engine, double s
 
 std::string Verdict::warning() const {
   if (rows_.empty() || flow_) return "";
+  if (!of_scene_.empty()) return "WARNING: " + of_scene_;
   constexpr double resolved = 0.02;  // of m U: less is not looked at
   if (before_.stirred > resolved * impactor_momentum())
     return fmt::format(

@@ -12,11 +12,14 @@
 #include "output/restart.hpp"
 #include "output/results.hpp"
 #include "run/simulation.hpp"
+#include "scene/consistency.hpp"
 
 namespace spall {
 
 class Verdict {
  public:
+  explicit Verdict(const Case& scene) : of_scene_(warning_of_read_outs(scene)) {}
+
   /// Looks at the pile as it is before the impactor is added, or at the end where there is none.
   /// Collective.
   void look_at_pile(const World& world);
@@ -30,7 +33,7 @@ class Verdict {
   /// Velocities and positions must belong to the same instant. Returns a line to show. Collective.
   std::string read_out(const World& world, const Engine& engine, double since_impact);
 
-  /// Adds its sections: [pile], [deflection], [orbit], [ejecta], [read_out].
+  /// Adds its sections: [pile], [coupling], [deflection], [clump], [ejecta], [read_out].
   void add_to(ResultTable& table, const std::optional<Binary>& binary) const;
 
   /// What a reader of `beta` must know, or nothing: the target moved in itself before the impact,
@@ -55,6 +58,7 @@ class Verdict {
         closure;
   };
 
+  std::string of_scene_;  // warning
   BeforeImpact before_;
   Interior pile_;
   std::optional<HandOver> flow_;

@@ -145,7 +145,7 @@ std::optional<Grid> read_gravity_map(Section& in) {
     s.need("spacing", "of the points", spacing, positive(length));
     s.check("spacing", size.maxCoeff() <= 1e5 * spacing, "is less than a 1e5th of size");
   };
-  if (!in.table("map", "gravity's field on a grid of points, in each snapshot", read)) return {};
+  if (!in.table("map", "the field of the bodies' gravity on a grid of points, in each snapshot", read)) return {};
   if (spacing == 0) return {};  // while the reference is written
   const Grid grid = Grid::in_box(center, size, spacing);
   constexpr double most_points = 1e9;  // 32 GB a snapshot
@@ -272,16 +272,17 @@ void check_whole(const Case& scene, Groups groups) {
       uses.push_back(
           {.place = impactor->place, .group = "impactor", .material = impactor->material});
     }
-    phase.engine->check(scene, uses, phase.settings,
-                        {.place = phase.place,
-                         .read_outs = !scene.read_out.empty(),
-                         .impactor = struck,
-                         .cohesion = phase.cohesion.has_value()});
+    phase.engine->check(
+        scene, uses, phase.settings,
+        {.place = phase.place, .impactor = struck, .cohesion = phase.cohesion.has_value()});
+    require(scene.read_out.empty() || phase.engine->deflects,
+            "{}.method = \"{}\": read_out is for phases of method = \"nonsmooth\" only",
+            phase.place, phase.engine->name);
   }
   for (const Phase& phase : scene.phases)
     require(phase.cohesion.value_or(0) == 0 || scene.contact.common().cohesion_range > 0,
             "{}.cohesion needs contact.cohesion_range: the gap up to which it acts", phase.place);
-  check_consistency(scene);
+  check_consistency(scene, groups);
 }
 
 /// The impactor's material is the case's of this name; else one of its density is added.

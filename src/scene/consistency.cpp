@@ -20,27 +20,19 @@ bool has_fixed_sphere(const Case& scene) {
   return std::ranges::any_of(scene.spheres, &SceneSphere::fixed);
 }
 
-/// What `place` tells of is that of a target which is free.
-void refuse_takers(const Case& scene, const std::string& place) {
-  const auto refuse_beside = [&](bool there, std::string_view what) {
-    require(!there, "{}: {} would take a part of the recoil, which is the free target's", place,
-            what);
-  };
-  refuse_beside(scene.walls().size() > 0, "a wall");
-  refuse_beside(scene.period.any(), "the box of [periodic]");
-  refuse_beside(find_held(scene) || has_fixed_sphere(scene), "a held body");
-  refuse_beside(!scene.uniform_gravity.isZero(0), "gravity.uniform");
-}
-
 /// Times of read-outs count from the impact; what lies behind the last phase is never measured.
-void check_read_outs(const Case& scene) {
+void check_read_outs(const Case& scene, Groups groups) {
   if (scene.read_out.empty()) return;
   const auto hit = std::ranges::find_if(scene.phases, &Phase::has_impactor);
   require(hit != scene.phases.end(),
           "{} tells times after the impact, but no phase has an impactor", scene.read_out_place);
   double end = 0;
   for (auto phase = hit; phase != scene.phases.end(); ++phase) end += phase->lasts();
-  refuse_takers(scene, scene.read_out_place);
+  const bool whole = groups == Groups::needed || !scene.spheres.empty();  // a program adds its own
+  require(!whole || !std::ranges::all_of(scene.groups, &Group::held) ||
+              !std::ranges::all_of(scene.spheres, &SceneSphere::fixed),
+          "{} tells how a target is deflected, but all groups are fixed or move as prescribed",
+          scene.read_out_place);
   const double half_a_step = scene.phases.back().step / 2;
   const double last = std::ranges::max(scene.read_out);
   require(last <= end + half_a_step,
@@ -95,7 +87,9 @@ void check_coupling(const Case& scene, const Phase& phase) {
           "{}.hand_over = {:g} m: {:.3g} m U are launched within, and in the impactor's body alone "
           "they would have more energy than the impact: a smaller hand_over gives more to bodies",
           place, source.hand_over, inner / (impactor.mass * impactor.speed));
-  refuse_takers(scene, place);
+  const std::string taker = taker_of_recoil(scene);
+  require(taker.empty(), "{}: {} would take a part of the recoil, which is the free target's",
+          place, taker);
 }
 
 void check_gravity(const Case& scene) {
@@ -168,8 +162,27 @@ void check_grains(const Case& scene) {
 
 }  // namespace
 
-std::vector<std::string> lost_bonds(const Case& scene) {
+std::string taker_of_recoil(const Case& scene) {
+  if (scene.walls().size() > 0) return "a wall";
+  if (scene.period.any()) return "the box of [periodic]";
+  return find_held(scene) || has_fixed_sphere(scene) ? "a held body" : "";
+}
+
+std::string warning_of_read_outs(const Case& scene) {
+  if (scene.read_out.empty()) return "";
+  const bool falls = !scene.uniform_gravity.isZero(0);
+  const std::string taker = falls ? "gravity.uniform" : taker_of_recoil(scene);
+  if (taker.empty()) return "";
+  return fmt::format(
+      "{} moves the target, too: dv, beta and ejecta are not the impact's alone, as they are of a "
+      "free one",
+      taker);
+}
+
+std::vector<std::string> warnings_of(const Case& scene) {
   std::vector<std::string> told;
+  if (const std::string warning = warning_of_read_outs(scene); !warning.empty())
+    told.push_back("WARNING: read_out: " + warning);
   for (std::size_t p = 1; p < scene.phases.size(); ++p) {
     const Phase &former = scene.phases[p - 1], &next = scene.phases[p];
     if (next.engine != former.engine && keeps_damage(scene, former))
@@ -181,8 +194,8 @@ std::vector<std::string> lost_bonds(const Case& scene) {
   return told;
 }
 
-void check_consistency(const Case& scene) {
-  check_read_outs(scene);
+void check_consistency(const Case& scene, Groups groups) {
+  check_read_outs(scene, groups);
   check_gravity(scene);
   check_repeated_walls(scene);
   check_methods(scene);

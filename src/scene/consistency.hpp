@@ -8,9 +8,16 @@ namespace spall {
 
 /// Throws Error, with file, line and key, where keys that are right by themselves do not go
 /// together.
-void check_consistency(const Case& scene);
+void check_consistency(const Case& scene, Groups groups);
 
-/// Where a phase's method leaves behind what held bodies together in the one before, in words.
-std::vector<std::string> lost_bonds(const Case& scene);
+/// What takes a part of an impact's recoil, which is that of a free target: "a wall"; "" without.
+std::string taker_of_recoil(const Case& scene);
+
+/// What a reader of read-outs must know of the scene, or nothing.
+std::string warning_of_read_outs(const Case& scene);
+
+/// What is modelled, and may not be what it looks like, in words: read-outs of a target that is not
+/// free; where a phase's method leaves behind what held bodies together in the one before.
+std::vector<std::string> warnings_of(const Case& scene);
 
 }  // namespace spall

@@ -170,7 +170,7 @@ std::string describe_phases(const Case& scene, const std::vector<GroupContent>& 
           flight, flight / phase.impactor->radius, phase.impactor->radius / phase.impactor->speed);
     }
   for (const std::string& table : scene.unused) text += "\n  " + table + "\n";
-  for (const std::string& told : lost_bonds(scene)) text += "\n  " + told + "\n";
+  for (const std::string& told : warnings_of(scene)) text += "\n  " + told + "\n";
   for (const std::string& told : other_densities(scene)) text += "\n  " + told + "\n";
   return text;
 }

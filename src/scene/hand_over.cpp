@@ -99,8 +99,6 @@ class Ellipsoid {
   Eigen::Matrix3d form_;
 };
 
-/// Of one ray: adds to the outermost boulders `column` kg/m^2 of their mass, times `area`, with the
-/// momentum `of_mass` m/s times that. Returns the mass found, kg.
 class Rays {
  public:
   explicit Rays(std::vector<Boulder>& boulders) : boulders_(boulders) {

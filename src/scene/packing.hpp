@@ -84,7 +84,6 @@ class SphereGrid {
   /// A sphere nearer than `distance` to `point`; -1 without one.
   std::int64_t find_nearer(const Vec3& point, double distance) const;
   const Vec3& center(std::int64_t sphere) const { return centers_[sphere]; }
-  std::int64_t size() const { return std::ssize(centers_); }
 
  private:
   Eigen::Array3i cell_of(const Vec3& point) const;

@@ -24,10 +24,9 @@ class ContactPush {
  public:
   ContactPush(const SolidLaw& a, const SolidLaw& b, double distance, double smaller);
 
-  double force(double r) const;                  ///< N, without q
-  double energy(double r) const;                 ///< J
-  double viscous(double closing) const;          ///< N; 0 where bodies part
-  double distance() const { return distance_; }  ///< m
+  double force(double r) const;          ///< N, without q
+  double energy(double r) const;         ///< J
+  double viscous(double closing) const;  ///< N; 0 where bodies part
 
  private:
   double distance_, area_, modulus_, slope_, density_, speed_;

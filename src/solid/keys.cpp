@@ -42,9 +42,6 @@ void check(const Surroundings& around, std::span<const MaterialUse> uses,
            const EngineSettings& settings, const PhaseView& phase) {
   const auto solid = settings.get<SolidSettings>();
   check_images(around, phase.place);
-  require(!phase.read_outs,
-          "{}.method = \"solid\": read_out is for phases of method = \"nonsmooth\" only",
-          phase.place);
   require(!phase.cohesion, "{}.cohesion is that of contacts: in method = \"solid\" there is none",
           phase.place);
   require(!phase.impactor,

@@ -48,7 +48,7 @@ void take_positions(World& world, const Elastoplastic& engine) {
     world.bodies.position[b] = vector_of(engine.rows[b].place);
 }
 
-/// m, up to which two bodies may act on each other, and the widest spacing. Collective.
+/// m. Collective.
 double widest_spacing(const World& world) {
   double radius = 0;
   for (Index b = 0; b < world.bodies.owned; ++b) radius = std::max(radius, world.bodies.radius[b]);
@@ -104,11 +104,11 @@ void update_pairs(World& world, Elastoplastic& engine) {
 }
 
 /// Forces at the present places, the kick by them over `h`, and drifts over two times.
-Box kick_and_drift(World& world, Elastoplastic& engine, double h, double first, double second) {
+RowBox kick_and_drift(World& world, Elastoplastic& engine, double h, double first, double second) {
   StageTimer timer(world.stages, "forces");
   Bodies& bodies = world.bodies;
   const RowHalf fall = half_row(h * world.steady_gravity(), 0);
-  Box box;
+  RowBox box;
   double taken = 0;
   const auto finish = [&](Index b) {
     MotionRow& row = engine.rows[b];
@@ -189,7 +189,7 @@ double fastest_meeting(const World& world, const Elastoplastic& engine) {
 /// s, that a part of a step may last by `longest_step`, with rows as they are. Bodies come no
 /// nearer meanwhile than by half of the gap in which those that meet are seen and do not touch yet.
 /// `velocities`: of this rank. Collective.
-double longest_part(const World& world, const Elastoplastic& engine, const Box& velocities) {
+double longest_part(const World& world, const Elastoplastic& engine, const RowBox& velocities) {
   double slope = 0, narrowest = infinity;
   for (const SolidLaw& law : engine.laws) slope = std::max(slope, law.slope);
   for (Index b = 0; b < world.bodies.owned; ++b)
@@ -272,7 +272,7 @@ class Motion {
   Elastoplastic& engine_;
   double dissipated_, since_ = 0;
   bool current_ = false;
-  Box velocities_;
+  RowBox velocities_;
 };
 
 /// The next part of a time that is left (s), of at most `longest` (s). The last parts are even, so
@@ -349,7 +349,7 @@ void Elastoplastic::check_steps(const World& world, const PlannedSteps& steps) c
   const auto& [h, lasts, place] = steps;
   const double widest = widest_spacing(world);
   check_period(world.period, neighbour_reach * widest, place);
-  const double speed = world.comm.max(largest_meeting_speed(world, lasts));
+  const double speed = largest_meeting_speed(world, lasts);
   for (std::size_t m = 0; m < laws.size(); ++m) {
     double spacing = infinity;
     for (Index b = 0; b < world.bodies.owned; ++b)

@@ -1,4 +1,4 @@
-// BodyShapes of bodies: unions of spheres that move as one, with their volume and inertia.
+// Shapes of bodies: unions of spheres that move as one, with their volume and inertia.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
