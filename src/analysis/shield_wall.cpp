@@ -240,7 +240,6 @@ WallFrame frame_of(const Comm& comm, const Bodies& bodies, const std::vector<Bod
   const Vec3 normal = thin.dot(start.normal) < 0 ? Vec3(-thin) : thin;
   const double widest = std::max(wall.half_width[0], wall.half_width[1]);
   if ((normal - start.normal).norm() * widest < pixel) return frame;
-  frame.center = main.position;
   frame.normal = normal;
   const auto turn = Eigen::Quaterniond::FromTwoVectors(start.normal, frame.normal);
   for (Vec3& across : frame.across) across = turn * across;
