@@ -225,6 +225,8 @@ class Verdicts(unittest.TestCase):
         self.check(beta(2.0), "good", "ejecta carried off 0.7")
         self.check(beta(1.1), "note", "less than")
         self.check(beta(2.0, momentum_closure=1e-3), "bad", "miss its sum")
+        self.check(beta(2.0, foreign_motion="a wall moves the target, too"), "bad",
+                   "Beta is 2, but a wall moves the target, too.")
         self.check(beta(2.0, rigid_share=0.031, struck_mass=2500.0), "good",
                    "leaves 3.1 % of the impactor's energy in the body of 2.5e+03 kg")
 

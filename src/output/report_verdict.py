@@ -164,7 +164,9 @@ def beta(results):
     if value is None or not plastic:
         return
     rebound = elastic / plastic
-    if abs(value - rebound) <= SAME_BETA * rebound:
+    if (told := deflection.get("foreign_motion")) is not None:
+        yield BAD, f"Beta is {value:.3g}, but {told}."
+    elif abs(value - rebound) <= SAME_BETA * rebound:
         yield NOTE, (f"Beta is {value:.3g}, which is only 1 + e = {rebound:.3g}: the impactor "
                      f"bounced off, and ejecta added "
                      f"nothing.{coupled(deflection)}")

@@ -98,17 +98,26 @@ std::string Verdict::read_out(const World& world, const Engine& engine, double s
       d.ejecta.mass);
 }
 
-std::string Verdict::warning() const {
+namespace {
+
+constexpr double resolved = 0.02;  // of m U: less is not looked at
+
+}  // namespace
+
+std::string Verdict::foreign_motion() const {
   if (rows_.empty() || flow_) return "";
-  if (!of_scene_.empty()) return "WARNING: " + of_scene_;
-  constexpr double resolved = 0.02;  // of m U: less is not looked at
-  if (before_.stirred > resolved * impactor_momentum())
-    return fmt::format(
-        "WARNING: before the impact the largest clump of the target already had {:.2g} of m U "
-        "against the rest of it: dv, beta and ejecta count that as the impact's. They are of one "
-        "body, or of a pile that hangs together and rests",
-        before_.stirred / impactor_momentum());
-  if (before_.struck_mass == 0) return "";
+  if (!of_scene_.empty()) return of_scene_;
+  if (before_.stirred <= resolved * impactor_momentum()) return "";
+  return fmt::format(
+      "before the impact the largest clump of the target already had {:.2g} of m U against the "
+      "rest of it: dv, beta and ejecta count that as the impact's. They are of one body, or of a "
+      "pile that hangs together and rests",
+      before_.stirred / impactor_momentum());
+}
+
+std::string Verdict::warning() const {
+  if (const std::string told = foreign_motion(); !told.empty()) return "WARNING: " + told;
+  if (rows_.empty() || flow_ || before_.struck_mass == 0) return "";
   const Row& last = rows_.back();
   if (last.dv_ejecta > resolved * last.dv_impactor) return "";
   return fmt::format(
@@ -156,6 +165,8 @@ void Verdict::add_to(ResultTable& table, const std::optional<Binary>& binary) co
   }
   if (flow_) add_flow(*flow_, impactor_momentum(), table);
   if (const std::string told = warning(); !told.empty()) table.add("deflection", "warning", told);
+  if (const std::string told = foreign_motion(); !told.empty())
+    table.add("deflection", "foreign_motion", told);
   if (binary) {
     const Orbit orbit = new_orbit(*binary, last.dv);
     table.add("deflection", "a_new", orbit.a_new, "m",

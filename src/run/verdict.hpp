@@ -36,8 +36,9 @@ class Verdict {
   /// Adds its sections: [pile], [coupling], [deflection], [clump], [ejecta], [read_out].
   void add_to(ResultTable& table, const std::optional<Binary>& binary) const;
 
-  /// What a reader of `beta` must know, or nothing: the target moved in itself before the impact,
-  /// or no ejecta were resolved.
+  /// What else than the impact moved the target, or nothing.
+  std::string foreign_motion() const;
+  /// What a reader of `beta` must know, or nothing: that, or no ejecta were resolved.
   std::string warning() const;
 
   bool has_impact() const { return before_.impactor >= 0; }

@@ -145,7 +145,9 @@ std::optional<Grid> read_gravity_map(Section& in) {
     s.need("spacing", "of the points", spacing, positive(length));
     s.check("spacing", size.maxCoeff() <= 1e5 * spacing, "is less than a 1e5th of size");
   };
-  if (!in.table("map", "the field of the bodies' gravity on a grid of points, in each snapshot", read)) return {};
+  if (!in.table("map", "the field of the bodies' gravity on a grid of points, in each snapshot",
+                read))
+    return {};
   if (spacing == 0) return {};  // while the reference is written
   const Grid grid = Grid::in_box(center, size, spacing);
   constexpr double most_points = 1e9;  // 32 GB a snapshot
