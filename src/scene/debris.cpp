@@ -3,7 +3,6 @@
 #include "scene/debris.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "scene/shape.hpp"
 #include "scene/shields.hpp"
@@ -53,14 +52,10 @@ void check_plate(const Case& scene, int group, const std::string& told) {
   const double speed = speed_across(ball.velocity, normal);
   require(speed != 0, "{} has no velocity towards the plate, along {}", projectile,
           words_of_direction(normal));
-  const double flight = normal.dot(volume.center - ball.volume.center) / speed;  // s
-  require(flight > 0, "{} flies away from \"{}\"", projectile, plate.name);
-  const Vec3 off = ball.volume.center + flight * ball.velocity - volume.center;
-  for (int k = 1; k <= 2; ++k) {
-    const int side = (thin + k) % 3;
-    require(std::abs(volume.axes.col(side).dot(off)) < volume.extents[side] / 2,
-            "{} flies past \"{}\": its line does not meet it", projectile, plate.name);
-  }
+  require(normal.dot(volume.center - ball.volume.center) / speed > 0, "{} flies away from \"{}\"",
+          projectile, plate.name);
+  require(miss_of_line(volume, ball.volume.center, ball.velocity) < 0,
+          "{} flies past \"{}\": its line does not meet it", projectile, plate.name);
 }
 
 }  // namespace

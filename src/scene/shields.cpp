@@ -37,20 +37,26 @@ std::string results_of(const Shield& shield) {
   return "shield" + section_end(shield.wall_name);
 }
 
+double miss_of_line(const Volume& plate, const Vec3& from, const Vec3& velocity) {
+  const int thin = axis_through(plate);
+  const Vec3 normal = plate.axes.col(thin);
+  const double flight = normal.dot(plate.center - from) / normal.dot(velocity);  // s
+  const Vec3 meets = from + flight * velocity - plate.center;
+  double miss = -infinity;
+  for (int k = 1; k <= 2; ++k) {
+    const int side = (thin + k) % 3;
+    miss = std::max(miss, std::abs(plate.axes.col(side).dot(meets)) - plate.extents[side] / 2);
+  }
+  return miss;
+}
+
 double speed_of_flight(const Group& wall, const Group& other, const Vec3& normal) {
   const Vec3 velocity = other.velocity - wall.velocity;
   const double speed = speed_across(velocity, normal);
   const double ahead = normal.dot(wall.volume.center - other.volume.center);
   if (other.held() || speed <= 0 || ahead <= 0) return 0;
-  const Vec3 meets = other.volume.center + ahead / speed * velocity - wall.volume.center;
   const double radius = half_widths(other.volume).norm();
-  const int thin = axis_through(wall.volume);
-  for (int k = 1; k <= 2; ++k) {
-    const int side = (thin + k) % 3;
-    const double off = std::abs(wall.volume.axes.col(side).dot(meets));
-    if (off > wall.volume.extents[side] / 2 + radius) return 0;
-  }
-  return speed;
+  return miss_of_line(wall.volume, other.volume.center, velocity) > radius ? 0 : speed;
 }
 
 namespace {

@@ -13,6 +13,10 @@ void read_shield(Section& in, Shield& shield);
 /// cannot be judged.
 void find_shield_walls(Case& scene);
 
+/// m: how far beyond the edge of a plate a line from `from` along `velocity` meets the plane of its
+/// middle; negative where it meets the plate.
+double miss_of_line(const Volume& plate, const Vec3& from, const Vec3& velocity);
+
 /// m/s, towards the wall along `normal`, of a group that is before it and whose line of flight
 /// meets it; else 0.
 double speed_of_flight(const Group& wall, const Group& other, const Vec3& normal);
