@@ -1,4 +1,4 @@
-// Tensors are worked on for some bodies at once; curves, yield and failure body by body.
+// Tensors and pressures are worked on for some bodies at once; yield and failure body by body.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "solid/bodies_step.hpp"
 
@@ -26,9 +26,9 @@ constexpr double most_squeezed = 0.5, most_stretched = 2;
 /// Johnson & Cook's strain at failure is that of bars with notches, in which mean tension is no
 /// more than about von Mises' stress (Bridgman). Beyond, voids alone are judged.
 constexpr double most_triaxial = 1;
-/// Where the search for the compression of matter between voids begins at least, how far it goes,
-/// and the error (of the bulk modulus) at which it ends.
-constexpr double least_matter = 0.95, most_matter = 2, tension_error = 1e-7;
+/// How dense matter between voids may be, of what it is without them or at rest; the error (of the
+/// bulk modulus) at which the search for it ends.
+constexpr double most_matter = 2, tension_error = 1e-7;
 /// Of the pressure at which no pores are left.
 constexpr double crushing_error = 1e-9;
 
@@ -114,16 +114,15 @@ LaneTensor turned(const LaneTensor& s, const PairLanes (&q)[3]) {
 
 /// Of bodies that bear von Mises' stress `mises`: that of what is intact, of it; and that of
 /// the cracks.
-void find_intact(const Bodies& bodies, const std::vector<SolidLaw>& laws,
+void find_intact(const Bodies& bodies, const std::array<const SolidLaw*, pair_lanes>& law,
                  const std::array<Index, pair_lanes>& row, const PairLanes& mises,
                  PairLanes* intact, PairLanes* sliding) {
   for (std::size_t l = 0; l < pair_lanes; ++l) {
-    const SolidLaw& law = laws[bodies.material[row[l]]];
-    if (!law.brittle() || mises[l] == 0) continue;
+    if (!law[l]->brittle() || mises[l] == 0) continue;
     const double pressure = bodies.pressure[row[l]];
-    const double stress = intact_stress(law, bodies.damage[row[l]], mises[l], pressure);
+    const double stress = intact_stress(*law[l], bodies.damage[row[l]], mises[l], pressure);
     (*intact)[l] = stress / mises[l];
-    (*sliding)[l] = std::min(stress, law.sliding_strength(pressure));
+    (*sliding)[l] = std::min(stress, law[l]->sliding_strength(pressure));
   }
 }
 
@@ -132,16 +131,37 @@ void find_intact(const Bodies& bodies, const std::vector<SolidLaw>& laws,
 struct Body {
   const SolidLaw& law;
   Index row;
-  double volume, rest_volume, h;
-  double late;         ///< s, over which new stresses have worked
-  double stiffness;    ///< of its shear modulus at rest
-  double gained;       ///< J, by the power of old stresses
-  double growth;       ///< tr L, 1/s
-  double shear_power;  ///< s : L, W/m^3, of the trial stress
-  double mises;        ///< Pa, of the trial stress
-  double around;       ///< Pa, mean of its pressure and that of its neighbours, before
-  double intact;       ///< the old stress of what is intact, of the body's
-  double sliding;      ///< Pa, von Mises' stress on cracks if they did not slide, at most
+  double volume, h;
+  double stiffness;  ///< of its shear modulus at rest
+  double mises;      ///< Pa, of the trial stress
+  double around;     ///< Pa, mean of its pressure and that of its neighbours, before
+  double sliding;    ///< Pa, von Mises' stress on cracks if they did not slide, at most
+};
+
+/// Some bodies between their trial and their final state; the last ones may be the same body.
+struct Group {
+  std::array<Index, pair_lanes> row;
+  std::array<const SolidLaw*, pair_lanes> law;
+  Index count;  ///< that are not
+  double h;
+  double late;  ///< s, over which new stresses have worked
+  PairLanes compression, volume, rest_volume;
+  PairLanes stiffness, mises, around, sliding;  ///< as of a `Body`
+  PairLanes intact;                             ///< the old stress of what is intact, of the body's
+  PairLanes gained;                             ///< J, by the power of old stresses
+  PairLanes growth;                             ///< tr L, 1/s
+  PairLanes shear_power;                        ///< s : L, W/m^3, of the trial stress
+
+  Body body(std::size_t l) const {
+    return {.law = *law[l],
+            .row = row[l],
+            .volume = volume[l],
+            .h = h,
+            .stiffness = stiffness[l],
+            .mises = mises[l],
+            .around = around[l],
+            .sliding = sliding[l]};
+  }
 };
 
 /// What is left of a body's trial deviator.
@@ -207,50 +227,114 @@ Sheared sheared_rock(const Bodies& bodies, const Body& b, double damage, double 
       .strained = flown / (3 * law.shear)};
 }
 
-/// Pressure and energy at the end of a step.
-struct Pressed {
-  double pressure = 0;
-  double energy = 0, heat = 0;  ///< J
-  double sound_speed2 = 0;      ///< (m/s)^2, of the bulk
-  double damage = 0, crushed = 0;
+/// Matter of some bodies, which fills their volume but for pores and voids, at the end of a step.
+/// Of their trial deviator the share `scale` is left, with the energy `sheared` (J).
+struct Matter {
+  const Group& group;
+  PairLanes gruneisen, bulk, density, filled;  ///< as of a `SolidLaw`
+  PairLanes x;                ///< the density it has where it fills all, of that at rest
+  PairLanes rest_volume;      ///< m^3
+  PairLanes before, sheared;  ///< J: all but the work of its pressure; of shear
+  PairLanes works;            ///< m^3, over which the pressure works
+  PairLanes cold_pressure, cold_energy,
+      cold_slope2;  ///< as `ColdCurve::State`, as of `pressure_at`
+
+  Matter(const Bodies& bodies, const Group& g, const PairLanes& scale, const PairLanes& of_shear)
+      : group(g), sheared(of_shear) {
+    PairLanes energy;
+    for (std::size_t l = 0; l < pair_lanes; ++l) {
+      const SolidLaw& law = *g.law[l];
+      gruneisen[l] = law.gruneisen;
+      bulk[l] = law.bulk;
+      density[l] = law.density;
+      filled[l] = law.filled;
+      energy[l] = bodies.internal_energy[g.row[l]];
+    }
+    x = g.compression * filled;
+    rest_volume = g.rest_volume * filled;
+    const PairLanes acts = g.late * g.volume;
+    works = acts * g.growth;
+    before = energy + g.gained + acts * scale * g.shear_power;
+  }
+
+  /// Pa, of bodies in which it has this density, of that at rest: P_c + Gamma rho Q, the share of
+  /// it; Q depends on the work of P.
+  PairLanes pressure_at(const PairLanes& at) {
+    for (std::size_t l = 0; l < pair_lanes; ++l) {
+      const ColdCurve::State cold = group.law[l]->cold.at(at[l]);
+      cold_pressure[l] = cold.pressure;
+      cold_energy[l] = cold.energy;
+      cold_slope2[l] = cold.slope2;
+    }
+    const PairLanes share = x / at;
+    const PairLanes per_heat = share * gruneisen / rest_volume * smaller(spread_pairs(1), at);
+    const PairLanes given = before - rest_volume * cold_energy - sheared;
+    return (share * cold_pressure + per_heat * given) / (1.0 + per_heat * works);
+  }
 };
 
-/// Where `over(at)`, negative at `low` and positive at `high`, is at most `error`: Newton's steps
-/// by its `slope(at)`, or a half of the bracket where they leave it or shrink too slowly.
+PairLanes size_of(const PairLanes& v) {
+  return larger(v, -v);
+}
+
+/// Where `over(at)`, negative at `low` and positive at `high`, is at most `error`, in the lanes
+/// that are asked for; others stay where they are. Newton's steps by its `slope(at)`, or a half of
+/// the bracket where they leave it or shrink too slowly. `over` sees what is returned last.
 template <class F, class G>
-double root_within(double low, double high, double at, double error, F&& over, G&& slope) {
-  double last = high - low;
+PairLanes root_within(const PairMask& asked, PairLanes low, PairLanes high, PairLanes at,
+                      const PairLanes& error, F&& over, G&& slope) {
+  PairLanes last = high - low;
   for (int iteration = 0; iteration < 100; ++iteration) {
-    const double value = over(at);
-    if (std::abs(value) <= error) break;
-    (value < 0 ? low : high) = at;
-    const double next = at - value / slope(at);
-    const bool good = next > low && next < high && std::abs(next - at) <= last / 2;
-    const double from = std::exchange(at, good ? next : (low + high) / 2);
-    last = std::abs(at - from);
+    const PairLanes value = over(at);
+    const PairMask off = asked & (size_of(value) > error);
+    if (!any_lane(off)) break;
+    low = select(value < 0.0, at, low);
+    high = select(value < 0.0, high, at);
+    const PairLanes next = at - value / slope(at), half = 0.5 * (low + high);
+    const PairMask good = (next > low) & (next < high) & (size_of(next - at) <= 0.5 * last);
+    const PairLanes from = std::exchange(at, select(off, select(good, next, half), at));
+    last = size_of(at - from);
   }
   return at;
 }
 
-/// How far pores are crushed once what is left of them bears the pressure `pressure_of(matter)`, of
-/// matter that fills the share x of its volume at rest (with pores: x alpha of that at rest).
-template <class F>
-double crushed_by(const SolidLaw& law, double x, double crushed, F&& pressure_of) {
-  if (pressure_of(x) >= law.pores.compacted) return 1;
-  return root_within(
-      crushed, 1, crushed, crushing_error * law.pores.compacted,
-      // Pressure falls, as pores close, and what crushes them grows.
-      [&](double at) { return law.crushing_pressure(at) - pressure_of(x * law.distension(at)); },
-      [&](double at) {
-        const double alpha = law.distension(at);
-        const double stiffness = law.bulk * law.pores.distension / (alpha * alpha);  // dP/d alpha
-        return 2 * stiffness * (law.pores.distension - 1) * (1 - at) + law.pores.compacted -
-               law.pores.elastic;
-      });
-}
+/// The pores of some bodies.
+struct PoreLanes {
+  PairLanes distension, elastic, compacted;  ///< as in `Pores`
+
+  explicit PoreLanes(const std::array<const SolidLaw*, pair_lanes>& law) {
+    for (std::size_t l = 0; l < pair_lanes; ++l) {
+      distension[l] = law[l]->pores.distension;
+      elastic[l] = law[l]->pores.elastic;
+      compacted[l] = law[l]->pores.compacted;
+    }
+  }
+  /// alpha, where they have been crushed so far.
+  PairLanes alpha(const PairLanes& crushed) const { return distension_of(distension, crushed); }
+  /// Pa, that crushes them further.
+  PairLanes crushing_pressure(const PairLanes& crushed) const {
+    return elastic + crushed * (compacted - elastic);
+  }
+  /// How far those that are asked for are crushed once what is left of them bears the pressure.
+  PairLanes crushed_by(const PairMask& asked, const PairLanes& crushed, Matter& matter) const {
+    const PairLanes all = spread_pairs(1);
+    const PairMask partly = asked & (matter.pressure_at(matter.x) < compacted);
+    const PairLanes found = root_within(
+        partly, crushed, all, crushed, crushing_error * compacted,
+        // Pressure falls, as pores close, and what crushes them grows.
+        [&](const PairLanes& at) {
+          return crushing_pressure(at) - matter.pressure_at(matter.x * alpha(at));
+        },
+        [&](const PairLanes& at) {
+          const PairLanes stiffness = matter.bulk * distension / (alpha(at) * alpha(at));
+          return 2.0 * stiffness * (distension - 1.0) * (1.0 - at) + compacted - elastic;
+        });
+    return select(asked, select(partly, found, all), crushed);
+  }
+};
 
 /// The damage of rock whose pores have been crushed: D^(1/3) grows by that of the share of pores
-/// that are closed.
+/// that are closed (Jutzi, Benz & Michel, Icarus 198 (2008) 242).
 double crushed_damage(const SolidLaw& law, double damage, double before, double after) {
   const auto closed = [&](double crushed) {
     return std::cbrt(1 - (law.distension(crushed) - 1) / (law.pores.distension - 1));
@@ -259,101 +343,164 @@ double crushed_damage(const SolidLaw& law, double damage, double before, double 
   return std::min(1.0, grown * grown * grown);
 }
 
-/// Of metals without pores, which are most, the rest is not asked for.
-template <bool plain>
-Pressed pressed(const Bodies& bodies, const Body& b, const Sheared& sheared, bool melted) {
-  const SolidLaw& law = b.law;
-  const double damage = bodies.damage[b.row];
-  const double crushed = !plain && law.pores.any() ? bodies.crushed[b.row] : 0;
-  const double alpha = plain ? 1 : law.distension(crushed);
-  // Of matter at rest: its density and its volume.
-  const double filled = plain ? 1 : law.filled;
-  const double x = bodies.compression[b.row] * filled;
-  const double rest_volume = b.rest_volume * filled;
-  const double acts = b.late * b.volume;
-  const double before =
-      bodies.internal_energy[b.row] + b.gained + acts * sheared.scale * b.shear_power;
-  ColdCurve::State cold;
-  // P = P_c + Gamma rho Q/m of matter so pressed, and Q depends on the work of P. The rest of the
-  // volume are pores and voids.
-  const auto pressure_of = [&](double matter) {
-    cold = law.cold.at(matter);
-    const double share = x / matter;
-    const double per_heat = share * law.gruneisen / rest_volume * std::min(1.0, matter);
-    const double given = before - rest_volume * cold.energy - sheared.energy;
-    return (share * cold.pressure + per_heat * given) / (1 + per_heat * acts * b.growth);
-  };
-  Pressed after{.pressure = pressure_of(alpha * x), .damage = damage, .crushed = crushed};
-  if (!plain && alpha > 1 && law.yields && after.pressure > law.crushing_pressure(crushed)) {
-    after.crushed = crushed_by(law, x, crushed, pressure_of);
-    after.pressure = pressure_of(x * law.distension(after.crushed));
-    // Crushing breaks rock: Jutzi, Benz & Michel, Icarus 198 (2008) 242.
-    if (law.brittle()) after.damage = crushed_damage(law, damage, crushed, after.crushed);
+/// Pressure and energy of some bodies at the end of a step.
+struct Pressed {
+  PairLanes pressure{};
+  PairLanes energy{}, heat{};  ///< J
+  PairLanes sound_speed2{};    ///< (m/s)^2, of the bulk
+  PairLanes damage{}, crushed{};
+};
+
+/// Crushes pores where `after` has more pressure than they bear. Returns the density of matter, of
+/// that at rest, without voids.
+PairLanes crush(const Bodies& bodies, Matter& matter, Pressed& after) {
+  const Group& g = matter.group;
+  const auto has_pores = [](const SolidLaw* law) { return law->pores.any(); };
+  if (std::ranges::none_of(g.law, has_pores)) return matter.x;
+  const PoreLanes pores(g.law);
+  PairLanes crushed{}, crushes{};
+  for (std::size_t l = 0; l < pair_lanes; ++l) {
+    if (!has_pores(g.law[l])) continue;
+    crushed[l] = bodies.crushed[g.row[l]];
+    crushes[l] = g.law[l]->yields;
   }
-  const double whole_pressure = after.pressure, whole_energy = cold.energy;
-  const bool parted = damage >= 1 || melted || (!plain && law.brittle() && damage > 0);
-  // A body alone may be pulled more than its neighbours: the noise of pressure opens no voids.
-  const double alone = std::max(0.0, b.around - bodies.pressure[b.row]);
-  const double bearable = parted ? 0 : (1 - damage) * law.strength + alone;
-  if (after.pressure < -bearable) {
-    // Matter between voids is less stretched: cold it is hardly so, hot it bears pressure before.
-    const double low = alpha * x;
-    double high = 1.1 * std::max(low, 1.0);
-    while (high < most_matter && pressure_of(high) < -bearable) high *= 1.1;
-    const double matter = root_within(
-        low, high, std::max(low, least_matter), tension_error * law.bulk,
-        [&](double at) { return pressure_of(at) + bearable; },
-        [&](double at) { return x * law.density * cold.slope2 / (at * filled); });
-    double pressure = pressure_of(matter);
-    if (melted) after.damage = 1;
-    if (!plain && law.brittle()) {
-      // Cracks have opened in the share D; the rest is stretched as if there were none.
-      pressure = after.damage * pressure + (1 - after.damage) * whole_pressure;
-      cold.energy = after.damage * cold.energy + (1 - after.damage) * whole_energy;
-    } else if (law.yields) {
-      after.damage = std::min(
-          1.0, std::max(after.damage, (1 - alpha * x / matter) / law.most_voids(b.rest_volume)));
+  const PairLanes open = matter.x * pores.alpha(crushed);
+  const PairMask asked = (crushes > 0.0) & (open > matter.x) &
+                         (matter.pressure_at(open) > pores.crushing_pressure(crushed));
+  after.crushed = any_lane(asked) ? pores.crushed_by(asked, crushed, matter) : crushed;
+  for (std::size_t l = 0; l < pair_lanes; ++l)
+    if (g.law[l]->brittle() && after.crushed[l] > crushed[l])
+      after.damage[l] = crushed_damage(*g.law[l], after.damage[l], crushed[l], after.crushed[l]);
+  return matter.x * pores.alpha(after.crushed);
+}
+
+/// Opens voids in bodies that are asked for until they are pulled no more than is `bearable` (Pa).
+/// `least`: the density of matter, of that at rest, without them.
+void open_voids(const PairMask& asked, const PairMask& melted, const PairLanes& bearable,
+                const PairLanes& least, Matter& matter, Pressed& after) {
+  const Group& g = matter.group;
+  const PairLanes one = spread_pairs(1);
+  const PairLanes whole_pressure = after.pressure, whole_energy = matter.cold_energy;
+  // Matter between voids is less stretched: cold it is hardly so, hot it bears pressure before.
+  // Where it is found if the cold curve is straight:
+  const PairLanes hot = matter.gruneisen * (matter.before - matter.sheared) / matter.rest_volume;
+  const PairLanes from = one - (hot + bearable / matter.x) * matter.filled / matter.bulk;
+  const PairLanes density = root_within(
+      asked, least, most_matter * larger(one, least), select(asked & (from > least), from, least),
+      tension_error * matter.bulk,
+      [&](const PairLanes& at) { return (after.pressure = matter.pressure_at(at)) + bearable; },
+      [&](const PairLanes& at) {
+        return matter.x * matter.density * matter.cold_slope2 / (at * matter.filled);
+      });
+  const std::uint8_t lanes = bits_of_mask(asked), molten = bits_of_mask(melted);
+  PairLanes opened = one;  // the share of a body that voids or cracks run through
+  for (std::size_t l = 0; l < pair_lanes; ++l) {
+    if (!(lanes >> l & 1)) continue;
+    const SolidLaw& law = *g.law[l];
+    const double damage = molten >> l & 1 ? 1 : std::min(1.0, after.damage[l]);
+    after.damage[l] = damage;
+    if (law.brittle()) {
+      opened[l] = damage;
+    } else if (law.yields && damage < 1) {
+      const double voids = 1 - least[l] / density[l];
+      after.damage[l] = std::clamp(voids / law.most_voids(g.rest_volume[l]), damage, 1.0);
     }
-    after.pressure = pressure;
   }
-  after.energy = before - acts * after.pressure * b.growth;
-  after.heat = after.energy - rest_volume * cold.energy - sheared.energy;
-  after.sound_speed2 = cold.slope2;
+  // The rest is stretched as if there were none.
+  const PairMask partly = opened < 1.0;
+  after.pressure =
+      select(partly, opened * after.pressure + (1.0 - opened) * whole_pressure, after.pressure);
+  matter.cold_energy = select(partly, opened * matter.cold_energy + (1.0 - opened) * whole_energy,
+                              matter.cold_energy);
+}
+
+/// Of bodies of whose trial deviator the share `scale` is left, with the energy `sheared` (J).
+Pressed pressed(const Bodies& bodies, const Group& g, const PairLanes& scale,
+                const PairLanes& sheared, const PairMask& melted) {
+  const PairLanes none{};
+  Matter matter(bodies, g, scale, sheared);
+  Pressed after;
+  PairLanes strength, cracked, old_pressure;
+  for (std::size_t l = 0; l < pair_lanes; ++l) {
+    const Index b = g.row[l];
+    strength[l] = g.law[l]->strength;
+    after.damage[l] = bodies.damage[b];
+    cracked[l] = g.law[l]->brittle() ? bodies.damage[b] : 0;
+    old_pressure[l] = bodies.pressure[b];
+  }
+  const PairMask parted = (after.damage >= 1.0) | melted | (cracked > 0.0);
+  // A body alone may be pulled more than its neighbours: the noise of pressure opens no voids.
+  const PairLanes alone = larger(none, g.around - old_pressure);
+  const PairLanes bearable = select(parted, none, (1.0 - after.damage) * strength + alone);
+  const PairLanes least = crush(bodies, matter, after);
+  after.pressure = matter.pressure_at(least);
+  const PairMask pulled = after.pressure < -bearable;
+  if (any_lane(pulled)) open_voids(pulled, melted, bearable, least, matter, after);
+  after.energy = matter.before - matter.works * after.pressure;
+  after.heat = after.energy - matter.rest_volume * matter.cold_energy - sheared;
+  after.sound_speed2 = matter.cold_slope2;
   return after;
 }
 
-/// Returns by how much the trial deviator is to be scaled.
-double settle(Bodies& bodies, const Body& b, double* sound_speed) {
-  const SolidLaw& law = b.law;
-  const Index row = b.row;
-  const double hot = law.homologous(bodies.heat[row] / (b.rest_volume * law.density));
-  const bool melted = law.yields && hot >= 1;
-  Sheared sheared;
+/// What became of some bodies.
+struct Settled {
+  PairLanes scale{};        ///< of the trial deviator, what is left
+  PairLanes pressure{};     ///< Pa
+  PairLanes gained{};       ///< J, heat
+  PairLanes sound_speed{};  ///< m/s, of longitudinal waves
+};
+
+Settled settle(Bodies& bodies, const Group& g) {
+  PairLanes hot{}, yields{}, shear{}, sheared{}, strained{};
+  Settled settled;
   Pressed after;
-  if (law.brittle()) {
-    if (b.h > 0) bodies.damage[row] = grown_damage(law, bodies, row, b.rest_volume, b.intact, b.h);
-    // What rock bears depends on its pressure, which follows from the energy, and on what crushing
-    // breaks: in two rounds.
-    after.pressure = bodies.pressure[row];
-    after.damage = bodies.damage[row];
-    for (int round = 0; round < 2; ++round) {
-      sheared = sheared_rock(bodies, b, after.damage, after.pressure, hot);
-      after = pressed<false>(bodies, b, sheared, melted);
+  bool rock = false;
+  const auto count = static_cast<std::size_t>(g.count);
+  for (std::size_t l = 0; l < count; ++l) {
+    const SolidLaw& law = *g.law[l];
+    const Index b = g.row[l];
+    hot[l] = law.homologous(bodies.heat[b] / (g.rest_volume[l] * law.density));
+    yields[l] = law.yields;
+    if (law.brittle()) {
+      rock = true;
+      if (g.h > 0)
+        bodies.damage[b] = grown_damage(law, bodies, b, g.rest_volume[l], g.intact[l], g.h);
     }
-  } else {
-    sheared = sheared_metal(bodies, b, hot);
-    after = law.pores.any() ? pressed<false>(bodies, b, sheared, melted)
-                            : pressed<true>(bodies, b, sheared, melted);
+    after.pressure[l] = bodies.pressure[b];
+    after.damage[l] = bodies.damage[b];
   }
-  bodies.plastic_strain[row] += sheared.strained;
-  bodies.damage[row] = after.damage;
-  if (law.pores.any()) bodies.crushed[row] = after.crushed;
-  bodies.internal_energy[row] = after.energy;
-  bodies.heat[row] = after.heat;
-  bodies.pressure[row] = after.pressure;
-  const double shear = sheared.scale > 0 ? law.shear * b.stiffness : 0;
-  *sound_speed = std::sqrt(after.sound_speed2 + 4 * shear / 3 / law.density);
-  return sheared.scale;
+  const PairMask melted = (yields > 0.0) & (hot >= 1.0);
+  // What rock bears depends on its pressure, which follows from the energy, and on what crushing
+  // breaks: in two rounds.
+  for (int round = 0; round < (rock ? 2 : 1); ++round) {
+    for (std::size_t l = 0; l < count; ++l) {
+      const bool brittle = g.law[l]->brittle();
+      if (round > 0 && !brittle) continue;
+      const Sheared left =
+          brittle ? sheared_rock(bodies, g.body(l), after.damage[l], after.pressure[l], hot[l])
+                  : sheared_metal(bodies, g.body(l), hot[l]);
+      settled.scale[l] = left.scale;
+      sheared[l] = left.energy;
+      strained[l] = left.strained;
+    }
+    after = pressed(bodies, g, settled.scale, sheared, melted);
+  }
+  for (std::size_t l = 0; l < count; ++l) {
+    const SolidLaw& law = *g.law[l];
+    const Index b = g.row[l];
+    bodies.compression[b] = g.compression[l];
+    bodies.plastic_strain[b] += strained[l];
+    bodies.damage[b] = after.damage[l];
+    if (law.pores.any()) bodies.crushed[b] = after.crushed[l];
+    bodies.internal_energy[b] = after.energy[l];
+    settled.gained[l] = after.heat[l] - bodies.heat[b];
+    bodies.heat[b] = after.heat[l];
+    bodies.pressure[b] = after.pressure[l];
+    if (settled.scale[l] > 0) shear[l] = 4 * law.shear * g.stiffness[l] / (3 * law.density);
+  }
+  settled.pressure = after.pressure;
+  settled.sound_speed = square_root(after.sound_speed2 + shear);
+  return settled;
 }
 
 }  // namespace
@@ -373,6 +520,7 @@ SPALL_KERNEL(double, update_bodies,
               const std::vector<double>& rest_volume, double h, double late, const ShapeRow* shapes,
               MotionRow* rows, ResponseRow* responses),
              (bodies, laws, rest_volume, h, late, shapes, rows, responses)) {
+  const double lattice = shape_of_lattice();
   double heat = 0;
   for (Index first = 0; first < bodies.owned; first += pair_lanes) {
     // The last group is filled up by its last body, which comes to the same each time.
@@ -403,31 +551,31 @@ SPALL_KERNEL(double, update_bodies,
     const LaneTensor G = (1.0 / determinant(middle, middle_adjoint)) * (L * middle_adjoint);
 
     const LaneTensor s_old = deviator_of(bodies, row);
-    PairLanes stiffness, shear, pressure, volume, x, old_volume, weight, intact = spread_pairs(1),
-                                                                         sliding{};
+    std::array<const SolidLaw*, pair_lanes> law;
+    PairLanes stiffness, shear, pressure, x, at_rest, weight, intact = spread_pairs(1), sliding{};
     bool brittle = false;
     for (std::size_t l = 0; l < pair_lanes; ++l) {
       const Index b = row[l];
-      const SolidLaw& law = laws[bodies.material[b]];
+      law[l] = &laws[bodies.material[b]];
       pressure[l] = bodies.pressure[b];
       x[l] = bodies.compression[b];
       stiffness[l] = 1;
-      if (law.steinberg.known())
-        stiffness[l] =
-            law.stiffness(x[l], pressure[l], bodies.heat[b] / (rest_volume[b] * law.density));
-      shear[l] = law.shear * stiffness[l];
-      brittle |= law.brittle();
-      old_volume[l] = rest_volume[b] / x[l];
+      if (law[l]->steinberg.known())
+        stiffness[l] = law[l]->stiffness(x[l], pressure[l],
+                                         bodies.heat[b] / (rest_volume[b] * law[l]->density));
+      shear[l] = law[l]->shear * stiffness[l];
+      brittle |= law[l]->brittle();
+      at_rest[l] = rest_volume[b];
       weight[l] = rows[b].place[3];
     }
-    const PairLanes compression = x * shrunk;
-    volume = old_volume / shrunk;
+    const PairLanes compression = x * shrunk, old_volume = at_rest / x;
+    const PairLanes volume = old_volume / shrunk;
 
     const LaneTensor D = symmetric_part(G);
     const LaneTensor half_step = (h * shear) * (D + LaneTensor::diagonal(D.trace() * (-1.0 / 3)));
     LaneTensor turning = s_old;
     if (brittle) {
-      find_intact(bodies, laws, row, root_of(1.5 * contracted(s_old, s_old)), &intact, &sliding);
+      find_intact(bodies, law, row, root_of(1.5 * contracted(s_old, s_old)), &intact, &sliding);
       turning = intact * s_old;
       sliding += root_of(6.0 * contracted(half_step, half_step));
     }
@@ -443,45 +591,36 @@ SPALL_KERNEL(double, update_bodies,
     // The pressure of single bodies has noise, which alternates from neighbour to neighbour.
     const PairLanes around = pressure + select(trace > 0.0, 0.5 * k[15] / trace, PairLanes{});
 
-    PairLanes scale, new_pressure, linear, square;
+    const Settled settled = settle(bodies, {.row = row,
+                                            .law = law,
+                                            .count = count,
+                                            .h = h,
+                                            .late = late,
+                                            .compression = compression,
+                                            .volume = volume,
+                                            .rest_volume = at_rest,
+                                            .stiffness = stiffness,
+                                            .mises = mises,
+                                            .around = around,
+                                            .sliding = sliding,
+                                            .intact = intact,
+                                            .gained = gained,
+                                            .growth = growth,
+                                            .shear_power = shear_power});
+    PairLanes density, slope, spacing;
     for (std::size_t l = 0; l < pair_lanes; ++l) {
-      if (static_cast<Index>(l) >= count) {
-        scale[l] = new_pressure[l] = linear[l] = square[l] = 0;
-        continue;
-      }
-      const Index b = row[l];
-      const SolidLaw& law = laws[bodies.material[b]];
-      bodies.compression[b] = compression[l];
-      heat -= bodies.heat[b];
-      double c = 0;
-      scale[l] = settle(bodies,
-                        {.law = law,
-                         .row = b,
-                         .volume = volume[l],
-                         .rest_volume = rest_volume[b],
-                         .h = h,
-                         .late = late,
-                         .stiffness = stiffness[l],
-                         .gained = gained[l],
-                         .growth = growth[l],
-                         .shear_power = shear_power[l],
-                         .mises = mises[l],
-                         .around = around[l],
-                         .intact = intact[l],
-                         .sliding = sliding[l]},
-                        &c);
-      heat += bodies.heat[b];
-      new_pressure[l] = bodies.pressure[b];
-      const double density = law.density * compression[l];
-      // Never more than in a whole lattice: few neighbours would else be damped beyond the step.
-      const double spacing = 2 * bodies.radius[b];
-      const double whole = shape_of_lattice() * spacing * spacing * rest_volume[b];
-      const double density_over_shape = 3 * density / std::max(whole, trace[l]);
-      linear[l] = density_over_shape * c;
-      square[l] = density_over_shape * law.slope;
+      density[l] = law[l]->density;
+      slope[l] = law[l]->slope;
+      spacing[l] = 2 * bodies.radius[row[l]];
     }
-    const LaneTensor s = scale * trial;
-    LaneTensor sigma = s + LaneTensor::diagonal(-new_pressure);
+    heat += sum_of_lanes(settled.gained);
+    // Never more than in a whole lattice: few neighbours would else be damped beyond the step.
+    const PairLanes whole = lattice * spacing * spacing * at_rest;
+    const PairLanes density_over_shape = 3.0 * density * compression / larger(whole, trace);
+    const PairLanes linear = density_over_shape * settled.sound_speed;
+    const PairLanes square = density_over_shape * slope;
+    const LaneTensor s = settled.scale * trial;
+    LaneTensor sigma = s + LaneTensor::diagonal(-settled.pressure);
     if (shape.projected) sigma = shape.projector * sigma * shape.projector;
     // Forces are summed with the volumes and over the neighbours that K was: else there were a
     // torque.

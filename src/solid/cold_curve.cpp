@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "solid/cold_curve.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 namespace spall {
@@ -15,11 +14,6 @@ constexpr double most_stretched = -0.3;  // eta; solids fail long before
 
 }  // namespace
 
-double ColdCurve::shock(double eta) const {
-  const double left = 1 - slope_ * eta;
-  return bulk_modulus_ * eta / (left * left) * (1 - gruneisen_ * eta / 2);
-}
-
 ColdCurve::ColdCurve(const Solid& solid)
     : bulk_modulus_(solid.bulk_modulus()),
       density_(solid.density),
@@ -29,6 +23,7 @@ ColdCurve::ColdCurve(const Solid& solid)
   step_ = last_ / nodes_a_side;
   const int stretched = static_cast<int>(std::ceil(-most_stretched / step_));
   first_ = -stretched * step_;
+  at_rest_ = stretched;
   nodes_.resize(stretched + nodes_a_side + 1);
   const auto slope_of_energy = [&](double eta, double energy) {
     return shock(eta) + gruneisen_ * energy;
@@ -45,22 +40,6 @@ ColdCurve::ColdCurve(const Solid& solid)
       energy += h / 6 * (k1 + 2 * k2 + 2 * k3 + k4);
     }
   }
-}
-
-ColdCurve::State ColdCurve::at(double compression) const {
-  const double asked = 1 - 1 / compression, eta = std::clamp(asked, first_, last_);
-  const double place = (eta - first_) / step_;
-  const std::size_t k = std::min(static_cast<std::size_t>(place), nodes_.size() - 2);
-  const double t = place - static_cast<double>(k), u = 1 - t;
-  const Node &a = nodes_[k], &b = nodes_[k + 1];
-  const double energy = u * u * (1 + 2 * t) * a.energy + t * t * (3 - 2 * t) * b.energy +
-                        step_ * t * u * (u * a.pressure - t * b.pressure);
-  const double pressure = shock(eta) + gruneisen_ * energy;
-  const double left = 1 - slope_ * eta, thinner = 1 - eta;
-  return {.pressure = pressure,
-          .energy = energy + pressure * (asked - eta),  // beyond the table the pressure stays
-          .slope2 = bulk_modulus_ / density_ * thinner * thinner * (1 + slope_ * eta) /
-                    (left * left * left)};
 }
 
 }  // namespace spall

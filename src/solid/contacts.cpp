@@ -99,7 +99,7 @@ SolidContacts find_contacts(const World& world, const std::vector<NearWindow>& w
   SolidContacts found;
   for_each_pair(windows, [&](std::size_t, std::size_t, std::size_t, Index i, Index j) {
     if (bodies.group[i] == bodies.group[j]) return;
-    const double reach = bodies.radius[i] + bodies.radius[j] + skin;
+    const double reach = neighbour_reach * (bodies.radius[i] + bodies.radius[j]) + skin;
     if ((bodies.position[j] - bodies.position[i]).squaredNorm() < reach * reach)
       found.pieces.push_back({i, j});
   });

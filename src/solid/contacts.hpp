@@ -48,7 +48,8 @@ struct SolidContacts {
   std::vector<WallContact> walls;
 };
 
-/// Of the pairs found, those of different pieces; and bodies up to `skin` (m) beyond a wall's push.
+/// Of the pairs found, those of different pieces that are neighbours, or will be once they come
+/// nearer by `skin` (m); and bodies up to `skin` beyond a wall's push.
 SolidContacts find_contacts(const World& world, const std::vector<NearWindow>& windows,
                             double skin);
 

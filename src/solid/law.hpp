@@ -11,6 +11,12 @@
 
 namespace spall {
 
+/// alpha of pores that have been crushed so far, with what it was at rest; of numbers or lanes.
+template <class T>
+T distension_of(const T& at_rest, const T& crushed) {
+  return 1.0 + (at_rest - 1.0) * (1.0 - crushed) * (1.0 - crushed);
+}
+
 /// Constants and curves of one material.
 struct SolidLaw {
   double density = 0;          ///< kg/m^3, with its pores; 0: no body is of it
@@ -59,13 +65,7 @@ struct SolidLaw {
   double intact_strength(double pressure) const;
   double sliding_strength(double pressure) const;
   /// alpha, where pores have been crushed so far.
-  double distension(double crushed) const {
-    return 1 + (pores.distension - 1) * (1 - crushed) * (1 - crushed);
-  }
-  /// Pa, that crushes pores further.
-  double crushing_pressure(double crushed) const {
-    return pores.elastic + crushed * (pores.compacted - pores.elastic);
-  }
+  double distension(double crushed) const { return distension_of(pores.distension, crushed); }
 };
 
 /// Throws Error, which begins with `place`, where a constant is missing.

@@ -103,6 +103,13 @@ void update_pairs(World& world, Elastoplastic& engine) {
       engine.rows[world.bodies.owned + g].place += half_row(near.shifts[g], 0);
 }
 
+/// The sums of shapes at the present places.
+void find_shapes(Elastoplastic& engine) {
+  std::fill(engine.shapes.begin(), engine.shapes.end(), ShapeRow{});
+  engine.fastest_pair2 =
+      sweep_shapes(engine.pairs, engine.reach.data(), engine.rows.data(), engine.shapes.data());
+}
+
 /// Forces at the present places, the kick by them over `h`, and drifts over two times.
 RowBox kick_and_drift(World& world, Elastoplastic& engine, double h, double first, double second) {
   StageTimer timer(world.stages, "forces");
@@ -172,9 +179,15 @@ double fastest_waves(const World& world, const Elastoplastic& engine) {
 /// its reach: another body, of any piece, or a wall.
 double fastest_meeting(const World& world, const Elastoplastic& engine) {
   const Bodies& bodies = world.bodies;
-  double fastest =
-      neighbour_reach *
-      std::sqrt(fastest_pair(engine.near.windows, engine.reach.data(), engine.rows.data()));
+  double fastest2 = engine.fastest_pair2;
+  for (const PieceContact& c : engine.contacts.pieces) {
+    const MotionRow &i = engine.rows[c.i], &j = engine.rows[c.j];
+    const double a = engine.reach[c.i], b = engine.reach[c.j], mean = (a + b) / 2;
+    if (vector_of(j.place - i.place).squaredNorm() >= mean * mean) continue;
+    const double nearer = std::min(a, b);
+    fastest2 = std::max(fastest2, vector_of(j.motion - i.motion).squaredNorm() / (nearer * nearer));
+  }
+  double fastest = neighbour_reach * std::sqrt(fastest2);
   const Walls walls = world.walls();
   for (std::size_t w = 0; w < walls.size(); ++w)
     for (Index b = 0; b < bodies.owned; ++b) {
@@ -250,8 +263,7 @@ class Motion {
     if (current_) return;
     update_pairs(world_, engine_);
     StageTimer timer(world_.stages, "forces");
-    std::fill(engine_.shapes.begin(), engine_.shapes.end(), ShapeRow{});
-    sweep_shapes(engine_.pairs, engine_.reach.data(), engine_.rows.data(), engine_.shapes.data());
+    find_shapes(engine_);
     world_.ledger.dissipated += update_bodies(
         world_.bodies, engine_.laws, engine_.rest_volume, since_, late.value_or(since_ / 2),
         engine_.shapes.data(), engine_.rows.data(), engine_.responses.data());
@@ -298,6 +310,7 @@ StepReport parted_steps(World& world, Motion&& motion, Elastoplastic& engine,
   motion.begin(request.h);
   if (engine.next_part <= 0) {
     update_pairs(world, engine);
+    find_shapes(engine);
     engine.next_part = motion.longest();
   }
   double longest = engine.next_part;

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <algorithm>
+#include <compare>
+#include <span>
 #include <vector>
 
 #include "solid/rows.hpp"
@@ -29,6 +31,7 @@ inline std::vector<PieceWindow> pairs_of_pieces(const Bodies& bodies, const doub
   struct Partner {
     double distance2;
     Index place;
+    auto operator<=>(const Partner&) const = default;
   };
   struct Row {
     Index place;
@@ -36,25 +39,28 @@ inline std::vector<PieceWindow> pairs_of_pieces(const Bodies& bodies, const doub
     std::vector<Partner> partners;
   };
   std::vector<PieceWindow> pieces(windows.size());
-  std::vector<Row> rows;
+  std::vector<Row> all;  // their partners keep their memory from window to window
   for (std::size_t n = 0; n < windows.size(); ++n) {
     const NearWindow& window = windows[n];
-    rows.assign(window.rows.size(), {});
-    for (std::size_t r = 0; r < rows.size(); ++r) rows[r].place = window.rows[r];
+    all.resize(std::max(all.size(), window.rows.size()));
+    for (std::size_t r = 0; r < window.rows.size(); ++r) {
+      all[r].place = window.rows[r];
+      all[r].partners.clear();
+    }
     const Index* partners = window.partners.data();
     for (std::size_t g = 0; g < window.slots.size(); ++g)
       for (Index s = 0; s < window.slots[g]; ++s)
         for (std::size_t l = 0; l < lane_count; ++l) {
-          Row& row = rows[g * lane_count + l];
+          Row& row = all[g * lane_count + l];
           const Index place = *partners++, i = row.place / doubles_a_row, j = place / doubles_a_row;
           if (place == row.place || bodies.group[i] != bodies.group[j]) continue;
           row.partners.push_back({(bodies.position[j] - bodies.position[i]).squaredNorm(), place});
         }
-    rows.resize(static_cast<std::size_t>(window.count));
+    const std::span rows(all.data(), static_cast<std::size_t>(window.count));
     PieceWindow& piece = pieces[n];
     for (Row& row : rows) {
       const double R = reach[row.place / doubles_a_row];
-      std::ranges::stable_sort(row.partners, {}, &Partner::distance2);
+      std::ranges::sort(row.partners);
       row.within = std::ranges::lower_bound(row.partners, R * R, {}, &Partner::distance2) -
                    row.partners.begin();
       piece.bodies.push_back(row.place / doubles_a_row);
@@ -99,11 +105,13 @@ struct MotionLanes {
 };
 
 /// Adds to the sums of owned bodies; those of ghosts mean nothing. `reach` is R of each body (m). A
-/// neighbour counts by `neighbour_weight`.
-inline void sweep_shapes(const std::vector<PieceWindow>& windows, const double* reach,
-                         const MotionRow* rows, ShapeRow* shapes) {
+/// neighbour counts by `neighbour_weight`. Returns the largest v^2/R^2 of neighbours, v their
+/// velocity against each other (1/s^2).
+inline double sweep_shapes(const std::vector<PieceWindow>& windows, const double* reach,
+                           const MotionRow* rows, ShapeRow* shapes) {
   double* const sums = reinterpret_cast<double*>(shapes);
   const PairLanes zero{};
+  PairLanes fastest{};
   for (const PieceWindow& window : windows) {
     const Index* partners = window.partners.data();
     for (std::size_t g = 0; g < window.slots.size(); ++g) {
@@ -127,6 +135,7 @@ inline void sweep_shapes(const std::vector<PieceWindow>& windows, const double* 
         const PairLanes of_partner = select(failed & ~partner_failed, zero, weight * at.volume);
         const PairLanes p = select(failed | partner_failed, zero, j.pressure - i.pressure);
         const PairLanes u = j.u - i.u, v = j.v - i.v, w = j.w - i.w;
+        fastest = larger(fastest, select(acts, (u * u + v * v + w * w) * inverse2, zero));
         // S alone changes sign with the side that is asked.
         const PairLanes term[16] = {x * x, y * y, z * z, y * z, z * x, x * y, u * x, u * y,
                                     u * z, v * x, v * y, v * z, w * x, w * y, w * z, r2 * p};
@@ -143,27 +152,6 @@ inline void sweep_shapes(const std::vector<PieceWindow>& windows, const double* 
         add_half<shape_width>(sum[k], sum[k + 1], sum[k + 2], sum[k + 3], own, sums + k);
     }
   }
-}
-
-/// 1/s^2: the largest v^2/R^2 of bodies nearer to each other than the mean of both reaches, of any
-/// pieces; v their velocity against each other, R the smaller reach.
-inline double fastest_pair(const std::vector<NearWindow>& windows, const double* reach,
-                           const MotionRow* rows) {
-  PairLanes fastest{};
-  for (const NearWindow& window : windows)
-    for_each_slot(window, [&](std::size_t, const Index* all_own, const Index* all_partners) {
-      for (std::size_t l = 0; l < lane_count; l += pair_lanes) {
-        const Index *own = all_own + l, *partners = all_partners + l;
-        const PlaceLanes at(rows, own), beside(rows, partners);
-        const PairLanes a = gather_numbers(reach, own), b = gather_numbers(reach, partners);
-        const PairLanes x = beside.x - at.x, y = beside.y - at.y, z = beside.z - at.z;
-        const PairLanes mean = 0.5 * (a + b), R = smaller(a, b);
-        const PairMask near = x * x + y * y + z * z < mean * mean;
-        const MotionLanes i(rows, own), j(rows, partners);
-        const PairLanes u = j.u - i.u, v = j.v - i.v, w = j.w - i.w;
-        fastest = larger(fastest, select(near, (u * u + v * v + w * w) / (R * R), PairLanes{}));
-      }
-    });
   double most = 0;
   for (std::size_t l = 0; l < pair_lanes; ++l) most = std::max<double>(most, fastest[l]);
   return most;
