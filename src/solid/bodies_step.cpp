@@ -28,7 +28,7 @@ constexpr double most_squeezed = 0.5, most_stretched = 2;
 constexpr double most_triaxial = 1;
 /// How dense matter between voids may be, of what it is without them or at rest; the error (of the
 /// bulk modulus) at which the search for it ends.
-constexpr double most_matter = 2, tension_error = 1e-7;
+constexpr double most_matter = 2, tension_error = 1e-12;
 /// Of the pressure at which no pores are left.
 constexpr double crushing_error = 1e-9;
 
@@ -273,27 +273,27 @@ struct Matter {
   }
 };
 
-PairLanes size_of(const PairLanes& v) {
+PairLanes magnitude_of(const PairLanes& v) {
   return larger(v, -v);
 }
 
 /// Where `over(at)`, negative at `low` and positive at `high`, is at most `error`, in the lanes
 /// that are asked for; others stay where they are. Newton's steps by its `slope(at)`, or a half of
-/// the bracket where they leave it or shrink too slowly. `over` sees what is returned last.
+/// the bracket where they leave it or shrink too slowly.
 template <class F, class G>
 PairLanes root_within(const PairMask& asked, PairLanes low, PairLanes high, PairLanes at,
                       const PairLanes& error, F&& over, G&& slope) {
   PairLanes last = high - low;
   for (int iteration = 0; iteration < 100; ++iteration) {
     const PairLanes value = over(at);
-    const PairMask off = asked & (size_of(value) > error);
+    const PairMask off = asked & (magnitude_of(value) > error);
     if (!any_lane(off)) break;
     low = select(value < 0.0, at, low);
     high = select(value < 0.0, high, at);
     const PairLanes next = at - value / slope(at), half = 0.5 * (low + high);
-    const PairMask good = (next > low) & (next < high) & (size_of(next - at) <= 0.5 * last);
+    const PairMask good = (next > low) & (next < high) & (magnitude_of(next - at) <= 0.5 * last);
     const PairLanes from = std::exchange(at, select(off, select(good, next, half), at));
-    last = size_of(at - from);
+    last = magnitude_of(at - from);
   }
   return at;
 }
@@ -383,15 +383,16 @@ void open_voids(const PairMask& asked, const PairMask& melted, const PairLanes& 
   const PairLanes whole_pressure = after.pressure, whole_energy = matter.cold_energy;
   // Matter between voids is less stretched: cold it is hardly so, hot it bears pressure before.
   // Where it is found if the cold curve is straight:
-  const PairLanes hot = matter.gruneisen * (matter.before - matter.sheared) / matter.rest_volume;
-  const PairLanes from = one - (hot + bearable / matter.x) * matter.filled / matter.bulk;
+  const PairLanes heated = matter.gruneisen * (matter.before - matter.sheared) / matter.rest_volume;
+  const PairLanes from = one - (heated + bearable / matter.x) * matter.filled / matter.bulk;
   const PairLanes density = root_within(
       asked, least, most_matter * larger(one, least), select(asked & (from > least), from, least),
       tension_error * matter.bulk,
-      [&](const PairLanes& at) { return (after.pressure = matter.pressure_at(at)) + bearable; },
+      [&](const PairLanes& at) { return matter.pressure_at(at) + bearable; },
       [&](const PairLanes& at) {
         return matter.x * matter.density * matter.cold_slope2 / (at * matter.filled);
       });
+  after.pressure = matter.pressure_at(density);
   const std::uint8_t lanes = bits_of_mask(asked), molten = bits_of_mask(melted);
   PairLanes opened = one;  // the share of a body that voids or cracks run through
   for (std::size_t l = 0; l < pair_lanes; ++l) {
@@ -420,15 +421,15 @@ Pressed pressed(const Bodies& bodies, const Group& g, const PairLanes& scale,
   const PairLanes none{};
   Matter matter(bodies, g, scale, sheared);
   Pressed after;
-  PairLanes strength, cracked, old_pressure;
+  PairLanes strength, cracks, old_pressure;  // cracks: damage of what is brittle
   for (std::size_t l = 0; l < pair_lanes; ++l) {
     const Index b = g.row[l];
     strength[l] = g.law[l]->strength;
     after.damage[l] = bodies.damage[b];
-    cracked[l] = g.law[l]->brittle() ? bodies.damage[b] : 0;
+    cracks[l] = g.law[l]->brittle() ? bodies.damage[b] : 0;
     old_pressure[l] = bodies.pressure[b];
   }
-  const PairMask parted = (after.damage >= 1.0) | melted | (cracked > 0.0);
+  const PairMask parted = (after.damage >= 1.0) | melted | (cracks > 0.0);
   // A body alone may be pulled more than its neighbours: the noise of pressure opens no voids.
   const PairLanes alone = larger(none, g.around - old_pressure);
   const PairLanes bearable = select(parted, none, (1.0 - after.damage) * strength + alone);
@@ -451,7 +452,7 @@ struct Settled {
 };
 
 Settled settle(Bodies& bodies, const Group& g) {
-  PairLanes hot{}, yields{}, shear{}, sheared{}, strained{};
+  PairLanes hot{}, yields{}, shear_speed2{}, sheared{}, strained{};
   Settled settled;
   Pressed after;
   bool rock = false;
@@ -496,10 +497,10 @@ Settled settle(Bodies& bodies, const Group& g) {
     settled.gained[l] = after.heat[l] - bodies.heat[b];
     bodies.heat[b] = after.heat[l];
     bodies.pressure[b] = after.pressure[l];
-    if (settled.scale[l] > 0) shear[l] = 4 * law.shear * g.stiffness[l] / (3 * law.density);
+    if (settled.scale[l] > 0) shear_speed2[l] = 4 * law.shear * g.stiffness[l] / (3 * law.density);
   }
   settled.pressure = after.pressure;
-  settled.sound_speed = square_root(after.sound_speed2 + shear);
+  settled.sound_speed = square_root(after.sound_speed2 + shear_speed2);
   return settled;
 }
 
@@ -523,7 +524,7 @@ SPALL_KERNEL(double, update_bodies,
   const double lattice = shape_of_lattice();
   double heat = 0;
   for (Index first = 0; first < bodies.owned; first += pair_lanes) {
-    // The last group is filled up by its last body, which comes to the same each time.
+    // The last group is filled up by its last body; what becomes of it there is not kept.
     std::array<Index, pair_lanes> row;
     const Index count = std::min<Index>(pair_lanes, bodies.owned - first);
     for (Index l = 0; l < static_cast<Index>(pair_lanes); ++l)

@@ -32,9 +32,9 @@ struct Elastoplastic final : Engine {
   std::vector<double> reach;        ///< m, up to which a body sees others of its piece
   std::vector<MotionRow> rows;
   std::vector<ShapeRow> shapes;
-  double fastest_pair2 = 0;  ///< 1/s^2, of neighbours of one piece, as `sweep_shapes` found it
   std::vector<ResponseRow> responses;
   std::vector<PushRow> forces;
+  double fastest_pair2 = 0;  ///< 1/s^2, of neighbours of one piece, as `sweep_shapes` found it last
 
   explicit Elastoplastic(std::vector<SolidLaw> of_materials, double of_spacing = 0)
       : laws(std::move(of_materials)), courant(of_spacing) {}

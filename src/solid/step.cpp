@@ -103,7 +103,7 @@ void update_pairs(World& world, Elastoplastic& engine) {
       engine.rows[world.bodies.owned + g].place += half_row(near.shifts[g], 0);
 }
 
-/// The sums of shapes at the present places.
+/// The sums of shapes at the present places, and the fastest neighbours.
 void find_shapes(Elastoplastic& engine) {
   std::fill(engine.shapes.begin(), engine.shapes.end(), ShapeRow{});
   engine.fastest_pair2 =
@@ -255,7 +255,7 @@ class Motion {
     StageTimer timer(world_.stages, "motion");
     take_positions(world_, engine_);
   }
-  /// s, that a part of a step may last from here, where pairs are current. Collective.
+  /// s, that a part of a step may last from here, where pairs and shapes are current. Collective.
   double longest() const { return longest_part(world_, engine_, velocities_); }
   /// Stress and answers of where bodies are. In steps of one length new stresses have worked for
   /// half of the time since the last ones, at an end of steps for none of it.
