@@ -294,10 +294,8 @@ double widest_gap(const ByPair<PenaltyLaw>& laws, double radius) {
 }
 
 bool resists_rolling(const ByPair<PenaltyLaw>& laws) {
-  bool any = false;
-  laws.for_each(
-      [&](const PenaltyLaw& law) { any |= law.friction > 0 && law.rolling_friction > 0; });
-  return any;
+  return laws.any(
+      [](const PenaltyLaw& law) { return law.friction > 0 && law.rolling_friction > 0; });
 }
 
 void check_penalty_step(const World& world, const ByPair<PenaltySettings>& settings, double h,

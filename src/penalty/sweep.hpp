@@ -10,6 +10,7 @@
 #include "penalty/adhesions.hpp"
 #include "penalty/laws.hpp"
 #include "penalty/touch_pairs.hpp"
+#include "state/contact_law.hpp"
 
 namespace spall {
 
@@ -39,10 +40,10 @@ inline void store_springs(const LaneVectors& v, unsigned lanes, std::size_t at, 
 }
 
 /// A law with all that a sweep asks of it at once; one for all lanes, or one for each.
-template <bool has_friction, bool has_rolling, template <class> class NormalOf, class Number>
+template <bool rubs, bool rolls, template <class> class NormalOf, class Number>
 struct ContactModel {
   using Normal = NormalOf<Number>;
-  static constexpr bool frictional = has_friction, rolling = has_rolling;
+  static constexpr bool frictional = rubs, rolling = rolls;
   LawConstants<Number> law;
   Normal normal;
   bool cohesive;  ///< somebody is
@@ -120,11 +121,11 @@ struct ContactModel {
 };
 
 /// Laws by pair of materials, looked up for each lane. Friction is everywhere, if only of none.
-template <bool has_rolling, template <class> class NormalOf>
+template <bool rolls, template <class> class NormalOf>
 struct ContactModels {
-  using Model = ContactModel<true, has_rolling, NormalOf, Lanes>;
+  using Model = ContactModel<true, rolls, NormalOf, Lanes>;
   using Normal = typename Model::Normal;
-  static constexpr bool frictional = true, rolling = has_rolling;
+  static constexpr bool frictional = true, rolling = rolls;
   const ByPair<PenaltyLaw>& laws;
   bool cohesive;
   double h;  ///< s
@@ -151,7 +152,7 @@ struct ContactModels {
     return Model(std::bit_cast<LawConstants<Lanes>>(lanes), cohesive, h);
   }
   /// That of all pairs of bodies of a material, of one law then.
-  ContactModel<true, has_rolling, NormalOf, double> of_material(std::int32_t material) const {
+  ContactModel<true, rolls, NormalOf, double> of_material(std::int32_t material) const {
     return {laws(material, material), cohesive, h};
   }
 };
@@ -159,11 +160,7 @@ struct ContactModels {
 /// Calls `f` with the model of the laws.
 template <template <class> class NormalOf, class F>
 auto with_normal_law(const ByPair<PenaltyLaw>& laws, double h, F&& f) {
-  bool friction = false, cohesion = false;
-  laws.for_each([&](const PenaltyLaw& law) {
-    friction |= law.friction > 0;
-    cohesion |= law.cohesion > 0;
-  });
+  const bool friction = has_friction(laws), cohesion = has_cohesion(laws);
   const bool rolling = resists_rolling(laws);
   if (!laws.uniform()) {
     if (!rolling) return f(ContactModels<false, NormalOf>{laws, cohesion, h});

@@ -39,12 +39,6 @@ void read_phase(Section& in, EngineSettings& settings) {
   settings.set(solver);
 }
 
-bool has_friction(const Surroundings& around) {
-  bool friction = false;
-  around.contact.for_each([&](const ContactLaw& law) { friction |= law.friction > 0; });
-  return friction;
-}
-
 void check(const Surroundings& around, std::span<const MaterialUse>, const EngineSettings& settings,
            const PhaseView& phase) {
   require(around.cylinders.empty() && !around.period.any(),
@@ -54,7 +48,7 @@ void check(const Surroundings& around, std::span<const MaterialUse>, const Engin
   const auto solver = settings.get<SolverSettings>();
   require(
       !needs_convex(solver.method) || solver.friction == FrictionModel::convex ||
-          !has_friction(around),
+          !has_friction(around.contact),
       "{}: solver.method = \"apgd\" and \"bb\" minimise: with friction between bodies they need "
       "solver.friction = \"convex\"",
       phase.place);
@@ -71,7 +65,7 @@ FieldSet fields(const Surroundings& around, const EngineSettings&) {
 std::string describe(const Surroundings& around, std::span<const MaterialUse>,
                      const EngineSettings& settings) {
   const auto solver = settings.get<SolverSettings>();
-  std::string text = has_friction(around) || !around.shapes.empty()
+  std::string text = has_friction(around.contact) || !around.shapes.empty()
                          ? ""
                          : "  no friction: one unknown a contact, no spins change\n";
   const SolverSettings usual;

@@ -68,18 +68,6 @@ struct ProblemData {
   }
 };
 
-bool has_cohesion(const World& world) {
-  bool any = false;
-  world.contact.for_each([&](const ContactLaw& law) { any |= law.cohesion > 0; });
-  return any;
-}
-
-bool has_friction(const World& world) {
-  bool any = false;
-  world.contact.for_each([&](const ContactLaw& law) { any |= law.friction > 0; });
-  return any;
-}
-
 /// m/s at which a pair that closes at `closing` over `gap` comes back to this gap after an impact
 /// with restitution `e`. Its relative acceleration `a` (negative: closing) speeds it up on the way
 /// to the surface and slows it down behind it. 0: it does not come back so far.
@@ -108,8 +96,8 @@ ProblemData pose(const World& world, const Contacts& contacts, const Push& push,
   ProblemData data;
   data.inverse_mass = inverse_masses(bodies);
   data.free_velocity.resize(contacts.size());
-  if (has_friction(world)) data.friction.resize(contacts.size());
-  if (has_cohesion(world)) data.cohesive_impulse.assign(contacts.size(), 0);
+  if (has_friction(world.contact)) data.friction.resize(contacts.size());
+  if (has_cohesion(world.contact)) data.cohesive_impulse.assign(contacts.size(), 0);
   data.levers = lever_arms(world, contacts);
   const GravityKick& kick = world.kick;
   // A kick closes the interval before it, which may have been longer.
@@ -238,7 +226,7 @@ void kick_by_impulses(World& world, const Contacts& contacts, const ProblemData&
   const double load = world.has_gravity() ? world.kick.load : 0;
   const bool turned = world.has_near_clumps();
   std::vector<double> closing_before;
-  const bool cohesive = has_cohesion(world);
+  const bool cohesive = has_cohesion(world.contact);
   auto closing = [&](Index c) {
     if (!contacts.spheres.empty())
       return contacts.normal[c].dot(contact_velocity(bodies, contacts, c));
@@ -365,10 +353,10 @@ void push_contacts(World& world, Rigid& rigid, Contacts& contacts, const Push& p
                 prescribed_accelerations(world, world.time - push.h, world.time + push.h));
   };
   ProblemData data = pose_step();
-  const int dimension = has_friction(world) || !world.shapes.empty() ? 3 : 1;
+  const int dimension = has_friction(world.contact) || !world.shapes.empty() ? 3 : 1;
   SolverSettings settings = rigid.solver;
   // Without friction both laws are one, and methods that minimise want it named so.
-  if (!has_friction(world)) settings.friction = FrictionModel::convex;
+  if (!has_friction(world.contact)) settings.friction = FrictionModel::convex;
   // A kick's step has impulses of the last one to be judged by; between kicks there are none.
   const bool met = world.comm.any(data.impact);
   settings.impact = met || kick.load > 0;

@@ -32,12 +32,11 @@ double bytes_a_body(const EngineType& engine, const Surroundings& around, double
   static constexpr std::array uses{Use{&rigid_engine, 830, 360, 190},
                                    Use{&potential_engine, 800, 0, 0},
                                    Use{&penalty_engine, 900, 0, 0}, Use{&solid_engine, 2000, 0, 0}};
-  bool friction = false;
-  around.contact.for_each([&](const ContactLaw& law) { friction |= law.friction > 0; });
   const auto found = std::ranges::find(uses, &engine, &Use::engine);
   const Use& use = found == uses.end() ? uses.front() : *found;
   if (around.shapes.empty())
-    return use.body + contacts * (friction ? use.contact : use.contact_without_friction);
+    return use.body +
+           contacts * (has_friction(around.contact) ? use.contact : use.contact_without_friction);
   std::size_t most = 0;
   for (const BodyShape& shape : around.shapes) most = std::max(most, shape.spheres.size());
   if (&engine == &penalty_engine)  // a sphere of a clump is a row like a body

@@ -31,6 +31,16 @@ struct Cohesion {
 };
 Cohesion cohesion_of(const Solid& solid, const Lattice& lattice, const std::string& place);
 
+/// Whether bodies of some materials rub.
+template <class Law>
+bool has_friction(const ByPair<Law>& laws) {
+  return laws.any([](const Law& law) { return law.friction > 0; });
+}
+/// Whether bodies of some materials hold together.
+template <class Law>
+bool has_cohesion(const ByPair<Law>& laws) {
+  return laws.any([](const Law& law) { return law.cohesion > 0; });
+}
 /// Another cohesion (N) for all pairs that have the default's.
 void set_cohesion(ByPair<ContactLaw>& laws, double cohesion);
 
