@@ -137,7 +137,7 @@ void compare_forces(const Comm& comm, const std::string& dump, double h, Lab& wo
 }  // namespace
 
 int main(int argc, char** argv) {
-  Session session(argc, argv);
+  Session session;
   const Comm comm = session.world();
   try {
     require(argc == 5 || argc == 6,

@@ -218,7 +218,7 @@ void run(const Comm& comm, const std::string& name, std::size_t count) {
 }  // namespace spall
 
 int main(int argc, char** argv) {
-  spall::Session session(argc, argv);
+  spall::Session session;
   try {
     spall::require(argc == 3, "usage: bench_gravity ball|plummer|pile BODIES");
     spall::run(session.world(), argv[1], std::stoul(argv[2]));

@@ -51,7 +51,7 @@ Outcome impact(const Comm& comm, const RestartState& state, const SolverSettings
 }  // namespace
 
 int main(int argc, char** argv) {
-  Session session(argc, argv);
+  Session session;
   const Comm comm = session.world();
   try {
     require(argc >= 2,

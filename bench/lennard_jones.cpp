@@ -78,7 +78,7 @@ void write_data(const std::string& path, double scale) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  Session session(argc, argv);
+  Session session;
   const Comm comm = session.world();
   try {
     require(argc >= 4,

@@ -71,7 +71,7 @@ void measure(const Comm& comm, const std::string& age, double step, const State&
 }  // namespace
 
 int main(int argc, char** argv) {
-  Session session(argc, argv);
+  Session session;
   const Comm comm = session.world();
   try {
     if (comm.rank == 0) fmt::print("age,friction,way,products,E\n");

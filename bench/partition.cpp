@@ -97,7 +97,7 @@ void measure(const Comm& comm, const Shape& shape, int n, Cut by) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  Session session(argc, argv);
+  Session session;
   const int n = argc > 1 ? std::atoi(argv[1]) : 40;
   for (const Shape& shape : shapes)
     for (Cut by : {Cut::bisection, Cut::metis}) measure(session.world(), shape, n, by);

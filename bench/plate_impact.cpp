@@ -10,7 +10,7 @@
 
 int main(int argc, char** argv) {
   using namespace spall;
-  Session session(argc, argv);
+  Session session;
   const Comm comm = session.world();
   try {
     require(argc == 7, "usage: bench_plate_impact MATERIALS FLYER TARGET SPEED SEED LENGTH");

@@ -116,7 +116,7 @@ void measure_gravity(const Comm& comm, std::int64_t count) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  Session session(argc, argv);
+  Session session;
   const Comm comm = session.world();
   try {
     require(argc == 2, "usage: bench_scaling lattice|nucleus|plate|gravity");

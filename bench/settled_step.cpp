@@ -57,7 +57,7 @@ void measure(const Comm& comm, const RestartState& state, double h, double toler
 }  // namespace
 
 int main(int argc, char** argv) {
-  Session session(argc, argv);
+  Session session;
   const Comm comm = session.world();
   try {
     require(argc == 2, "usage: bench_settled_step out/didymoon/after_aggregation.h5");

@@ -151,7 +151,7 @@ void tension(const Comm& comm, const Sample& m, const std::string& orientation) 
 }  // namespace
 
 int main(int argc, char** argv) {
-  Session session(argc, argv);
+  Session session;
   const Comm comm = session.world();
   try {
     require(argc >= 5,

@@ -57,7 +57,7 @@ void measure(const Comm& comm, const BenchScene& scene, const State& state) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  Session session(argc, argv);
+  Session session;
   const Comm comm = session.world();
   try {
     if (comm.rank == 0)

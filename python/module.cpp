@@ -26,11 +26,7 @@ std::optional<Session>& session() {
 
 /// Begins MPI where the program, such as mpi4py, has not.
 Comm world() {
-  if (!session()) {
-    int argc = 0;
-    char** argv = nullptr;
-    session().emplace(argc, argv);
-  }
+  if (!session()) session().emplace();
   return session()->world();
 }
 

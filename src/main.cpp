@@ -284,7 +284,7 @@ int main(int argc, char** argv) {
     return become_script(name + ".py", {argv + 2, argv + argc});
   std::optional<spall::Session> session;  // outlives the try, as it says
   try {
-    session.emplace(argc, argv);
+    session.emplace();
     return dispatch(session->world(), argc, argv);
   } catch (const std::exception& error) {
     spall::Session::abort_all(error.what());

@@ -13,7 +13,7 @@ spall::Comm spall::testing_world() {
 }
 
 int main(int argc, char** argv) {
-  spall::Session session(argc, argv);
+  spall::Session session;
   the_world = session.world();
   ::testing::InitGoogleTest(&argc, argv);
   if (the_world.rank != 0) {

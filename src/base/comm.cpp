@@ -276,10 +276,7 @@ ByRank<std::int64_t> Comm::exchange(ByRank<std::int64_t> outgoing) const {
   return exchange_rows(*this, std::move(outgoing));
 }
 
-Session::Session(int& argc, char**& argv) {
-  // PETSc reads its options from PETSC_OPTIONS alone: the command line is ours.
-  (void)argc;
-  (void)argv;
+Session::Session() {
   // Open MPI's own MPI-IO leaves ranks waiting where the write of one fails; ROMIO tells all.
   setenv("OMPI_MCA_io", "romio321", 0);
   if (PetscInitialize(nullptr, nullptr, nullptr, nullptr) != 0) std::abort();

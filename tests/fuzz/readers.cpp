@@ -97,8 +97,8 @@ void (*reader)(const std::string&) = nullptr;
 }  // namespace
 }  // namespace spall
 
-extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv) {
-  static spall::Session session(*argc, *argv);
+extern "C" int LLVMFuzzerInitialize(int*, char***) {
+  static spall::Session session;
   spall::reader = spall::readers.at(std::getenv("SPALL_READER"));
   spall::folder = "/dev/shm/spall_fuzz_" + std::to_string(getpid());
   std::filesystem::create_directories(spall::folder);

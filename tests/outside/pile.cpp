@@ -2,8 +2,8 @@
 #include <cstdio>
 #include <spall/spall.hpp>
 
-int main(int argc, char** argv) {
-  spall::Session session(argc, argv);
+int main() {
+  spall::Session session;
   spall::Scene scene = spall::Scene::from_text(R"(
 [materials.rock]
 density = "2000 kg/m^3"
