@@ -233,6 +233,15 @@ TEST(Simulation, a_check_counts_the_spheres_of_a_program) {
   const std::string row = "of the program           5              0.5 to 1";
   EXPECT_NE(text.find(row), std::string::npos) << text;
   EXPECT_NE(text.find("1 fixed\n\n  5 bodies, at most about"), std::string::npos) << text;
+  EXPECT_NE(text.find("  no self-gravity\n"), std::string::npos) << text;
+}
+
+TEST(Simulation, a_check_tells_how_gravity_is_summed) {
+  const Scene scene =
+      four("[gravity]\nmethod = \"auto\"\n" + rock + phase("step = 1\nduration = 1\n"));
+  const std::string text = check_case(testing_world(), *scene.parts());
+  const std::string line = "\n  self-gravity: exact sum over the pairs of 4 bodies (automatic)\n";
+  EXPECT_NE(text.find(line), std::string::npos) << text;
 }
 
 TEST(Simulation, what_a_case_is_refused_for_is_refused_with_spheres_of_a_program) {

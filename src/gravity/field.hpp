@@ -38,7 +38,7 @@ GravityField evaluate_gravity_at(const Comm& comm, const GravitySettings& settin
 /// the time of the exact sum. Other methods are returned as they are.
 GravityMethod choose_gravity(const GravitySettings& settings, std::int64_t bodies);
 
-/// The chosen method in words, for the log of a run.
+/// The chosen method in words.
 std::string describe_gravity(const GravitySettings& settings, std::int64_t bodies);
 
 /// Of some bodies; of all, the sums of what ranks have, and the fastest.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "gravity/field.hpp"
 #include "scene/consistency.hpp"
 #include "scene/engines.hpp"
 #include "scene/materials.hpp"
@@ -124,11 +125,16 @@ std::string describe_bodies(const Case& scene, int ranks, double bytes_of_progra
 std::string describe_phases(const Case& scene, const std::vector<GroupContent>& contents) {
   std::string text;
   const ByPair<ContactLaw>& contact = scene.contact;
-  const auto has_cohesion = [](const Phase& phase) { return phase.cohesion.value_or(0) > 0; };
-  bool cohesive = false;
-  contact.for_each([&](const ContactLaw& law) { cohesive |= law.cohesion > 0; });
-  if (!cohesive && std::ranges::none_of(scene.phases, has_cohesion)) text += "  no cohesion\n";
-  if (scene.gravity.method == GravityMethod::none) text += "  no self-gravity\n";
+  const auto sticks = [](const Phase& phase) { return phase.cohesion.value_or(0) > 0; };
+  if (!has_cohesion(contact) && std::ranges::none_of(scene.phases, sticks))
+    text += "  no cohesion\n";
+  if (scene.gravity.method == GravityMethod::none) {
+    text += "  no self-gravity\n";
+  } else {
+    std::int64_t bodies = std::ssize(scene.spheres);
+    for (const GroupContent& content : contents) bodies += content.count;
+    text += "  self-gravity: " + describe_gravity(scene.gravity, bodies) + "\n";
+  }
   if (!scene.contact_of.empty())
     text += fmt::format(
         "  contacts from {}: cohesion {:.4g} N up to a gap of {:.3g} m, friction {:.3g}\n",
