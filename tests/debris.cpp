@@ -18,6 +18,7 @@ Case scene(const std::string& velocity = "[0, 0, -6000]", const std::string& mor
 [materials.al.solid]
 density = 2700
 melt_energy = "1 MJ/kg"
+sublimation_energy = "9 MJ/kg"
 [[groups]]
 name = "plate"
 material = "al"
@@ -153,7 +154,7 @@ TEST(Debris, speeds_masses_and_extents_are_those_of_the_cloud) {
   // A column of 101 pieces of each kind, of speeds 0 to 5000, 10 to 110 m behind the plate.
   for (int k = 0; k <= 100; ++k) {
     const double z = -4 - 10 - k;
-    all.push_back({1, 2, {0, 0, z}, {0, 30.0 * k, -50.0 * k}, k < 25 ? 3e6 : 1e6});
+    all.push_back({1, 2, {0, 0, z}, {0, 30.0 * k, -50.0 * k}, k < 10 ? 2e7 : k < 25 ? 3e6 : 1e6});
     all.push_back({0, 1, {3, 4, z}, {0, 0, -50.0 * k}, 2e6});
   }
   all.push_back({0, 7, {0, 0, 20}, {0, 0, 100}});  // ejecta
@@ -169,6 +170,8 @@ TEST(Debris, speeds_masses_and_extents_are_those_of_the_cloud) {
   EXPECT_NEAR(c.plate_mass, 101, 1e-9);
   EXPECT_NEAR(c.projectile_melted, 25. / 101, 1e-12);
   EXPECT_NEAR(c.plate_melted, 1, 1e-12);
+  EXPECT_NEAR(c.projectile_vapour, 10. / 101, 1e-12);
+  EXPECT_EQ(c.plate_vapour, 0);
   EXPECT_NEAR(c.ejecta_mass, 7, 1e-12);
   EXPECT_NEAR(c.ejecta_momentum, -700, 1e-9);
   // Speeds across: 0 to 3000 of 202 kg, 0 of 101 kg: 99 % of 303 kg is the 98.5th of 101 steps.
@@ -182,10 +185,14 @@ TEST(Debris, melts_by_its_own_material_where_that_is_known) {
   t.melt_energy = {1e6, 3e6};
   EXPECT_EQ(measure_cloud(comm, bodies_of(comm, all), t, 1).projectile_melted, 1);
   EXPECT_EQ(measure_cloud(comm, bodies_of(comm, all), t, 1).plate_melted, 0);
+  t.sublimation_energy = {0, 1.5e6};
+  EXPECT_TRUE(std::isnan(measure_cloud(comm, bodies_of(comm, all), t, 1).projectile_vapour));
+  EXPECT_EQ(measure_cloud(comm, bodies_of(comm, all), t, 1).plate_vapour, 1);
   const Target of_two =
       target_of(parse_case(scene().text + "[materials.cu.solid]\ndensity = 8930\n", "x.toml",
                            {"groups.ball.material=cu"}));
   EXPECT_EQ(of_two.melt_energy, (std::array{0.0, 1e6}));
+  EXPECT_EQ(of_two.sublimation_energy, (std::array{0.0, 9e6}));
   const Cloud cloud = measure_cloud(comm, bodies_of(comm, all), of_two, 1);
   EXPECT_TRUE(std::isnan(cloud.projectile_melted));
   EXPECT_EQ(cloud.plate_melted, 1);

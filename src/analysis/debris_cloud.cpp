@@ -240,7 +240,8 @@ Target find_target(const Case& scene, const DebrisPlate& measured) {
   t.density = scene.materials[ball.material].density;
   for (std::size_t k = 0; const Group* group : {&ball, &plate}) {
     const auto& solid = scene.materials[group->material].solid;
-    t.melt_energy[k++] = solid ? solid->melt_energy : 0;
+    t.melt_energy[k] = solid ? solid->melt_energy : 0;
+    t.sublimation_energy[k++] = solid ? solid->sublimation_energy : 0;
   }
 
   // Along the flight to the plate's middle; from there straight to its rear face.
@@ -261,45 +262,51 @@ Target find_target(const Case& scene, const DebrisPlate& measured) {
 Cloud measure_cloud(const Comm& comm, const Bodies& bodies, const Target& target, double time) {
   Cloud cloud{.time = time};
   std::vector<Sample> samples{{0.99}, {0.01}, {0.99}, {0.01}, {0.99}, {0.99}, {0.5}};
-  // By origin, projectile then plate: mass, momentum, molten mass; ejecta; what is left.
-  std::array<double, 10> sums{};
+  struct Part {
+    double mass = 0, momentum = 0, melted = 0, vapour = 0;  // kg, kg m/s, kg, kg
+  };
+  std::array<Part, 4> parts;
+  const auto& [projectile, plate, ejecta, left] = parts;
   for_each_body(bodies, target, [&](Index b, const Flight& f) {
     const double m = bodies.mass[b];
-    const bool of_plate = bodies.group[b] == target.plate;
-    if (of_plate) samples.back().values.emplace_back(f.depth, m);
+    const std::size_t origin = bodies.group[b] == target.plate ? 1 : 0;
+    const auto add = [&](Part& part) {
+      part.mass += m;
+      part.momentum += m * f.axial;
+      if (!bodies.has(Field::heat)) return;
+      if (bodies.heat[b] > target.melt_energy[origin] * m) part.melted += m;
+      if (bodies.heat[b] > target.sublimation_energy[origin] * m) part.vapour += m;
+    };
+    if (origin == 1) samples.back().values.emplace_back(f.depth, m);
     if (is_debris(target, f)) {
       const double values[] = {f.axial, f.axial, f.radial, f.depth, f.depth, f.radius};
       for (std::size_t s = 0; s < std::size(values); ++s)
         samples[s].values.emplace_back(values[s], m);
-      double* const origin = &sums[of_plate ? 3 : 0];
-      origin[0] += m;
-      origin[1] += m * f.axial;
-      if (bodies.has(Field::heat) && bodies.heat[b] > target.melt_energy[of_plate ? 1 : 0] * m)
-        origin[2] += m;
+      add(parts[origin]);
     } else if (f.depth < -target.thickness - target.clearance() && f.axial < 0) {
-      sums[6] += m;
-      sums[7] += m * f.axial;
-    } else if (of_plate) {
-      sums[8] += m;
-      sums[9] += m * f.axial;
+      add(parts[2]);
+    } else if (origin == 1) {
+      add(parts[3]);
     }
   });
-  comm.sum(sums);
-  const auto part = [](double of, double all) { return all > 0 ? of / all : 0; };
-  const auto melted = [&](int origin) {
-    const bool known = bodies.has(Field::heat) && target.melt_energy[origin] > 0;
-    return known ? part(sums[3 * origin + 2], sums[3 * origin]) : std::nan("");
+  comm.sum(std::span(&parts[0].mass, parts.size() * sizeof(Part) / sizeof(double)));
+  const auto share = [](double of, double all) { return all > 0 ? of / all : 0; };
+  const auto hotter = [&](double of, double all, double than) {
+    return bodies.has(Field::heat) && than > 0 ? share(of, all) : std::nan("");
   };
-  cloud.projectile_mass = sums[0];
-  cloud.projectile_momentum = sums[1];
-  cloud.projectile_melted = melted(0);
-  cloud.plate_mass = sums[3];
-  cloud.plate_momentum = sums[4];
-  cloud.plate_melted = melted(1);
-  cloud.ejecta_mass = sums[6];
-  cloud.ejecta_momentum = sums[7];
-  cloud.centre = part(sums[1] + sums[4], sums[0] + sums[3]);
-  cloud.plate_speed = part(sums[9], sums[8]);
+  cloud.projectile_mass = projectile.mass;
+  cloud.projectile_momentum = projectile.momentum;
+  cloud.projectile_melted = hotter(projectile.melted, projectile.mass, target.melt_energy[0]);
+  cloud.projectile_vapour =
+      hotter(projectile.vapour, projectile.mass, target.sublimation_energy[0]);
+  cloud.plate_mass = plate.mass;
+  cloud.plate_momentum = plate.momentum;
+  cloud.plate_melted = hotter(plate.melted, plate.mass, target.melt_energy[1]);
+  cloud.plate_vapour = hotter(plate.vapour, plate.mass, target.sublimation_energy[1]);
+  cloud.ejecta_mass = ejecta.mass;
+  cloud.ejecta_momentum = ejecta.momentum;
+  cloud.centre = share(projectile.momentum + plate.momentum, projectile.mass + plate.mass);
+  cloud.plate_speed = share(left.momentum, left.mass);
   const std::vector<double> p = percentiles(comm, std::move(samples));
   cloud.front = p[0];
   cloud.rear = p[1];

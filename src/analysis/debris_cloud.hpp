@@ -28,7 +28,8 @@ struct Target {
   double area = 0;           ///< m^2, of the plate
   double areal_density = 0;  ///< kg/m^2, of the plate; by its material until it is weighed
   double density = 0;        ///< kg/m^3, of the projectile's solid
-  std::array<double, 2> melt_energy{};  ///< J/kg, of projectile and plate; 0: not known
+  /// J/kg from room temperature, of projectile and plate; 0: not known.
+  std::array<double, 2> melt_energy{}, sublimation_energy{};
 
   /// m: what is farther from the plate has left it.
   double clearance() const { return diameter / 4; }
@@ -49,6 +50,7 @@ struct Cloud {
   double projectile_mass = 0, plate_mass = 0;          ///< kg, in the debris
   double projectile_momentum = 0, plate_momentum = 0;  ///< kg m/s along the normal
   double projectile_melted = 0, plate_melted = 0;      ///< of these masses; NaN: not known
+  double projectile_vapour = 0, plate_vapour = 0;      ///< the same
   double ejecta_mass = 0, ejecta_momentum = 0;  ///< more than D/4 before the plate, flying back
   double hole = 0, hole_spread = 0;  ///< m: where the plate has half of its areal density, mean and
                                      ///< standard deviation over twelve sectors
@@ -74,8 +76,11 @@ void for_each_column(CloudLike& c, F&& f) {
   f("plate_mass", c.plate_mass, "kg", "of the plate");
   f("projectile_momentum", c.projectile_momentum, "kg m/s", "");
   f("plate_momentum", c.plate_momentum, "kg m/s", "");
-  f("projectile_melted", c.projectile_melted, "", "part of that mass hotter than melt_energy");
+  f("projectile_melted", c.projectile_melted, "",
+    "part of that mass with more heat than melt_energy");
   f("plate_melted", c.plate_melted, "", "nan: no melt_energy, or a method without heat");
+  f("projectile_vapour", c.projectile_vapour, "", "part with more heat than sublimation_energy");
+  f("plate_vapour", c.plate_vapour, "", "nan as above");
   f("ejecta_mass", c.ejecta_mass, "kg", "before the plate, flying back");
   f("ejecta_momentum", c.ejecta_momentum, "kg m/s", "");
   f("hole", c.hole, "m", "diameter at half of the areal density");

@@ -38,8 +38,8 @@ void read_solid(Section& in, Solid& solid) {
   in.take("melting_point", "", solid.melting_point, positive(dimension::temperature));
   in.take("melt_energy", "from room temperature to liquid", solid.melt_energy,
           positive(specific_energy));
-  in.take("sublimation_energy", "from solid to vapour", solid.sublimation_energy,
-          positive(specific_energy));
+  in.take("sublimation_energy", "its enthalpy: debris with more heat is vapour",
+          solid.sublimation_energy, positive(specific_energy));
   JohnsonCook& jc = solid.johnson_cook;
   in.take("johnson_cook_a", "A of its flow stress (A + B eps^n)(1 + C ln rate)(1 - T*^m)", jc.a,
           positive(pressure));

@@ -89,7 +89,7 @@ struct Solid {
   double specific_heat = 0;       ///< J/(kg K)
   double melting_point = 0;       ///< K
   double melt_energy = 0;         ///< J/kg, from room temperature to liquid
-  double sublimation_energy = 0;  ///< J/kg
+  double sublimation_energy = 0;  ///< J/kg, enthalpy of sublimation
   JohnsonCook johnson_cook;
   SteinbergGuinan steinberg = {};
   Weibull weibull = {};
