@@ -21,7 +21,7 @@ SPEEDS = [3000, 4000, 5000, 6680, 8000]  # m/s
 
 
 def results_of(case, folder, options, changes=()):
-    spall("run", case, "--out", folder, changes=changes, ranks=options.ranks,
+    spall("run", case, "--out", folder, "--overwrite", changes=changes, ranks=options.ranks,
           program=options.program)
     return tomllib.loads((folder / "results.toml").read_text())
 

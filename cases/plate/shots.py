@@ -65,7 +65,7 @@ def run(options, name, seed):
                f"output.snapshot_every={duration / 7 if options.pictures else duration}"]
     folder = ROOT / "out/plate" / (f"{name}-{speed:g}-{options.across:g}-{options.width:g}-"
                                    f"{1e6 * duration:g}us-{seed}")
-    spall("run", HERE / "case.toml", "--out", folder, changes=changes + options.set,
+    spall("run", HERE / "case.toml", "--out", folder, "--overwrite", changes=changes + options.set,
           ranks=options.ranks, program=options.program)
     if options.pictures:
         spall("report", folder, program=options.program)

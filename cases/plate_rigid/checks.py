@@ -40,8 +40,8 @@ def run(options, part):
                "solver.max_iterations=3000", f"phases.impact.step={step}",
                "output.series_every=0",
                "output.snapshot_every=1"]
-    spall("run", HERE / "case.toml", "--out", folder, changes=changes, ranks=options.ranks,
-          program=options.program)
+    spall("run", HERE / "case.toml", "--out", folder, "--overwrite", changes=changes,
+          ranks=options.ranks, program=options.program)
     results = tomllib.loads((folder / "results.toml").read_text())
     with (folder / "series.csv").open() as file:
         series = list(csv.DictReader(file))
