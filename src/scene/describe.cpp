@@ -92,6 +92,12 @@ std::vector<std::string> other_densities(const Case& scene) {
   return told;
 }
 
+std::int64_t count_bodies(const Case& scene, const std::vector<GroupContent>& contents) {
+  std::int64_t all = std::ssize(scene.spheres);
+  for (const GroupContent& content : contents) all += content.count;
+  return all;
+}
+
 }  // namespace
 
 double bytes_of_a_rank(const Case& scene, const std::vector<GroupContent>& contents, int ranks,
@@ -110,13 +116,10 @@ std::string describe_bodies(const Case& scene, int ranks, double bytes_of_progra
   text += fmt::format("  {:<16}{:>10}{:>22}{:>14}{:>14}{:>10}\n", "group", "bodies", "radius (m)",
                       "mean (kg)", "all (kg)", "filled");
   const std::vector<GroupContent> contents = measure_groups(scene);
-  std::int64_t all = 0;
-  for (std::size_t g = 0; g < contents.size(); ++g) {
+  for (std::size_t g = 0; g < contents.size(); ++g)
     text += describe_group(scene.groups[g], contents[g]);
-    all += contents[g].count;
-  }
   if (!scene.spheres.empty()) text += describe_spheres(scene.spheres);
-  all += std::ssize(scene.spheres);
+  const std::int64_t all = count_bodies(scene, contents);
   return text + fmt::format("\n  {} bodies, at most about {:.3g} MB a rank on {} rank{}\n", all,
                             1e-6 * bytes_of_a_rank(scene, contents, ranks, bytes_of_program), ranks,
                             ranks == 1 ? "" : "s");
@@ -131,9 +134,8 @@ std::string describe_phases(const Case& scene, const std::vector<GroupContent>& 
   if (scene.gravity.method == GravityMethod::none) {
     text += "  no self-gravity\n";
   } else {
-    std::int64_t bodies = std::ssize(scene.spheres);
-    for (const GroupContent& content : contents) bodies += content.count;
-    text += "  self-gravity: " + describe_gravity(scene.gravity, bodies) + "\n";
+    text +=
+        "  self-gravity: " + describe_gravity(scene.gravity, count_bodies(scene, contents)) + "\n";
   }
   if (!scene.contact_of.empty())
     text += fmt::format(

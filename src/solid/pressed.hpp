@@ -1,0 +1,257 @@
+// The pressure of some bodies at the end of a step: cold curve, heat, pores, voids.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "solid/law.hpp"
+#include "solid/rows.hpp"
+#include "spall/bodies.hpp"
+
+namespace spall {
+
+/// How dense matter between voids may be, of what it is without them or at rest; the error (of the
+/// bulk modulus) at which the search for it ends.
+inline constexpr double most_matter = 2, tension_error = 1e-12;
+/// Of the pressure at which no pores are left.
+inline constexpr double crushing_error = 1e-9;
+
+/// Some bodies between their trial and their final state; the last ones may be the same body. The
+/// trial stress of rock is that of what is intact.
+struct Group {
+  std::array<Index, pair_lanes> row;
+  std::array<const SolidLaw*, pair_lanes> law;
+  Index count;  ///< that are not
+  double h;
+  double late;  ///< s, over which new stresses have worked
+  PairLanes compression, volume, rest_volume;
+  PairLanes stiffness;    ///< of their shear moduli at rest
+  PairLanes mises;        ///< Pa, of the trial stress
+  PairLanes around;       ///< Pa, mean of a body's pressure and that of its neighbours, before
+  PairLanes sliding;      ///< Pa, von Mises' stress on cracks if they did not slide, at most
+  PairLanes intact;       ///< the old stress of what is intact, of the body's
+  PairLanes gained;       ///< J, by the power of old stresses
+  PairLanes growth;       ///< tr L, 1/s
+  PairLanes shear_power;  ///< s : L, W/m^3, of the trial stress
+};
+
+/// Matter of some bodies, which fills their volume but for pores and voids, at the end of a step.
+/// Of their trial deviator the share `scale` is left, with the energy `sheared` (J).
+struct Matter {
+  const Group& group;
+  PairLanes gruneisen, bulk, density, filled;  ///< as of a `SolidLaw`
+  PairLanes x;                ///< the density it has where it fills all, of that at rest
+  PairLanes rest_volume;      ///< m^3
+  PairLanes before, sheared;  ///< J: all but the work of its pressure; of shear
+  PairLanes works;            ///< m^3, over which the pressure works
+  /// As `ColdCurve::State`, at the density that `pressure_at` was asked for last.
+  PairLanes cold_pressure, cold_energy, cold_slope2;
+
+  Matter(const Bodies& bodies, const Group& g, const PairLanes& scale, const PairLanes& of_shear)
+      : group(g), sheared(of_shear) {
+    PairLanes energy;
+    for (std::size_t l = 0; l < pair_lanes; ++l) {
+      const SolidLaw& law = *g.law[l];
+      gruneisen[l] = law.gruneisen;
+      bulk[l] = law.bulk;
+      density[l] = law.density;
+      filled[l] = law.filled;
+      energy[l] = bodies.internal_energy[g.row[l]];
+    }
+    x = g.compression * filled;
+    rest_volume = g.rest_volume * filled;
+    const PairLanes acts = g.late * g.volume;
+    works = acts * g.growth;
+    before = energy + g.gained + acts * scale * g.shear_power;
+  }
+
+  /// Pa, of bodies in which it has this density, of that at rest: P_c + Gamma rho Q, the share of
+  /// it; Q depends on the work of P.
+  PairLanes pressure_at(const PairLanes& at) {
+    for (std::size_t l = 0; l < pair_lanes; ++l) {
+      const ColdCurve::State cold = group.law[l]->cold.at(at[l]);
+      cold_pressure[l] = cold.pressure;
+      cold_energy[l] = cold.energy;
+      cold_slope2[l] = cold.slope2;
+    }
+    const PairLanes share = x / at;
+    const PairLanes per_heat = share * gruneisen / rest_volume * smaller(spread_pairs(1), at);
+    const PairLanes given = before - rest_volume * cold_energy - sheared;
+    return (share * cold_pressure + per_heat * given) / (1.0 + per_heat * works);
+  }
+};
+
+inline PairLanes magnitude_of(const PairLanes& v) {
+  return larger(v, -v);
+}
+
+/// Where `over(at)`, negative at `low` and positive at `high`, is at most `error`, in the lanes
+/// that are asked for; others stay where they are. Newton's steps by its `slope(at)`, or a half of
+/// the bracket where they leave it or shrink too slowly.
+template <class F, class G>
+PairLanes root_within(const PairMask& asked, PairLanes low, PairLanes high, PairLanes at,
+                      const PairLanes& error, F&& over, G&& slope) {
+  PairLanes last = high - low;
+  for (int iteration = 0; iteration < 100; ++iteration) {
+    const PairLanes value = over(at);
+    const PairMask off = asked & (magnitude_of(value) > error);
+    if (!any_lane(off)) break;
+    low = select(value < 0.0, at, low);
+    high = select(value < 0.0, high, at);
+    const PairLanes next = at - value / slope(at), half = 0.5 * (low + high);
+    const PairMask good = (next > low) & (next < high) & (magnitude_of(next - at) <= 0.5 * last);
+    const PairLanes from = std::exchange(at, select(off, select(good, next, half), at));
+    last = magnitude_of(at - from);
+  }
+  return at;
+}
+
+/// The pores of some bodies.
+struct PoreLanes {
+  PairLanes distension, elastic, compacted;  ///< as in `Pores`
+
+  explicit PoreLanes(const std::array<const SolidLaw*, pair_lanes>& law) {
+    for (std::size_t l = 0; l < pair_lanes; ++l) {
+      distension[l] = law[l]->pores.distension;
+      elastic[l] = law[l]->pores.elastic;
+      compacted[l] = law[l]->pores.compacted;
+    }
+  }
+  /// alpha, where they have been crushed so far.
+  PairLanes alpha(const PairLanes& crushed) const { return distension_of(distension, crushed); }
+  /// Pa, that crushes them further.
+  PairLanes crushing_pressure(const PairLanes& crushed) const {
+    return elastic + crushed * (compacted - elastic);
+  }
+  /// How far those that are asked for are crushed once what is left of them bears the pressure.
+  PairLanes crushed_by(const PairMask& asked, const PairLanes& crushed, Matter& matter) const {
+    const PairLanes all = spread_pairs(1);
+    const PairMask partly = asked & (matter.pressure_at(matter.x) < compacted);
+    const PairLanes found = root_within(
+        partly, crushed, all, crushed, crushing_error * compacted,
+        // Pressure falls, as pores close, and what crushes them grows.
+        [&](const PairLanes& at) {
+          return crushing_pressure(at) - matter.pressure_at(matter.x * alpha(at));
+        },
+        [&](const PairLanes& at) {
+          const PairLanes stiffness = matter.bulk * distension / (alpha(at) * alpha(at));
+          return 2.0 * stiffness * (distension - 1.0) * (1.0 - at) + compacted - elastic;
+        });
+    return select(asked, select(partly, found, all), crushed);
+  }
+};
+
+/// The damage of rock whose pores have been crushed: D^(1/3) grows by that of the share of pores
+/// that are closed (Jutzi, Benz & Michel, Icarus 198 (2008) 242).
+inline double crushed_damage(const SolidLaw& law, double damage, double before, double after) {
+  const auto closed = [&](double crushed) {
+    return std::cbrt(1 - (law.distension(crushed) - 1) / (law.pores.distension - 1));
+  };
+  const double grown = std::cbrt(damage) + closed(after) - closed(before);
+  return std::min(1.0, grown * grown * grown);
+}
+
+/// Pressure and energy of some bodies at the end of a step.
+struct Pressed {
+  PairLanes pressure{};
+  PairLanes energy{}, heat{};  ///< J
+  PairLanes sound_speed2{};    ///< (m/s)^2, of the bulk
+  PairLanes damage{}, crushed{};
+};
+
+/// Crushes pores where `after` has more pressure than they bear. Returns the density of matter, of
+/// that at rest, without voids.
+inline PairLanes crush(const Bodies& bodies, Matter& matter, Pressed& after) {
+  const Group& g = matter.group;
+  const auto has_pores = [](const SolidLaw* law) { return law->pores.any(); };
+  if (std::ranges::none_of(g.law, has_pores)) return matter.x;
+  const PoreLanes pores(g.law);
+  PairLanes crushed{}, crushes{};
+  for (std::size_t l = 0; l < pair_lanes; ++l) {
+    if (!has_pores(g.law[l])) continue;
+    crushed[l] = bodies.crushed[g.row[l]];
+    crushes[l] = g.law[l]->yields;
+  }
+  const PairLanes open = matter.x * pores.alpha(crushed);
+  const PairMask asked = (crushes > 0.0) & (open > matter.x) &
+                         (matter.pressure_at(open) > pores.crushing_pressure(crushed));
+  after.crushed = any_lane(asked) ? pores.crushed_by(asked, crushed, matter) : crushed;
+  for (std::size_t l = 0; l < pair_lanes; ++l)
+    if (g.law[l]->brittle() && after.crushed[l] > crushed[l])
+      after.damage[l] = crushed_damage(*g.law[l], after.damage[l], crushed[l], after.crushed[l]);
+  return matter.x * pores.alpha(after.crushed);
+}
+
+/// Opens voids in bodies that are asked for until they are pulled no more than is `bearable` (Pa).
+/// `least`: the density of matter, of that at rest, without them.
+inline void open_voids(const PairMask& asked, const PairMask& melted, const PairLanes& bearable,
+                       const PairLanes& least, Matter& matter, Pressed& after) {
+  const Group& g = matter.group;
+  const PairLanes one = spread_pairs(1);
+  const PairLanes whole_pressure = after.pressure, whole_energy = matter.cold_energy;
+  // Matter between voids is less stretched: cold it is hardly so, hot it bears pressure before.
+  // Where it is found if the cold curve is straight:
+  const PairLanes heated = matter.gruneisen * (matter.before - matter.sheared) / matter.rest_volume;
+  const PairLanes from = one - (heated + bearable / matter.x) * matter.filled / matter.bulk;
+  const PairLanes density = root_within(
+      asked, least, most_matter * larger(one, least), select(asked & (from > least), from, least),
+      tension_error * matter.bulk,
+      [&](const PairLanes& at) { return matter.pressure_at(at) + bearable; },
+      [&](const PairLanes& at) {
+        return matter.x * matter.density * matter.cold_slope2 / (at * matter.filled);
+      });
+  after.pressure = matter.pressure_at(density);
+  const std::uint8_t lanes = bits_of_mask(asked), molten = bits_of_mask(melted);
+  PairLanes opened = one;  // the share of a body that voids or cracks run through
+  for (std::size_t l = 0; l < pair_lanes; ++l) {
+    if (!(lanes >> l & 1)) continue;
+    const SolidLaw& law = *g.law[l];
+    const double damage = molten >> l & 1 ? 1 : std::min(1.0, after.damage[l]);
+    after.damage[l] = damage;
+    if (law.brittle()) {
+      opened[l] = damage;
+    } else if (law.yields && damage < 1) {
+      const double voids = 1 - least[l] / density[l];
+      after.damage[l] = std::clamp(voids / law.most_voids(g.rest_volume[l]), damage, 1.0);
+    }
+  }
+  // The rest is stretched as if there were none.
+  const PairMask partly = opened < 1.0;
+  after.pressure =
+      select(partly, opened * after.pressure + (1.0 - opened) * whole_pressure, after.pressure);
+  matter.cold_energy = select(partly, opened * matter.cold_energy + (1.0 - opened) * whole_energy,
+                              matter.cold_energy);
+}
+
+/// Of bodies of whose trial deviator the share `scale` is left, with the energy `sheared` (J).
+inline Pressed pressed(const Bodies& bodies, const Group& g, const PairLanes& scale,
+                       const PairLanes& sheared, const PairMask& melted) {
+  const PairLanes none{};
+  Matter matter(bodies, g, scale, sheared);
+  Pressed after;
+  PairLanes strength, cracks, old_pressure;  // cracks: damage of what is brittle
+  for (std::size_t l = 0; l < pair_lanes; ++l) {
+    const Index b = g.row[l];
+    strength[l] = g.law[l]->strength;
+    after.damage[l] = bodies.damage[b];
+    cracks[l] = g.law[l]->brittle() ? bodies.damage[b] : 0;
+    old_pressure[l] = bodies.pressure[b];
+  }
+  const PairMask parted = (after.damage >= 1.0) | melted | (cracks > 0.0);
+  // A body alone may be pulled more than its neighbours: the noise of pressure opens no voids.
+  const PairLanes alone = larger(none, g.around - old_pressure);
+  const PairLanes bearable = select(parted, none, (1.0 - after.damage) * strength + alone);
+  const PairLanes least = crush(bodies, matter, after);
+  after.pressure = matter.pressure_at(least);
+  const PairMask pulled = after.pressure < -bearable;
+  if (any_lane(pulled)) open_voids(pulled, melted, bearable, least, matter, after);
+  after.energy = matter.before - matter.works * after.pressure;
+  after.heat = after.energy - matter.rest_volume * matter.cold_energy - sheared;
+  after.sound_speed2 = matter.cold_slope2;
+  return after;
+}
+
+}  // namespace spall
