@@ -57,8 +57,8 @@ constexpr std::int64_t part_begin(std::int64_t total, int part, int parts) {
 /// must reach `abort_all` before any rank waits in MPI_Finalize.
 class Session {
  public:
-  /// PETSc reads its options from PETSC_OPTIONS alone: command lines are the program's. Throws Error
-  /// on every rank alike where SPALL_INSTRUCTIONS is none.
+  /// PETSc reads its options from PETSC_OPTIONS alone: command lines are the program's. Throws
+  /// Error on every rank alike where SPALL_INSTRUCTIONS is none.
   Session();
   ~Session();
   Session(const Session&) = delete;
