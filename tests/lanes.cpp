@@ -51,6 +51,20 @@ TEST(Lanes, functions_are_those_of_the_library) {
       for (std::size_t l = 0; l < lane_count; ++l) EXPECT_NEAR(e[l] / std::exp(x[l]), 1, 3 * ulp);
     }
   });
+  const auto logarithms = [](const Lanes& v) {
+    for (std::size_t l = 0; l < lane_count; ++l)
+      EXPECT_NEAR(logarithm(v)[l], std::log(v[l]), 3 * ulp * std::abs(std::log(v[l])));
+  };
+  for_random(1e-300, 1e300, logarithms);
+  for_random(0.5, 2, logarithms);
+  for_random(1 - 1e-9, 1 + 1e-9, logarithms);
+  for_random(1e-9, 1e3, [](const Lanes& v) {
+    for (double n : {0.0, 0.31, 1.0, 4.5})
+      for (std::size_t l = 0; l < lane_count; ++l) {
+        const double error = (3 + std::abs(n * std::log(v[l]))) * ulp;
+        EXPECT_NEAR(power_of(v, spread(n))[l] / std::pow(v[l], n), 1, error);
+      }
+  });
   for_random(0.1, 10, [](const Lanes& v) {
     for (int n : {0, 1, 5, 12, 13})
       for (std::size_t l = 0; l < lane_count; ++l)

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "scene/scene.hpp"
+#include "solid/flow_stress.hpp"
 #include "solid_worlds.hpp"
 #include "spall/error.hpp"
 #include "testing.hpp"
@@ -79,13 +80,13 @@ State state_of(const Lab& world) {
 
 TEST(PressedMetal, hardens_up_to_a_limit) {
   for (double strain : {0.0, 0.01, 0.3, 2.0, 5.0}) {
-    const SolidLaw::Flow y = law().flow_stress(strain, 1e5, 0.2);
+    const auto y = flow_stress_of(law(), 0.2).at(strain, 1e5);
     EXPECT_NEAR(y.stress, flow(strain), 1e-9 * y.stress) << strain;
     const double e = 1e-6;
     EXPECT_NEAR(y.by_strain, (flow(strain + e) - flow(strain)) / e, 1e-3 * y.stress) << strain;
   }
-  EXPECT_EQ(law().flow_stress(5, 1e5, 0.2).stress, 1.1e9);
-  EXPECT_EQ(law().flow_stress(0.1, 1e5, 1).stress, 0);
+  EXPECT_EQ(flow_stress_of(law(), 0.2).at(5, 1e5).stress, 1.1e9);
+  EXPECT_EQ(flow_stress_of(law(), 1).at(0.1, 1e5).stress, 0);
 }
 
 TEST(PressedMetal, is_as_stiff_as_its_pressure_and_temperature_make_it) {

@@ -3,6 +3,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cmath>
 
+#include "solid/flow_stress.hpp"
 #include "solid_worlds.hpp"
 
 namespace spall {
@@ -36,7 +37,7 @@ Middle middle_of(const Lab& world, double rate) {
     const double volume = 1 / bodies.compression[b];
     const double heat = bodies.heat[b] / (d * d * d / std::sqrt(2.0) * law.density);
     const double flow =
-        law.flow_stress(bodies.plastic_strain[b], rate, law.homologous(heat)).stress;
+        flow_stress_of(law, law.homologous(heat)).at(bodies.plastic_strain[b], rate).stress;
     sums[0] += volume;
     sums[1] += volume * (bodies.direct_stress[b].z() - bodies.pressure[b]);
     sums[2] += volume * flow;

@@ -9,6 +9,7 @@
 #include "scene/scene.hpp"
 #include "solid/cold_curve.hpp"
 #include "solid/contacts.hpp"
+#include "solid/flow_stress.hpp"
 #include "solid_worlds.hpp"
 #include "spall/error.hpp"
 #include "testing.hpp"
@@ -77,20 +78,41 @@ TEST(ColdCurve, is_the_isentrope_that_touches_the_hugoniot_at_rest) {
   }
 }
 
-TEST(SolidLaw, returns_to_johnson_and_cook_s_flow_stress) {
+TEST(SolidLaw, returns_to_the_flow_stress_of_each_metal) {
+  SolidLaw other = ductile;
+  other.steinberg = {.y0 = 0.8e9, .ymax = 1e9, .beta = 10, .n = 0.1};
+  // The last two lanes are one body.
+  const std::vector<SolidLaw> laws{ductile, other};
+  std::vector<std::int32_t> material(pair_lanes);
+  for (std::size_t l = 0; l < pair_lanes; ++l) material[l] = static_cast<std::int32_t>(l % 2);
+  const LaneRows rows{.first = 0, .count = static_cast<Index>(pair_lanes) - 1};
+  const auto flow = [&](const SolidLaw& law, double strain, double rate, double hot) {
+    if (law.steinberg.known()) return std::min(1e9, 0.8e9 * std::pow(1 + 10 * strain, 0.1));
+    const double fast = 1 + 0.025 * std::log(std::max(1.0, rate)), soft = 1 - std::pow(hot, 1.09);
+    return (90e6 + 292e6 * std::pow(strain, 0.31)) * fast * soft;
+  };
   const double h = 1e-8;
-  for (double hot : {0.0, 0.4})
-    for (double strain : {0.0, 0.02, 1.5})
-      for (double trial : {1.2, 2.0, 30.0}) {
-        const double yields = ductile.flow_stress(strain, 0, hot).stress;
-        const double x = ductile.plastic_increment(trial * yields, strain, h, hot);
-        const double rate = std::max(1.0, x / h);
-        const double soft = 1 - std::pow(hot, 1.09);
-        const double flow =
-            (90e6 + 292e6 * std::pow(strain + x, 0.31)) * (1 + 0.025 * std::log(rate)) * soft;
-        EXPECT_NEAR(trial * yields - 3 * ductile.shear * x, flow, 1e-6 * flow);
-      }
-  EXPECT_EQ(ductile.flow_stress(0.3, 1e4, 1).stress, 0);
+  for (const auto& of : {std::vector<std::int32_t>(pair_lanes, 0), material})
+    for (double hot : {0.0, 0.4})
+      for (double strain : {0.0, 0.02, 1.5})
+        for (double times : {0.9, 1.2, 2.0, 30.0}) {
+          const LaneLaws lanes(laws, of, rows);
+          const PairLanes all = spread_pairs(1);
+          PairLanes trial;
+          for (std::size_t l = 0; l < pair_lanes; ++l)
+            trial[l] = times * flow(lanes[l], strain, 0, hot);
+          const PairLanes x = plastic_increments(all > 0.0, flow_stress_of(lanes, hot * all),
+                                                 ductile.shear * all, trial, strain * all, h);
+          for (std::size_t l = 0; l < pair_lanes; ++l) {
+            const double y = flow(lanes[l], strain + x[l], x[l] / h, hot);
+            EXPECT_EQ(x[l] > 0, times > 1);
+            const double left = trial[l] - 3 * ductile.shear * x[l];
+            EXPECT_NEAR(left, times > 1 ? y : trial[l], 1e-8 * y);
+          }
+          EXPECT_EQ(x[pair_lanes - 1], x[pair_lanes - 2]);
+        }
+  EXPECT_EQ(flow_stress_of(ductile, 1).at(0.3, 1e4).stress, 0);
+  EXPECT_EQ(flow_stress_of(other, 1).at(0.3, 1e4).stress, 0);
 }
 
 // --- elastic ---
@@ -527,7 +549,7 @@ TEST(SolidStep, flows_at_the_stress_of_johnson_and_cook) {
   })[0];
   const double whole = 2.0 / 3 * (std::log1p(size) - std::log1p(-size / 2));
   EXPECT_NEAR(strain, whole - mises / (3 * copper.shear_modulus()), 2e-3 * whole);
-  const double flow = ductile.flow_stress(strain, size / h, 0).stress;
+  const double flow = flow_stress_of(ductile, 0).at(strain, size / h).stress;
   EXPECT_NEAR(mises, flow, 0.01 * flow);
   EXPECT_NEAR(deviator(0, 0), 2.0 / 3 * mises, 0.01 * mises);
 }

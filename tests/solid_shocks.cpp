@@ -3,6 +3,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cmath>
 
+#include "solid/flow_stress.hpp"
 #include "solid_worlds.hpp"
 #include "spall/error.hpp"
 
@@ -130,7 +131,7 @@ TEST(SolidShock, has_a_precursor_of_the_elastic_limit) {
     plateau /= layers;
     // Y of the rate at the precursor's front: of the order of its strain in the time of a spacing.
     const double rate = 0.005 * law.sound_speed() / d;
-    const double yield = law.flow_stress(0, rate, 0).stress;
+    const double yield = flow_stress_of(law, 0).at(0, rate).stress;
     const double limit = yield * (law.bulk / (2 * law.shear) + 2.0 / 3);
     EXPECT_NEAR(plateau, limit, 0.1 * limit) << material;
   }

@@ -483,21 +483,52 @@ inline RowHalf estimate_sqrt(const RowHalf& v) {
 }
 
 /// exp(x) to two units in the last place for |x| < 700: x = n ln 2 + f, Taylor's series of e^f.
-inline Lanes exponential(const Lanes& x) {
-  constexpr double shift = 0x1.8p52;  // adding it leaves the nearest integer in the lowest bits
+inline constexpr double ln2_high = 0x1.62e42fefa38p-1, ln2_low = 0x1.ef35793c7673p-45;
+/// Adding it leaves the nearest integer in the lowest bits.
+inline constexpr double integer_shift = 0x1.8p52;
+template <class V>
+[[gnu::always_inline]] inline V exponential(const V& x) {
+  using Long = Vector<std::int64_t, size_of_vector<V>>;
   constexpr double log2_e = 1.4426950408889634074;
-  constexpr double ln2_high = 0x1.62e42fefa38p-1, ln2_low = 0x1.ef35793c7673p-45;
-  const Lanes shifted = x * log2_e + shift;
-  const Lanes n = shifted - shift;
-  const Lanes f = (x - n * ln2_high) - n * ln2_low;
-  const Lanes f2 = f * f, f4 = f2 * f2;
-  const Lanes a = (1.0 + f) + f2 * (1 / 2. + f * (1 / 6.));
-  const Lanes b = (1 / 24. + f * (1 / 120.)) + f2 * (1 / 720. + f * (1 / 5040.));
-  const Lanes c = (1 / 40320. + f * (1 / 362880.)) +
-                  f2 * (1 / 3628800. + f * (1 / 39916800.) + f2 * (1 / 479001600.));
-  const Lanes series = a + f4 * (b + f4 * c);
-  return std::bit_cast<Lanes>(std::bit_cast<LongLanes>(series) +
-                              (std::bit_cast<LongLanes>(shifted) << 52));
+  const V shifted = x * log2_e + integer_shift;
+  const V n = shifted - integer_shift;
+  const V f = (x - n * ln2_high) - n * ln2_low;
+  const V f2 = f * f, f4 = f2 * f2;
+  const V a = (1.0 + f) + f2 * (1 / 2. + f * (1 / 6.));
+  const V b = (1 / 24. + f * (1 / 120.)) + f2 * (1 / 720. + f * (1 / 5040.));
+  const V c = (1 / 40320. + f * (1 / 362880.)) +
+              f2 * (1 / 3628800. + f * (1 / 39916800.) + f2 * (1 / 479001600.));
+  const V series = a + f4 * (b + f4 * c);
+  return std::bit_cast<V>(std::bit_cast<Long>(series) + (std::bit_cast<Long>(shifted) << 52));
+}
+
+/// ln x to two units in the last place, of normal positive numbers: x = 2^n m with m between
+/// sqrt(1/2) and sqrt(2); ln m = 2 artanh s = 2 (s + s^3/3 + ...), s = (m - 1)/(m + 1).
+template <class V>
+[[gnu::always_inline]] inline V logarithm(const V& x) {
+  using Long = Vector<std::int64_t, size_of_vector<V>>;
+  constexpr auto least = std::bit_cast<std::int64_t>(0.70710678118654752440);
+  constexpr auto zero = std::bit_cast<std::int64_t>(integer_shift);
+  const Long bits = std::bit_cast<Long>(x), exponent = (bits - least) >> 52;
+  const V n = std::bit_cast<V>(exponent + zero) - integer_shift;
+  const V m = std::bit_cast<V>(bits - (exponent << 52));
+  const V s = (m - 1.0) / (m + 1.0), s2 = s * s, s4 = s2 * s2, s8 = s4 * s4;
+  const V a = (1 / 3. + s2 * (1 / 5.)) + s4 * (1 / 7. + s2 * (1 / 9.));
+  const V b = (1 / 11. + s2 * (1 / 13.)) + s4 * (1 / 15. + s2 * (1 / 17.));
+  const V series = a + s8 * (b + s8 * (1 / 19. + s2 * (1 / 21.)));
+  return n * ln2_high + (2.0 * s + (2.0 * s * s2 * series + n * ln2_low));
+}
+
+/// x^n of normal positive numbers, to |n ln x| units in the last place and three.
+inline double power_of(double x, double n) {
+  return std::pow(x, n);
+}
+template <class V>
+[[gnu::always_inline]] inline V power_of(const V& x, const V& n) {
+  return exponential<V>(n * logarithm(x));
+}
+inline double logarithm(double x) {
+  return std::log(x);
 }
 
 /// To a relative error of 1e-13, for normal positive numbers: a third of the exponent, then Halley.

@@ -1,14 +1,14 @@
-// Tensors are worked on for some bodies at once, as pressures are; yield and failure body by body.
+// Some bodies are worked on at once; cracks, and failure where it is near, body by body.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "solid/bodies_step.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "base/kernels.hpp"
 #include "solid/flaws.hpp"
+#include "solid/flow_stress.hpp"
 #include "solid/pressed.hpp"
 #include "solid/rock.hpp"
 #include "solid/tensors.hpp"
@@ -79,10 +79,10 @@ Shapes shapes_of(const LaneTensor& K) {
 }
 
 /// Some bodies' stress, mean and deviator, as fields hold them.
-LaneTensor deviator_of(const Bodies& bodies, const std::array<Index, pair_lanes>& row) {
+LaneTensor deviator_of(const Bodies& bodies, const LaneRows& rows) {
   LaneTensor s;
   for (std::size_t l = 0; l < pair_lanes; ++l) {
-    const Vec3 &direct = bodies.direct_stress[row[l]], &shear = bodies.shear_stress[row[l]];
+    const Vec3 &direct = bodies.direct_stress[rows[l]], &shear = bodies.shear_stress[rows[l]];
     for (int k = 0; k < 3; ++k) {
       s.at[k][k][l] = direct[k];
       s.at[(k + 1) % 3][(k + 2) % 3][l] = s.at[(k + 2) % 3][(k + 1) % 3][l] = shear[k];
@@ -108,97 +108,110 @@ LaneTensor turned(const LaneTensor& s, const PairLanes (&q)[3]) {
 
 /// Of bodies that bear von Mises' stress `mises`: that of what is intact, of it; and that of
 /// the cracks.
-void find_intact(const Bodies& bodies, const std::array<const SolidLaw*, pair_lanes>& law,
-                 const std::array<Index, pair_lanes>& row, const PairLanes& mises,
-                 PairLanes* intact, PairLanes* sliding) {
+void find_intact(const Bodies& bodies, const LaneLaws& laws, const LaneRows& rows,
+                 const PairLanes& mises, PairLanes* intact, PairLanes* sliding) {
   for (std::size_t l = 0; l < pair_lanes; ++l) {
-    if (!law[l]->brittle() || mises[l] == 0) continue;
-    const double pressure = bodies.pressure[row[l]];
-    const double stress = intact_stress(*law[l], bodies.damage[row[l]], mises[l], pressure);
+    const SolidLaw& law = laws[l];
+    if (!law.brittle() || mises[l] == 0) continue;
+    const double pressure = bodies.pressure[rows[l]];
+    const double stress = intact_stress(law, bodies.damage[rows[l]], mises[l], pressure);
     (*intact)[l] = stress / mises[l];
-    (*sliding)[l] = std::min(stress, law[l]->sliding_strength(pressure));
+    (*sliding)[l] = std::min(stress, law.sliding_strength(pressure));
   }
 }
 
-/// One body of a `Group`, and its numbers there.
-struct Body {
-  const SolidLaw& law;
-  Index row;
-  double volume, h, stiffness, mises, around, sliding;
-};
-
-Body body_of(const Group& g, std::size_t l) {
-  return {.law = *g.law[l],
-          .row = g.row[l],
-          .volume = g.volume[l],
-          .h = g.h,
-          .stiffness = g.stiffness[l],
-          .mises = g.mises[l],
-          .around = g.around[l],
-          .sliding = g.sliding[l]};
+/// The plastic strains that bring bodies back to their flow stress, if they have one; 0 where their
+/// trial stress is less. `hot`: homologous temperatures.
+PairLanes flowing_strains(const Bodies& bodies, const Group& g, const PairLanes& hot) {
+  const PairLanes none{}, trial = select(g.stiffness > 0.0, g.mises / g.stiffness, none);
+  const PairLanes damage = g.rows.load(bodies.damage);
+  PairLanes least;
+  for (std::size_t l = 0; l < pair_lanes; ++l) {
+    const SolidLaw& law = g.laws[l];
+    const bool whole = law.brittle() ? !law.rock.known() : damage[l] < 1;
+    least[l] = law.yields && whole ? law.least_flow_stress(hot[l]) : infinity;
+  }
+  const PairMask asked = (hot < 1.0) & (trial > least);
+  if (g.h == 0 || !any_lane(asked)) return none;
+  return plastic_increments(asked, flow_stress_of(g.laws, hot), g.laws.of(&SolidLaw::shear), trial,
+                            g.rows.load(bodies.plastic_strain), g.h);
 }
 
-/// What is left of a body's trial deviator.
+/// What is left of some bodies' trial deviator.
 struct Sheared {
-  double scale = 0;
-  double energy = 0;    ///< J, elastic
-  double strained = 0;  ///< plastic strain
+  PairLanes scale{};
+  PairLanes energy{};    ///< J, elastic
+  PairLanes strained{};  ///< plastic strain
 };
+
+/// The damage of metal that flows by `strained` at von Mises' stress `stress` (Pa) while the mean
+/// pressure around it is `around` (Pa): it fails where it has flown too far.
+double strained_damage(const SolidLaw& law, double damage, double strained, double stress,
+                       double around, double h, double hot) {
+  const double triaxiality = stress > 0 ? std::max(-most_triaxial, -around / stress) : 0;
+  if (triaxiality > most_triaxial) return damage;
+  const double most = law.failure_strain(triaxiality, strained / h, hot);
+  return most > 0 ? damage + strained / most : std::max(damage, 1.0);
+}
 
 /// Pa, that metal bears once it has failed: friction, and no more than what is whole.
-double rubbing_stress(const Bodies& bodies, const Body& b, double hot) {
-  const double rubs = b.law.sliding_strength(bodies.pressure[b.row]);
-  return rubs > 0 ? std::min(rubs, b.stiffness * b.law.flow_stress(0, 0, hot).stress) : 0;
+double rubbing_stress(const SolidLaw& law, double stiffness, double pressure, double hot) {
+  const double rubs = law.brittle() ? 0 : law.sliding_strength(pressure);
+  return rubs > 0 ? std::min(rubs, stiffness * flow_stress_of(law, hot).at(0, 0).stress) : 0;
 }
 
-/// Metals return to their flow stress, and fail where they have flown too far. What has failed
-/// slides.
-Sheared sheared_metal(Bodies& bodies, const Body& b, double hot) {
-  const SolidLaw& law = b.law;
-  double& damage = bodies.damage[b.row];
-  const bool fluid = damage >= 1 || (law.yields && hot >= 1) || b.stiffness == 0;
-  Sheared left{.scale = fluid ? 0.0 : 1.0};
-  if (const double rubs = fluid ? rubbing_stress(bodies, b, hot) : 0; rubs > 0 && b.mises > 0) {
-    const double stress = std::min(b.mises, rubs);
-    left.scale = stress / b.mises;
-    left.strained = (b.mises - stress) / (3 * law.shear * b.stiffness);
-  } else if (law.yields && !fluid && b.mises > 0 && b.h > 0) {
-    const double trial = b.mises / b.stiffness;
-    if (trial > law.least_flow_stress(hot))
-      left.strained = law.plastic_increment(trial, bodies.plastic_strain[b.row], b.h, hot);
-    left.scale *= std::max(0.0, 1 - 3 * law.shear * left.strained / trial);
-    if (left.strained > 0 && law.flow.fails()) {
-      const double stress = left.scale * b.mises;
-      const double triaxiality = stress > 0 ? std::max(-most_triaxial, -b.around / stress) : 0;
-      const double most = law.failure_strain(triaxiality, left.strained / b.h, hot);
-      if (triaxiality <= most_triaxial)
-        damage = most > 0 ? damage + left.strained / most : std::max(damage, 1.0);
-      if (damage >= 1) left.scale = 0;
+/// Metals return to their flow stress, by the plastic strains `flowing`, and fail where they have
+/// flown too far. What has failed slides.
+Sheared sheared_metals(Bodies& bodies, const Group& g, const PairLanes& hot, const PairMask& melted,
+                       const PairLanes& flowing) {
+  const PairLanes none{}, one = spread_pairs(1);
+  const PairLanes shear = g.stiffness * g.laws.of(&SolidLaw::shear);
+  PairLanes damage = g.rows.load(bodies.damage);
+  const PairMask fluid = (damage >= 1.0) | melted | (shear <= 0.0), flows = flowing > 0.0;
+  const PairLanes flown = larger(none, one - 3.0 * shear * flowing / g.mises);
+  Sheared left{.scale = select(fluid, none, select(flows, flown, one)), .strained = flowing};
+  const std::uint8_t flowing_lanes = bits_of_mask(flows), fluid_lanes = bits_of_mask(fluid);
+  if (flowing_lanes && g.laws.any([](const SolidLaw& law) { return law.flow.fails(); })) {
+    for (std::size_t l = 0; l < pair_lanes; ++l) {
+      if (!(flowing_lanes >> l & 1) || !g.laws[l].flow.fails()) continue;
+      damage[l] = strained_damage(g.laws[l], damage[l], flowing[l], left.scale[l] * g.mises[l],
+                                  g.around[l], g.h, hot[l]);
+      if (damage[l] >= 1) left.scale[l] = 0;
     }
+    g.rows.store(damage, bodies.damage);
   }
-  const double stress = left.scale * b.mises;
-  left.energy = stress > 0 ? b.volume * stress * stress / (6 * law.shear * b.stiffness) : 0;
+  if (fluid_lanes && g.laws.any([](const SolidLaw& law) { return law.rock.failed_friction > 0; }))
+    for (std::size_t l = 0; l < pair_lanes; ++l) {
+      if (!(fluid_lanes >> l & 1) || g.mises[l] == 0) continue;
+      const double rubs =
+          rubbing_stress(g.laws[l], g.stiffness[l], bodies.pressure[g.rows[l]], hot[l]);
+      if (rubs == 0) continue;
+      const double stress = std::min(g.mises[l], rubs);
+      left.scale[l] = stress / g.mises[l];
+      left.strained[l] = (g.mises[l] - stress) / (3 * shear[l]);
+    }
+  const PairLanes stress = left.scale * g.mises;
+  left.energy = select(stress > 0.0, g.volume * stress * stress / (6.0 * shear), none);
   return left;
 }
 
-/// Rock returns to what its intact share bears at this pressure, and its cracks slide.
-Sheared sheared_rock(const Bodies& bodies, const Body& b, double damage, double pressure,
-                     double hot) {
-  const SolidLaw& law = b.law;
-  if (b.mises == 0 || hot >= 1) return {};
-  const double whole = 1 - damage;
-  double intact = b.mises;
-  if (law.rock.known())
-    intact = std::min(intact, law.intact_strength(pressure));
-  else if (b.h > 0)
-    intact -= 3 * law.shear * law.plastic_increment(intact, bodies.plastic_strain[b.row], b.h, hot);
-  const double slides = std::min({intact, b.sliding, law.sliding_strength(pressure)});
-  double flown = whole * (b.mises - intact);
-  if (slides > 0) flown += damage * (std::min(b.mises, b.sliding) - slides);
-  return {
-      .scale = (whole * intact + damage * slides) / b.mises,
-      .energy = b.volume * (whole * intact * intact + damage * slides * slides) / (6 * law.shear),
-      .strained = flown / (3 * law.shear)};
+/// Rock returns to what its intact share bears at this pressure, and its cracks slide. `flowing`:
+/// plastic strain of what has a flow stress.
+void shear_rock(const Group& g, std::size_t l, double damage, double pressure, double hot,
+                double flowing, Sheared* left) {
+  const SolidLaw& law = g.laws[l];
+  left->scale[l] = left->energy[l] = left->strained[l] = 0;
+  const double mises = g.mises[l], whole = 1 - damage;
+  if (mises == 0 || hot >= 1) return;
+  const double intact = law.rock.known() ? std::min(mises, law.intact_strength(pressure))
+                                         : mises - 3 * law.shear * flowing;
+  const double slides = std::min({intact, g.sliding[l], law.sliding_strength(pressure)});
+  double flown = whole * (mises - intact);
+  if (slides > 0) flown += damage * (std::min(mises, g.sliding[l]) - slides);
+  left->scale[l] = (whole * intact + damage * slides) / mises;
+  left->energy[l] =
+      g.volume[l] * (whole * intact * intact + damage * slides * slides) / (6 * law.shear);
+  left->strained[l] = flown / (3 * law.shear);
 }
 
 /// What became of some bodies.
@@ -210,56 +223,43 @@ struct Settled {
 };
 
 Settled settle(Bodies& bodies, const Group& g) {
-  PairLanes hot{}, yields{}, shear_speed2{}, sheared{}, strained{};
-  Settled settled;
-  Pressed after;
-  bool rock = false;
-  const auto count = static_cast<std::size_t>(g.count);
-  for (std::size_t l = 0; l < count; ++l) {
-    const SolidLaw& law = *g.law[l];
-    const Index b = g.row[l];
-    hot[l] = law.homologous(bodies.heat[b] / (g.rest_volume[l] * law.density));
-    yields[l] = law.yields;
-    if (law.brittle()) {
-      rock = true;
-      if (g.h > 0)
-        bodies.damage[b] = grown_damage(law, bodies, b, g.rest_volume[l], g.intact[l], g.h);
-    }
-    after.pressure[l] = bodies.pressure[b];
-    after.damage[l] = bodies.damage[b];
-  }
+  const PairLanes none{}, density = g.laws.of(&SolidLaw::density);
+  const PairLanes heat = g.rows.load(bodies.heat);
+  const PairLanes to_melt = g.rest_volume * density * g.laws.of(&SolidLaw::melting_heat);
+  const PairLanes hot = larger(none, heat / to_melt);
+  const PairLanes yields = g.laws.of(&SolidLaw::yields);
   const PairMask melted = (yields > 0.0) & (hot >= 1.0);
+  const bool rock = g.laws.any(&SolidLaw::brittle);
+  if (rock && g.h > 0)
+    for (Index l = 0; l < g.rows.count; ++l)
+      if (g.laws[l].brittle())
+        bodies.damage[g.rows[l]] =
+            grown_damage(g.laws[l], bodies, g.rows[l], g.rest_volume[l], g.intact[l], g.h);
+  const PairLanes flowing = flowing_strains(bodies, g, hot);
+  Sheared left = sheared_metals(bodies, g, hot, melted, flowing);
+  Pressed after{.pressure = g.rows.load(bodies.pressure), .damage = g.rows.load(bodies.damage)};
   // What rock bears depends on its pressure, which follows from the energy, and on what crushing
   // breaks: in two rounds.
   for (int round = 0; round < (rock ? 2 : 1); ++round) {
-    for (std::size_t l = 0; l < count; ++l) {
-      const bool brittle = g.law[l]->brittle();
-      if (round > 0 && !brittle) continue;
-      const Sheared left =
-          brittle ? sheared_rock(bodies, body_of(g, l), after.damage[l], after.pressure[l], hot[l])
-                  : sheared_metal(bodies, body_of(g, l), hot[l]);
-      settled.scale[l] = left.scale;
-      sheared[l] = left.energy;
-      strained[l] = left.strained;
-    }
-    after = pressed(bodies, g, settled.scale, sheared, melted);
+    for (std::size_t l = 0; rock && l < pair_lanes; ++l)
+      if (g.laws[l].brittle())
+        shear_rock(g, l, after.damage[l], after.pressure[l], hot[l], flowing[l], &left);
+    after = pressed(bodies, g, left.scale, left.energy, melted);
   }
-  for (std::size_t l = 0; l < count; ++l) {
-    const SolidLaw& law = *g.law[l];
-    const Index b = g.row[l];
-    bodies.compression[b] = g.compression[l];
-    bodies.plastic_strain[b] += strained[l];
-    bodies.damage[b] = after.damage[l];
-    if (law.pores.any()) bodies.crushed[b] = after.crushed[l];
-    bodies.internal_energy[b] = after.energy[l];
-    settled.gained[l] = after.heat[l] - bodies.heat[b];
-    bodies.heat[b] = after.heat[l];
-    bodies.pressure[b] = after.pressure[l];
-    if (settled.scale[l] > 0) shear_speed2[l] = 4 * law.shear * g.stiffness[l] / (3 * law.density);
-  }
-  settled.pressure = after.pressure;
-  settled.sound_speed = square_root(after.sound_speed2 + shear_speed2);
-  return settled;
+  g.rows.store(g.compression, bodies.compression);
+  g.rows.store(g.rows.load(bodies.plastic_strain) + left.strained, bodies.plastic_strain);
+  g.rows.store(after.damage, bodies.damage);
+  if (g.laws.any([](const SolidLaw& law) { return law.pores.any(); }))
+    g.rows.store(after.crushed, bodies.crushed);
+  g.rows.store(after.energy, bodies.internal_energy);
+  g.rows.store(after.heat, bodies.heat);
+  g.rows.store(after.pressure, bodies.pressure);
+  const PairLanes shear_speed2 = 4.0 * g.laws.of(&SolidLaw::shear) * g.stiffness / (3.0 * density);
+  return {.scale = left.scale,
+          .pressure = after.pressure,
+          .gained = after.heat - heat,
+          .sound_speed =
+              square_root(after.sound_speed2 + select(left.scale > 0.0, shear_speed2, none))};
 }
 
 }  // namespace
@@ -282,11 +282,8 @@ SPALL_KERNEL(double, update_bodies,
   const double lattice = shape_of_lattice();
   double heat = 0;
   for (Index first = 0; first < bodies.owned; first += pair_lanes) {
-    // The last group is filled up by its last body; what becomes of it there is not kept.
-    std::array<Index, pair_lanes> row;
-    const Index count = std::min<Index>(pair_lanes, bodies.owned - first);
-    for (Index l = 0; l < static_cast<Index>(pair_lanes); ++l)
-      row[l] = first + std::min(l, count - 1);
+    const LaneRows row{.first = first, .count = std::min<Index>(pair_lanes, bodies.owned - first)};
+    const LaneLaws law(laws, bodies.material, row);
     std::array<Index, pair_lanes> places;
     for (std::size_t l = 0; l < pair_lanes; ++l) places[l] = doubles_a_row * row[l];
     PairLanes k[16];
@@ -310,30 +307,23 @@ SPALL_KERNEL(double, update_bodies,
     const LaneTensor G = (1.0 / determinant(middle, middle_adjoint)) * (L * middle_adjoint);
 
     const LaneTensor s_old = deviator_of(bodies, row);
-    std::array<const SolidLaw*, pair_lanes> law;
-    PairLanes stiffness, shear, pressure, x, at_rest, weight, intact = spread_pairs(1), sliding{};
-    bool brittle = false;
-    for (std::size_t l = 0; l < pair_lanes; ++l) {
-      const Index b = row[l];
-      law[l] = &laws[bodies.material[b]];
-      pressure[l] = bodies.pressure[b];
-      x[l] = bodies.compression[b];
-      stiffness[l] = 1;
-      if (law[l]->steinberg.known())
-        stiffness[l] = law[l]->stiffness(x[l], pressure[l],
-                                         bodies.heat[b] / (rest_volume[b] * law[l]->density));
-      shear[l] = law[l]->shear * stiffness[l];
-      brittle |= law[l]->brittle();
-      at_rest[l] = rest_volume[b];
-      weight[l] = rows[b].place[3];
-    }
+    const PairLanes pressure = row.load(bodies.pressure), x = row.load(bodies.compression);
+    const PairLanes at_rest = row.load(rest_volume);
+    PairLanes weight, stiffness = spread_pairs(1), intact = spread_pairs(1), sliding{};
+    for (std::size_t l = 0; l < pair_lanes; ++l) weight[l] = rows[row[l]].place[3];
+    if (law.any([](const SolidLaw& metal) { return metal.steinberg.known(); }))
+      for (std::size_t l = 0; l < pair_lanes; ++l)
+        if (law[l].steinberg.known())
+          stiffness[l] = law[l].stiffness(x[l], pressure[l],
+                                          bodies.heat[row[l]] / (at_rest[l] * law[l].density));
+    const PairLanes shear = stiffness * law.of(&SolidLaw::shear);
     const PairLanes compression = x * shrunk, old_volume = at_rest / x;
     const PairLanes volume = old_volume / shrunk;
 
     const LaneTensor D = symmetric_part(G);
     const LaneTensor half_step = (h * shear) * (D + LaneTensor::diagonal(D.trace() * (-1.0 / 3)));
     LaneTensor turning = s_old;
-    if (brittle) {
+    if (law.any(&SolidLaw::brittle)) {
       find_intact(bodies, law, row, root_of(1.5 * contracted(s_old, s_old)), &intact, &sliding);
       turning = intact * s_old;
       sliding += root_of(6.0 * contracted(half_step, half_step));
@@ -350,28 +340,24 @@ SPALL_KERNEL(double, update_bodies,
     // The pressure of single bodies has noise, which alternates from neighbour to neighbour.
     const PairLanes around = pressure + select(trace > 0.0, 0.5 * k[15] / trace, PairLanes{});
 
-    const Settled settled = settle(bodies, {.row = row,
-                                            .law = law,
-                                            .count = count,
-                                            .h = h,
-                                            .late = late,
-                                            .compression = compression,
-                                            .volume = volume,
-                                            .rest_volume = at_rest,
-                                            .stiffness = stiffness,
-                                            .mises = mises,
-                                            .around = around,
-                                            .sliding = sliding,
-                                            .intact = intact,
-                                            .gained = gained,
-                                            .growth = growth,
-                                            .shear_power = shear_power});
-    PairLanes density, slope, spacing;
-    for (std::size_t l = 0; l < pair_lanes; ++l) {
-      density[l] = law[l]->density;
-      slope[l] = law[l]->slope;
-      spacing[l] = 2 * bodies.radius[row[l]];
-    }
+    Settled settled = settle(bodies, {.rows = row,
+                                      .laws = law,
+                                      .h = h,
+                                      .late = late,
+                                      .compression = compression,
+                                      .volume = volume,
+                                      .rest_volume = at_rest,
+                                      .stiffness = stiffness,
+                                      .mises = mises,
+                                      .around = around,
+                                      .sliding = sliding,
+                                      .intact = intact,
+                                      .gained = gained,
+                                      .growth = growth,
+                                      .shear_power = shear_power});
+    const PairLanes density = law.of(&SolidLaw::density), slope = law.of(&SolidLaw::slope);
+    const PairLanes spacing = 2.0 * row.load(bodies.radius);
+    for (auto l = static_cast<std::size_t>(row.count); l < pair_lanes; ++l) settled.gained[l] = 0;
     heat += sum_of_lanes(settled.gained);
     // Never more than in a whole lattice: few neighbours would else be damped beyond the step.
     const PairLanes whole = lattice * spacing * spacing * at_rest;
@@ -420,9 +406,9 @@ SPALL_KERNEL(double, update_bodies,
     for (int n = 0; n < 24; n += 4) {
       RowHalf half[pair_lanes];
       halves_of_pairs(answer[n], answer[n + 1], answer[n + 2], answer[n + 3], half);
-      for (Index l = 0; l < count; ++l) responses[row[l]].at[n / 4] = half[l];
+      for (Index l = 0; l < row.count; ++l) responses[row[l]].at[n / 4] = half[l];
     }
-    for (Index l = 0; l < count; ++l) {
+    for (Index l = 0; l < row.count; ++l) {
       const Index b = row[l];
       bodies.direct_stress[b] = {s.at[0][0][l], s.at[1][1][l], s.at[2][2][l]};
       bodies.shear_stress[b] = {s.at[1][2][l], s.at[2][0][l], s.at[0][1][l]};

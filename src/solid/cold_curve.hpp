@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "spall/lanes.hpp"
 #include "state/material.hpp"
 
 namespace spall {
@@ -22,41 +23,68 @@ class ColdCurve {
   ColdCurve() = default;
   explicit ColdCurve(const Solid& solid);
 
+  template <class T>
   struct State {
-    double pressure = 0;  ///< Pa
-    double energy = 0;    ///< J/m^3 of the solid at rest
-    double slope2 = 0;    ///< (m/s)^2, of the shock's pressure by density: bulk sound speed squared
+    T pressure{};  ///< Pa
+    T energy{};    ///< J/m^3 of the solid at rest
+    T slope2{};    ///< (m/s)^2, of the shock's pressure by density: bulk sound speed squared
   };
-  /// At this density, of that at rest; there exactly 0.
-  State at(double compression) const {
-    const double asked = 1 - 1 / compression, eta = std::clamp(asked, first_, last_);
-    const double place = eta / step_ + at_rest_;
-    const std::size_t k = std::min(static_cast<std::size_t>(place), nodes_.size() - 2);
-    const double t = place - static_cast<double>(k), u = 1 - t;
-    const Node &a = nodes_[k], &b = nodes_[k + 1];
-    const double energy = u * u * (1 + 2 * t) * a.energy + t * t * (3 - 2 * t) * b.energy +
-                          step_ * t * u * (u * a.pressure - t * b.pressure);
-    const double pressure = shock(eta) + gruneisen_ * energy;
-    const double left = 1 - slope_ * eta, thinner = 1 - eta;
+  /// At this density, of that at rest; there exactly 0. Of one or of lanes.
+  template <class T>
+  State<T> at(const T& compression) const {
+    const T none{};
+    const T asked = 1.0 - 1.0 / compression;
+    const T eta = larger<T>(none + first_, smaller<T>(none + last_, asked));
+    const auto [a, b, t] = nodes_at(T(eta / step_ + at_rest_));
+    const T u = 1.0 - t;
+    const T energy = u * u * (1.0 + 2.0 * t) * a.energy + t * t * (3.0 - 2.0 * t) * b.energy +
+                     step_ * t * u * (u * a.pressure - t * b.pressure);
+    const T pressure = shock(eta) + gruneisen_ * energy;
+    const T left = 1.0 - slope_ * eta, thinner = 1.0 - eta;
     return {.pressure = pressure,
             .energy = energy + pressure * (asked - eta),  // beyond the table the pressure stays
-            .slope2 = bulk_modulus_ / density_ * thinner * thinner * (1 + slope_ * eta) /
+            .slope2 = bulk_modulus_ / density_ * thinner * thinner * (1.0 + slope_ * eta) /
                       (left * left * left)};
   }
 
  private:
+  template <class T>
   struct Node {
-    double energy = 0, pressure = 0;
+    T energy{}, pressure{};
   };
-  double shock(double eta) const {
-    const double left = 1 - slope_ * eta;
-    return bulk_modulus_ * eta / (left * left) * (1 - gruneisen_ * eta / 2);
+  /// The nodes around a place, counted from the first one, and how far it is between them.
+  template <class T>
+  struct Interval {
+    Node<T> a, b;
+    T t;
+  };
+  Interval<double> nodes_at(double place) const {
+    const std::size_t k = std::min(static_cast<std::size_t>(place), nodes_.size() - 2);
+    return {nodes_[k], nodes_[k + 1], place - static_cast<double>(k)};
+  }
+  template <class V>
+  Interval<V> nodes_at(const V& place) const {
+    Interval<V> lanes;
+    for (std::size_t l = 0; l < size_of_vector<V>; ++l) {
+      const Interval<double> one = nodes_at(place[l]);
+      lanes.a.energy[l] = one.a.energy;
+      lanes.a.pressure[l] = one.a.pressure;
+      lanes.b.energy[l] = one.b.energy;
+      lanes.b.pressure[l] = one.b.pressure;
+      lanes.t[l] = one.t;
+    }
+    return lanes;
+  }
+  template <class T>
+  T shock(const T& eta) const {
+    const T left = 1.0 - slope_ * eta;
+    return bulk_modulus_ * eta / (left * left) * (1.0 - gruneisen_ * eta / 2.0);
   }
 
   double bulk_modulus_ = 0, density_ = 0, slope_ = 0, gruneisen_ = 0;
   double first_ = 0, last_ = 0, step_ = 1;  // eta
   double at_rest_ = 0;                      // the node
-  std::vector<Node> nodes_;
+  std::vector<Node<double>> nodes_;
 };
 
 }  // namespace spall

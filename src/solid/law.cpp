@@ -13,9 +13,9 @@ double SolidLaw::sound_speed() const {
   return std::sqrt((bulk + 4 * shear / 3) / density);
 }
 
-double SolidLaw::homologous(double heat) const {
-  if (specific_heat == 0 || melting == 0) return 0;
-  return std::max(0.0, heat / specific_heat / (melting - room_temperature));
+double SolidLaw::melting_heat() const {
+  if (specific_heat == 0 || melting == 0) return infinity;
+  return specific_heat * (melting - room_temperature);
 }
 
 double SolidLaw::stiffness(double compression, double pressure, double heat) const {
@@ -26,35 +26,6 @@ double SolidLaw::stiffness(double compression, double pressure, double heat) con
 double SolidLaw::least_flow_stress(double homologous) const {
   if (steinberg.known()) return homologous < 1 ? steinberg.y0 : 0;
   return flow.a * (flow.m >= 1 ? 1 - homologous : 0);
-}
-
-namespace {
-
-/// What heat leaves of Johnson and Cook's flow stress.
-double softened(const JohnsonCook& law, double homologous) {
-  return homologous > 0 ? 1 - std::pow(homologous, law.m) : 1;
-}
-
-SolidLaw::Flow johnson_cook(const JohnsonCook& law, double strain, double rate, double soft) {
-  const double hard = law.b > 0 && strain > 0 ? law.b * std::pow(strain, law.n) : 0;
-  const bool counts = law.c > 0 && rate > 1;
-  const double fast = counts ? 1 + law.c * std::log(rate) : 1;
-  return {.stress = (law.a + hard) * fast * soft,
-          .by_strain = strain > 0 ? law.n * hard / strain * fast * soft : 0,
-          .by_rate = counts ? (law.a + hard) * law.c * soft : 0};
-}
-
-}  // namespace
-
-SolidLaw::Flow SolidLaw::flow_stress(double strain, double rate, double homologous) const {
-  if (homologous >= 1) return {};
-  if (steinberg.known()) {
-    const double worked = 1 + steinberg.beta * strain;
-    const double stress = steinberg.y0 * std::pow(worked, steinberg.n);
-    if (stress >= steinberg.ymax) return {.stress = steinberg.ymax};
-    return {.stress = stress, .by_strain = steinberg.n * steinberg.beta * stress / worked};
-  }
-  return johnson_cook(flow, strain, rate, softened(flow, homologous));
 }
 
 double SolidLaw::failure_strain(double triaxiality, double rate, double homologous) const {
@@ -70,28 +41,6 @@ double SolidLaw::most_voids(double rest_volume) const {
   // A layer of bodies is a band whose opening takes the fracture energy (Bazant & Oh, Matériaux et
   // Constructions 16 (1983) 155): the tension falls in proportion to it.
   return std::min(joined, 2 * fracture_energy / (strength * std::cbrt(rest_volume)));
-}
-
-double SolidLaw::plastic_increment(double trial, double strain, double h, double homologous) const {
-  // What is left, trial - 3 G x - Y(strain + x, x/h), falls with x: Newton's steps in a bracket.
-  const bool by_rate = !steinberg.known() && homologous < 1;
-  const double soft = by_rate ? softened(flow, homologous) : 0;  // it takes a power: once for all
-  const auto flow_at = [&](double x, double rate) {
-    return by_rate ? johnson_cook(flow, strain + x, rate, soft)
-                   : flow_stress(strain + x, rate, homologous);
-  };
-  const double slow = flow_at(0, 0).stress;
-  if (trial <= slow) return 0;
-  double low = 0, high = (trial - slow) / (3 * shear), x = high;
-  for (int iteration = 0; iteration < 40; ++iteration) {
-    const Flow y = flow_at(x, x / h);
-    const double left = trial - 3 * shear * x - y.stress;
-    if (std::abs(left) <= 1e-7 * y.stress) break;
-    (left > 0 ? low : high) = x;
-    const double next = x + left / (3 * shear + y.by_strain + y.by_rate / x);
-    x = next > low && next < high ? next : (low + high) / 2;
-  }
-  return x;
 }
 
 double SolidLaw::intact_strength(double pressure) const {

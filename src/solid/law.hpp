@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <string>
@@ -40,26 +41,19 @@ struct SolidLaw {
   double sound_speed() const;                                      ///< m/s, longitudinal
   double youngs_modulus() const { return 9 * bulk * shear / (3 * bulk + shear); }  ///< Pa
   bool brittle() const { return flaws.known(); }
-  /// From 298 K (0) to the melting point (1 and more), with this heat (J/kg).
-  double homologous(double heat) const;
+  /// J/kg that warm it from 298 K to the melting point, infinite where that is not known; and where
+  /// this heat is between them, from 0 to 1 (molten) and more.
+  double melting_heat() const;
+  double homologous(double heat) const { return std::max(0.0, heat / melting_heat()); }
   /// What shear modulus and flow stress of Steinberg and Guinan's metals are of those at rest, with
   /// this pressure (Pa) and heat (J/kg); 0 where nothing is left.
   double stiffness(double compression, double pressure, double heat) const;
-  /// Pa, with its slopes by the strain and by the logarithm of the rate; of this plastic strain and
-  /// rate (1/s), at the stiffness 1.
-  struct Flow {
-    double stress = 0, by_strain = 0, by_rate = 0;
-  };
-  Flow flow_stress(double strain, double rate, double homologous) const;
   /// The plastic strain at which it fails.
   double failure_strain(double triaxiality, double rate, double homologous) const;
   /// The share of voids at which a body of this volume at rest (m^3) bears nothing any more.
   double most_voids(double rest_volume) const;
   /// Pa, which no flow stress at this temperature is below, at the stiffness 1.
   double least_flow_stress(double homologous) const;
-  /// The plastic strain that brings von Mises' stress `trial` (Pa, over the stiffness) back to the
-  /// flow stress within `h` (s).
-  double plastic_increment(double trial, double strain, double h, double homologous) const;
   /// Pa, von Mises' stress sqrt(3 J2) that intact rock bears at this pressure, and at which what
   /// has failed slides.
   double intact_strength(double pressure) const;

@@ -3,12 +3,10 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <utility>
 
-#include "solid/law.hpp"
-#include "solid/rows.hpp"
+#include "solid/lane_bodies.hpp"
+#include "solid/lane_root.hpp"
 #include "spall/bodies.hpp"
 
 namespace spall {
@@ -19,12 +17,11 @@ inline constexpr double most_matter = 2, tension_error = 1e-12;
 /// Of the pressure at which no pores are left.
 inline constexpr double crushing_error = 1e-9;
 
-/// Some bodies between their trial and their final state; the last ones may be the same body. The
-/// trial stress of rock is that of what is intact.
+/// Some bodies between their trial and their final state. The trial stress of rock is that of what
+/// is intact.
 struct Group {
-  std::array<Index, pair_lanes> row;
-  std::array<const SolidLaw*, pair_lanes> law;
-  Index count;  ///< that are not
+  LaneRows rows;
+  LaneLaws laws;
   double h;
   double late;  ///< s, over which new stresses have worked
   PairLanes compression, volume, rest_volume;
@@ -43,83 +40,54 @@ struct Group {
 struct Matter {
   const Group& group;
   PairLanes gruneisen, bulk, density, filled;  ///< as of a `SolidLaw`
-  PairLanes x;                ///< the density it has where it fills all, of that at rest
-  PairLanes rest_volume;      ///< m^3
-  PairLanes before, sheared;  ///< J: all but the work of its pressure; of shear
-  PairLanes works;            ///< m^3, over which the pressure works
-  /// As `ColdCurve::State`, at the density that `pressure_at` was asked for last.
-  PairLanes cold_pressure, cold_energy, cold_slope2;
+  PairLanes x;                       ///< the density it has where it fills all, of that at rest
+  PairLanes rest_volume;             ///< m^3
+  PairLanes before, sheared;         ///< J: all but the work of its pressure; of shear
+  PairLanes works;                   ///< m^3, over which the pressure works
+  ColdCurve::State<PairLanes> cold;  ///< at the density that `pressure_at` was asked for last
 
   Matter(const Bodies& bodies, const Group& g, const PairLanes& scale, const PairLanes& of_shear)
-      : group(g), sheared(of_shear) {
-    PairLanes energy;
-    for (std::size_t l = 0; l < pair_lanes; ++l) {
-      const SolidLaw& law = *g.law[l];
-      gruneisen[l] = law.gruneisen;
-      bulk[l] = law.bulk;
-      density[l] = law.density;
-      filled[l] = law.filled;
-      energy[l] = bodies.internal_energy[g.row[l]];
-    }
+      : group(g),
+        gruneisen(g.laws.of(&SolidLaw::gruneisen)),
+        bulk(g.laws.of(&SolidLaw::bulk)),
+        density(g.laws.of(&SolidLaw::density)),
+        filled(g.laws.of(&SolidLaw::filled)),
+        sheared(of_shear) {
     x = g.compression * filled;
     rest_volume = g.rest_volume * filled;
     const PairLanes acts = g.late * g.volume;
     works = acts * g.growth;
-    before = energy + g.gained + acts * scale * g.shear_power;
+    before = g.rows.load(bodies.internal_energy) + g.gained + acts * scale * g.shear_power;
   }
 
   /// Pa, of bodies in which it has this density, of that at rest: P_c + Gamma rho Q, the share of
   /// it; Q depends on the work of P.
   PairLanes pressure_at(const PairLanes& at) {
-    for (std::size_t l = 0; l < pair_lanes; ++l) {
-      const ColdCurve::State cold = group.law[l]->cold.at(at[l]);
-      cold_pressure[l] = cold.pressure;
-      cold_energy[l] = cold.energy;
-      cold_slope2[l] = cold.slope2;
+    if (group.laws.alike()) {
+      cold = group.laws[0].cold.at(at);
+    } else {
+      for (std::size_t l = 0; l < pair_lanes; ++l) {
+        const auto one = group.laws[l].cold.at(at[l]);
+        cold.pressure[l] = one.pressure;
+        cold.energy[l] = one.energy;
+        cold.slope2[l] = one.slope2;
+      }
     }
     const PairLanes share = x / at;
     const PairLanes per_heat = share * gruneisen / rest_volume * smaller(spread_pairs(1), at);
-    const PairLanes given = before - rest_volume * cold_energy - sheared;
-    return (share * cold_pressure + per_heat * given) / (1.0 + per_heat * works);
+    const PairLanes given = before - rest_volume * cold.energy - sheared;
+    return (share * cold.pressure + per_heat * given) / (1.0 + per_heat * works);
   }
 };
-
-inline PairLanes magnitude_of(const PairLanes& v) {
-  return larger(v, -v);
-}
-
-/// Where `over(at)`, negative at `low` and positive at `high`, is at most `error`, in the lanes
-/// that are asked for; others stay where they are. Newton's steps by its `slope(at)`, or a half of
-/// the bracket where they leave it or shrink too slowly.
-template <class F, class G>
-PairLanes root_within(const PairMask& asked, PairLanes low, PairLanes high, PairLanes at,
-                      const PairLanes& error, F&& over, G&& slope) {
-  PairLanes last = high - low;
-  for (int iteration = 0; iteration < 100; ++iteration) {
-    const PairLanes value = over(at);
-    const PairMask off = asked & (magnitude_of(value) > error);
-    if (!any_lane(off)) break;
-    low = select(value < 0.0, at, low);
-    high = select(value < 0.0, high, at);
-    const PairLanes next = at - value / slope(at), half = 0.5 * (low + high);
-    const PairMask good = (next > low) & (next < high) & (magnitude_of(next - at) <= 0.5 * last);
-    const PairLanes from = std::exchange(at, select(off, select(good, next, half), at));
-    last = magnitude_of(at - from);
-  }
-  return at;
-}
 
 /// The pores of some bodies.
 struct PoreLanes {
   PairLanes distension, elastic, compacted;  ///< as in `Pores`
 
-  explicit PoreLanes(const std::array<const SolidLaw*, pair_lanes>& law) {
-    for (std::size_t l = 0; l < pair_lanes; ++l) {
-      distension[l] = law[l]->pores.distension;
-      elastic[l] = law[l]->pores.elastic;
-      compacted[l] = law[l]->pores.compacted;
-    }
-  }
+  explicit PoreLanes(const LaneLaws& laws)
+      : distension(laws.of([](const SolidLaw& law) { return law.pores.distension; })),
+        elastic(laws.of([](const SolidLaw& law) { return law.pores.elastic; })),
+        compacted(laws.of([](const SolidLaw& law) { return law.pores.compacted; })) {}
   /// alpha, where they have been crushed so far.
   PairLanes alpha(const PairLanes& crushed) const { return distension_of(distension, crushed); }
   /// Pa, that crushes them further.
@@ -166,22 +134,19 @@ struct Pressed {
 /// that at rest, without voids.
 inline PairLanes crush(const Bodies& bodies, Matter& matter, Pressed& after) {
   const Group& g = matter.group;
-  const auto has_pores = [](const SolidLaw* law) { return law->pores.any(); };
-  if (std::ranges::none_of(g.law, has_pores)) return matter.x;
-  const PoreLanes pores(g.law);
-  PairLanes crushed{}, crushes{};
-  for (std::size_t l = 0; l < pair_lanes; ++l) {
-    if (!has_pores(g.law[l])) continue;
-    crushed[l] = bodies.crushed[g.row[l]];
-    crushes[l] = g.law[l]->yields;
-  }
+  const auto has_pores = [](const SolidLaw& law) { return law.pores.any(); };
+  if (!g.laws.any(has_pores)) return matter.x;
+  const PoreLanes pores(g.laws);
+  const PairLanes porous = g.laws.of(has_pores), none{};
+  const PairLanes crushed = select(porous > 0.0, g.rows.load(bodies.crushed), none);
+  const PairLanes crushes = porous * g.laws.of(&SolidLaw::yields);
   const PairLanes open = matter.x * pores.alpha(crushed);
   const PairMask asked = (crushes > 0.0) & (open > matter.x) &
                          (matter.pressure_at(open) > pores.crushing_pressure(crushed));
   after.crushed = any_lane(asked) ? pores.crushed_by(asked, crushed, matter) : crushed;
   for (std::size_t l = 0; l < pair_lanes; ++l)
-    if (g.law[l]->brittle() && after.crushed[l] > crushed[l])
-      after.damage[l] = crushed_damage(*g.law[l], after.damage[l], crushed[l], after.crushed[l]);
+    if (g.laws[l].brittle() && after.crushed[l] > crushed[l])
+      after.damage[l] = crushed_damage(g.laws[l], after.damage[l], crushed[l], after.crushed[l]);
   return matter.x * pores.alpha(after.crushed);
 }
 
@@ -191,7 +156,7 @@ inline void open_voids(const PairMask& asked, const PairMask& melted, const Pair
                        const PairLanes& least, Matter& matter, Pressed& after) {
   const Group& g = matter.group;
   const PairLanes one = spread_pairs(1);
-  const PairLanes whole_pressure = after.pressure, whole_energy = matter.cold_energy;
+  const PairLanes whole_pressure = after.pressure, whole_energy = matter.cold.energy;
   // Matter between voids is less stretched: cold it is hardly so, hot it bears pressure before.
   // Where it is found if the cold curve is straight:
   const PairLanes heated = matter.gruneisen * (matter.before - matter.sheared) / matter.rest_volume;
@@ -201,14 +166,14 @@ inline void open_voids(const PairMask& asked, const PairMask& melted, const Pair
       tension_error * matter.bulk,
       [&](const PairLanes& at) { return matter.pressure_at(at) + bearable; },
       [&](const PairLanes& at) {
-        return matter.x * matter.density * matter.cold_slope2 / (at * matter.filled);
+        return matter.x * matter.density * matter.cold.slope2 / (at * matter.filled);
       });
   after.pressure = matter.pressure_at(density);
   const std::uint8_t lanes = bits_of_mask(asked), molten = bits_of_mask(melted);
   PairLanes opened = one;  // the share of a body that voids or cracks run through
   for (std::size_t l = 0; l < pair_lanes; ++l) {
     if (!(lanes >> l & 1)) continue;
-    const SolidLaw& law = *g.law[l];
+    const SolidLaw& law = g.laws[l];
     const double damage = molten >> l & 1 ? 1 : std::min(1.0, after.damage[l]);
     after.damage[l] = damage;
     if (law.brittle()) {
@@ -222,8 +187,8 @@ inline void open_voids(const PairMask& asked, const PairMask& melted, const Pair
   const PairMask partly = opened < 1.0;
   after.pressure =
       select(partly, opened * after.pressure + (1.0 - opened) * whole_pressure, after.pressure);
-  matter.cold_energy = select(partly, opened * matter.cold_energy + (1.0 - opened) * whole_energy,
-                              matter.cold_energy);
+  matter.cold.energy = select(partly, opened * matter.cold.energy + (1.0 - opened) * whole_energy,
+                              matter.cold.energy);
 }
 
 /// Of bodies of whose trial deviator the share `scale` is left, with the energy `sheared` (J).
@@ -232,25 +197,20 @@ inline Pressed pressed(const Bodies& bodies, const Group& g, const PairLanes& sc
   const PairLanes none{};
   Matter matter(bodies, g, scale, sheared);
   Pressed after;
-  PairLanes strength, cracks, old_pressure;  // cracks: damage of what is brittle
-  for (std::size_t l = 0; l < pair_lanes; ++l) {
-    const Index b = g.row[l];
-    strength[l] = g.law[l]->strength;
-    after.damage[l] = bodies.damage[b];
-    cracks[l] = g.law[l]->brittle() ? bodies.damage[b] : 0;
-    old_pressure[l] = bodies.pressure[b];
-  }
+  const PairLanes strength = g.laws.of(&SolidLaw::strength);
+  after.damage = g.rows.load(bodies.damage);
+  const PairLanes cracks = after.damage * g.laws.of(&SolidLaw::brittle);
   const PairMask parted = (after.damage >= 1.0) | melted | (cracks > 0.0);
   // A body alone may be pulled more than its neighbours: the noise of pressure opens no voids.
-  const PairLanes alone = larger(none, g.around - old_pressure);
+  const PairLanes alone = larger(none, g.around - g.rows.load(bodies.pressure));
   const PairLanes bearable = select(parted, none, (1.0 - after.damage) * strength + alone);
   const PairLanes least = crush(bodies, matter, after);
   after.pressure = matter.pressure_at(least);
   const PairMask pulled = after.pressure < -bearable;
   if (any_lane(pulled)) open_voids(pulled, melted, bearable, least, matter, after);
   after.energy = matter.before - matter.works * after.pressure;
-  after.heat = after.energy - matter.rest_volume * matter.cold_energy - sheared;
-  after.sound_speed2 = matter.cold_slope2;
+  after.heat = after.energy - matter.rest_volume * matter.cold.energy - sheared;
+  after.sound_speed2 = matter.cold.slope2;
   return after;
 }
 
