@@ -131,7 +131,7 @@ def what_is_done_is_kept_and_what_is_missing_goes_on():
         # The ball is as heavy as that of the shot, however many sites of the lattice are in it.
         row = run.known()[0]
         shot = shots[int(row["row"]) - 1]
-        case = tomllib.loads((folder / f"out/{row['row']}-6-6-1/shot.toml").read_text())
+        case = tomllib.loads((folder / f"out/{row['row']}-12-6-1/shot.toml").read_text())
         grown = case["groups"][2]["volume"]["diameter"] / (shot.diameter / 100)
         assert isclose(4.45637e-05 * grown**3, run.ball_of(shot), rel_tol=1e-6)
         assert isclose(float(row["energy_unexplained"]),
@@ -141,7 +141,7 @@ def what_is_done_is_kept_and_what_is_missing_goes_on():
                     "--out", str(folder / "out")]
         run.main()
         assert run.known()[-1]["verdict"] == "failed"
-        options = Namespace(across=run.ACROSS, wall_across=run.ACROSS, seed=1)
+        options = Namespace(across=run.FINE_ACROSS, wall_across=run.WALL_ACROSS, seed=1)
         some, without, planned = score.counted(shots, options)
         assert (len(some), without, planned) == (5, 1, len(wanted))
         text = score.table(some, without, planned, options)

@@ -46,6 +46,7 @@ STAND_IN = "aluminium_6061_t6"
 LACKING = {"aluminium_7075_t651": 'solid = {spall_strength = "1.2 GPa"}'}
 
 ACROSS = 6  # bodies across the ball; what that costs decides which shots are run, and when
+FINE_ACROSS, WALL_ACROSS = 12, 6  # with which they are run, unless others are asked for
 BUMPER_LAYERS, WALL_LAYERS = 2, 3  # at least
 BUMPER_WIDTH = 4  # ball diameters
 WALL_RIM = 1.5  # ball diameters that the wall is wider than the cloud's core, on each side
@@ -241,12 +242,17 @@ def keep(line, lock):
         os.replace(file.name, RESULTS)
 
 
+def ask_for_setting(parser):
+    """Adds the options that tell runs of the same shot apart."""
+    parser.add_argument("--across", type=float, default=FINE_ACROSS, help="bodies across the ball")
+    parser.add_argument("--wall-across", type=float, default=WALL_ACROSS,
+                        help="bodies of the wall on the ball's diameter, at least")
+    parser.add_argument("--seed", type=int, default=1, help="of the crystals' orientations")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--across", type=float, default=ACROSS, help="bodies across the ball")
-    parser.add_argument("--wall-across", type=float,
-                        help="bodies of the wall on the ball's diameter, at least; as --across")
-    parser.add_argument("--seed", type=int, default=1, help="of the crystals' orientations")
+    ask_for_setting(parser)
     parser.add_argument("--rows", type=int, nargs="+", metavar="ROW",
                         help="of the rule's shots these alone, as for another number across")
     parser.add_argument("--most", type=int, default=math.inf, help="shots that are run now")
@@ -262,7 +268,6 @@ def main():
                         help="shots outside of the rule")
     options = parser.parse_args()
     options.before = options.before.split()
-    options.wall_across = options.wall_across or options.across
     shots = read_shots()
     wanted = chosen(shots)
     if options.plan:

@@ -1,6 +1,6 @@
 """Scores Spall and five equations on the same shots: table and plot of README.md, from results.csv.
 
-    python3 cases/shields/score.py [--across 6] [--wall-across 6] [--seed 1]
+    python3 cases/shields/score.py [--across 12] [--wall-across 6] [--seed 1]
 
 SPDX-License-Identifier: BSD-3-Clause
 """
@@ -11,7 +11,7 @@ from math import comb, sqrt
 from pathlib import Path
 
 from equations import EQUATIONS, is_right, read_shots
-from run import ACROSS, RESULTS, chosen
+from run import ACROSS, RESULTS, ask_for_setting, chosen
 
 HERE = Path(__file__).parent
 sys.path.append(str(HERE.parent.parent / "bench"))
@@ -185,16 +185,12 @@ def draw(some, path):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--across", type=float, default=ACROSS)
-    parser.add_argument("--wall-across", type=float)
-    parser.add_argument("--seed", type=int, default=1)
+    ask_for_setting(parser)
     options = parser.parse_args()
-    options.wall_across = options.wall_across or options.across
     some, without, planned = counted(read_shots(), options)
     text = table(some, without, planned, options)
     print(text)
-    own = (options.across, options.wall_across) == (ACROSS, ACROSS)
-    name = "score" + ("" if own else f"_{options.across:g}_{options.wall_across:g}")
+    name = f"score_{options.across:g}_{options.wall_across:g}"
     replace_section(HERE / "README.md", name, text)
     draw(some, HERE / f"{name}.png")
 
