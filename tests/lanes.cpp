@@ -65,6 +65,10 @@ TEST(Lanes, functions_are_those_of_the_library) {
         EXPECT_NEAR(power_of(v, spread(n))[l] / std::pow(v[l], n), 1, error);
       }
   });
+  for (double n : {1.09, 4.0}) {
+    EXPECT_LE(power_of(spread(1e-300), spread(n))[0], 1e-300);
+    EXPECT_LE(power_of(Lanes{}, spread(n))[0], 1e-300);
+  }
   for_random(0.1, 10, [](const Lanes& v) {
     for (int n : {0, 1, 5, 12, 13})
       for (std::size_t l = 0; l < lane_count; ++l)

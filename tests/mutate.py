@@ -67,7 +67,7 @@ NEAREST = {
     "rigid": ["ledger", "thresholds", "step", "clouds", "hard_cases", "books"],
     "potential": ["thresholds", "constitutive", "potential", "embedding", "pair_laws", "bonds"],
     "penalty": ["penalty", "penalty_scenes", "books"],
-    "solid": ["solid", "pressed_metal", "brittle", "rock", "porous", "two_solids"],
+    "solid": ["solid", "solid_bodies", "pressed_metal", "brittle", "rock", "porous", "two_solids"],
     "scene": ["scene", "packing", "surface_mesh", "case"],
     "analysis": ["thresholds", "analysis", "debris", "shields"],
     "output": ["output", "fclib", "debris"],

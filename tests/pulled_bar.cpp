@@ -37,7 +37,7 @@ Middle middle_of(const Lab& world, double rate) {
     const double volume = 1 / bodies.compression[b];
     const double heat = bodies.heat[b] / (d * d * d / std::sqrt(2.0) * law.density);
     const double flow =
-        flow_stress_of(law, law.homologous(heat)).at(bodies.plastic_strain[b], rate).stress;
+        flow_stress_of(law, heat / law.melting_heat()).at(bodies.plastic_strain[b], rate).stress;
     sums[0] += volume;
     sums[1] += volume * (bodies.direct_stress[b].z() - bodies.pressure[b]);
     sums[2] += volume * flow;

@@ -7,7 +7,6 @@
 #include "output/diagnostics.hpp"
 #include "scene/packing.hpp"
 #include "scene/scene.hpp"
-#include "solid/cold_curve.hpp"
 #include "solid/contacts.hpp"
 #include "solid/flow_stress.hpp"
 #include "solid_worlds.hpp"
@@ -50,69 +49,6 @@ std::vector<Sphere> polycrystal(double radius) {
                                     .position = site});
                });
   return spheres;
-}
-
-// --- the laws ---
-
-TEST(ColdCurve, is_the_isentrope_that_touches_the_hugoniot_at_rest) {
-  const ColdCurve curve(copper);
-  for (double eta : {-0.02, -0.001, 1e-4, 0.01, 0.1, 0.3}) {
-    const double de = 1e-6;
-    const auto energy = [&](double e) { return curve.at(1 / (1 - e)).energy; };
-    const double pressure = curve.at(1 / (1 - eta)).pressure;
-    EXPECT_NEAR((energy(eta + de) - energy(eta - de)) / (2 * de), pressure,
-                1e-6 * copper.bulk_modulus());
-    // They differ by the heat of the shock, which is of third order.
-    const double left = 1 - copper.hugoniot_slope * eta;
-    const double hugoniot = copper.bulk_modulus() * eta / (left * left);
-    const double third = copper.bulk_modulus() * std::abs(eta * eta * eta) / (left * left * left);
-    EXPECT_LE(std::abs(hugoniot - pressure), 4 * third) << eta;
-    // Sound is as fast as the Hugoniot's slope over density says.
-    const auto shock = [](double density) {
-      const double e = 1 - copper.density / density, rest = 1 - copper.hugoniot_slope * e;
-      return copper.bulk_modulus() * e / (rest * rest);
-    };
-    const double density = copper.density / (1 - eta), step = 1e-5 * density;
-    const double slope = (shock(density + step) - shock(density - step)) / (2 * step);
-    EXPECT_NEAR(curve.at(1 / (1 - eta)).slope2, slope, 1e-6 * slope) << eta;
-  }
-}
-
-TEST(SolidLaw, returns_to_the_flow_stress_of_each_metal) {
-  SolidLaw other = ductile;
-  other.steinberg = {.y0 = 0.8e9, .ymax = 1e9, .beta = 10, .n = 0.1};
-  // The last two lanes are one body.
-  const std::vector<SolidLaw> laws{ductile, other};
-  std::vector<std::int32_t> material(pair_lanes);
-  for (std::size_t l = 0; l < pair_lanes; ++l) material[l] = static_cast<std::int32_t>(l % 2);
-  const LaneRows rows{.first = 0, .count = static_cast<Index>(pair_lanes) - 1};
-  const auto flow = [&](const SolidLaw& law, double strain, double rate, double hot) {
-    if (law.steinberg.known()) return std::min(1e9, 0.8e9 * std::pow(1 + 10 * strain, 0.1));
-    const double fast = 1 + 0.025 * std::log(std::max(1.0, rate)), soft = 1 - std::pow(hot, 1.09);
-    return (90e6 + 292e6 * std::pow(strain, 0.31)) * fast * soft;
-  };
-  const double h = 1e-8;
-  for (const auto& of : {std::vector<std::int32_t>(pair_lanes, 0), material})
-    for (double hot : {0.0, 0.4})
-      for (double strain : {0.0, 0.02, 1.5})
-        for (double times : {0.9, 1.2, 2.0, 30.0}) {
-          const LaneLaws lanes(laws, of, rows);
-          const PairLanes all = spread_pairs(1);
-          PairLanes trial;
-          for (std::size_t l = 0; l < pair_lanes; ++l)
-            trial[l] = times * flow(lanes[l], strain, 0, hot);
-          const PairLanes x = plastic_increments(all > 0.0, flow_stress_of(lanes, hot * all),
-                                                 ductile.shear * all, trial, strain * all, h);
-          for (std::size_t l = 0; l < pair_lanes; ++l) {
-            const double y = flow(lanes[l], strain + x[l], x[l] / h, hot);
-            EXPECT_EQ(x[l] > 0, times > 1);
-            const double left = trial[l] - 3 * ductile.shear * x[l];
-            EXPECT_NEAR(left, times > 1 ? y : trial[l], 1e-8 * y);
-          }
-          EXPECT_EQ(x[pair_lanes - 1], x[pair_lanes - 2]);
-        }
-  EXPECT_EQ(flow_stress_of(ductile, 1).at(0.3, 1e4).stress, 0);
-  EXPECT_EQ(flow_stress_of(other, 1).at(0.3, 1e4).stress, 0);
 }
 
 // --- elastic ---

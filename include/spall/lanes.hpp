@@ -482,10 +482,11 @@ inline RowHalf estimate_sqrt(const RowHalf& v) {
   return square_root(v);
 }
 
-/// exp(x) to two units in the last place for |x| < 700: x = n ln 2 + f, Taylor's series of e^f.
 inline constexpr double ln2_high = 0x1.62e42fefa38p-1, ln2_low = 0x1.ef35793c7673p-45;
 /// Adding it leaves the nearest integer in the lowest bits.
 inline constexpr double integer_shift = 0x1.8p52;
+
+/// exp(x) to two units in the last place for |x| < 700: x = n ln 2 + f, Taylor's series of e^f.
 template <class V>
 [[gnu::always_inline]] inline V exponential(const V& x) {
   using Long = Vector<std::int64_t, size_of_vector<V>>;
@@ -519,16 +520,18 @@ template <class V>
   return n * ln2_high + (2.0 * s + (2.0 * s * s2 * series + n * ln2_low));
 }
 
-/// x^n of normal positive numbers, to |n ln x| units in the last place and three.
-inline double power_of(double x, double n) {
-  return std::pow(x, n);
-}
-template <class V>
-[[gnu::always_inline]] inline V power_of(const V& x, const V& n) {
-  return exponential<V>(n * logarithm(x));
-}
 inline double logarithm(double x) {
   return std::log(x);
+}
+
+/// x^n of normal positive numbers, to |n ln x| units in the last place and three; what is less than
+/// e^-700 is that, and what is more than e^700 wrong.
+template <class V>
+[[gnu::always_inline]] inline V power_of(const V& x, const V& n) {
+  return exponential<V>(larger<V>(n * logarithm(x), V{} - 700.0));
+}
+inline double power_of(double x, double n) {
+  return std::pow(x, n);
 }
 
 /// To a relative error of 1e-13, for normal positive numbers: a third of the exponent, then Halley.

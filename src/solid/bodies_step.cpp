@@ -1,9 +1,10 @@
-// Some bodies are worked on at once; cracks, and failure where it is near, body by body.
+// Some bodies are worked on at once; what few need, such as cracks, body by body.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "solid/bodies_step.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "base/kernels.hpp"
@@ -161,7 +162,7 @@ double rubbing_stress(const SolidLaw& law, double stiffness, double pressure, do
 }
 
 /// Metals return to their flow stress, by the plastic strains `flowing`, and fail where they have
-/// flown too far. What has failed slides.
+/// flown too far. What has failed slides. Of rock it is found anew.
 Sheared sheared_metals(Bodies& bodies, const Group& g, const PairLanes& hot, const PairMask& melted,
                        const PairLanes& flowing) {
   const PairLanes none{}, one = spread_pairs(1);
@@ -226,7 +227,7 @@ Settled settle(Bodies& bodies, const Group& g) {
   const PairLanes none{}, density = g.laws.of(&SolidLaw::density);
   const PairLanes heat = g.rows.load(bodies.heat);
   const PairLanes to_melt = g.rest_volume * density * g.laws.of(&SolidLaw::melting_heat);
-  const PairLanes hot = larger(none, heat / to_melt);
+  const PairLanes hot = larger(heat / to_melt, none);
   const PairLanes yields = g.laws.of(&SolidLaw::yields);
   const PairMask melted = (yields > 0.0) & (hot >= 1.0);
   const bool rock = g.laws.any(&SolidLaw::brittle);

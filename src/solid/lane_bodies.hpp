@@ -48,7 +48,6 @@ class LaneLaws {
     }
   }
   const SolidLaw& operator[](std::size_t l) const { return *law_[l]; }
-  bool alike() const { return alike_; }
   /// f(law), or a constant, of each lane.
   template <class F>
   PairLanes of(F&& f) const {
@@ -56,6 +55,18 @@ class LaneLaws {
     if (!alike_)
       for (std::size_t l = 1; l < pair_lanes; ++l) v[l] = std::invoke(f, *law_[l]);
     return v;
+  }
+  /// Calls f(law, its lanes) for each law that some lanes are of.
+  template <class F>
+  void for_each(F&& f) const {
+    const PairLanes one = spread_pairs(1);
+    if (alike_) return f(*law_[0], one > 0.0);
+    for (std::size_t l = 0; l < pair_lanes; ++l) {
+      if (std::find(law_.begin(), law_.begin() + l, law_[l]) != law_.begin() + l) continue;
+      PairLanes own;
+      for (std::size_t k = 0; k < pair_lanes; ++k) own[k] = law_[k] == law_[l];
+      f(*law_[l], own > 0.0);
+    }
   }
   template <class F>
   bool any(F&& f) const {

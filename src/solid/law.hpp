@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <string>
@@ -41,10 +40,9 @@ struct SolidLaw {
   double sound_speed() const;                                      ///< m/s, longitudinal
   double youngs_modulus() const { return 9 * bulk * shear / (3 * bulk + shear); }  ///< Pa
   bool brittle() const { return flaws.known(); }
-  /// J/kg that warm it from 298 K to the melting point, infinite where that is not known; and where
-  /// this heat is between them, from 0 to 1 (molten) and more.
+  /// J/kg that warm it from 298 K to the melting point, infinite where that is not known. The heat
+  /// of a body over it is its homologous temperature, from 0 to 1 (molten) and more.
   double melting_heat() const;
-  double homologous(double heat) const { return std::max(0.0, heat / melting_heat()); }
   /// What shear modulus and flow stress of Steinberg and Guinan's metals are of those at rest, with
   /// this pressure (Pa) and heat (J/kg); 0 where nothing is left.
   double stiffness(double compression, double pressure, double heat) const;

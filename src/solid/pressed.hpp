@@ -63,16 +63,12 @@ struct Matter {
   /// Pa, of bodies in which it has this density, of that at rest: P_c + Gamma rho Q, the share of
   /// it; Q depends on the work of P.
   PairLanes pressure_at(const PairLanes& at) {
-    if (group.laws.alike()) {
-      cold = group.laws[0].cold.at(at);
-    } else {
-      for (std::size_t l = 0; l < pair_lanes; ++l) {
-        const auto one = group.laws[l].cold.at(at[l]);
-        cold.pressure[l] = one.pressure;
-        cold.energy[l] = one.energy;
-        cold.slope2[l] = one.slope2;
-      }
-    }
+    group.laws.for_each([&](const SolidLaw& law, const PairMask& own) {
+      const auto of = law.cold.at(at);
+      cold.pressure = select(own, of.pressure, cold.pressure);
+      cold.energy = select(own, of.energy, cold.energy);
+      cold.slope2 = select(own, of.slope2, cold.slope2);
+    });
     const PairLanes share = x / at;
     const PairLanes per_heat = share * gruneisen / rest_volume * smaller(spread_pairs(1), at);
     const PairLanes given = before - rest_volume * cold.energy - sheared;
@@ -137,9 +133,7 @@ inline PairLanes crush(const Bodies& bodies, Matter& matter, Pressed& after) {
   const auto has_pores = [](const SolidLaw& law) { return law.pores.any(); };
   if (!g.laws.any(has_pores)) return matter.x;
   const PoreLanes pores(g.laws);
-  const PairLanes porous = g.laws.of(has_pores), none{};
-  const PairLanes crushed = select(porous > 0.0, g.rows.load(bodies.crushed), none);
-  const PairLanes crushes = porous * g.laws.of(&SolidLaw::yields);
+  const PairLanes crushed = g.rows.load(bodies.crushed), crushes = g.laws.of(&SolidLaw::yields);
   const PairLanes open = matter.x * pores.alpha(crushed);
   const PairMask asked = (crushes > 0.0) & (open > matter.x) &
                          (matter.pressure_at(open) > pores.crushing_pressure(crushed));
