@@ -435,6 +435,40 @@ TEST(PartedSteps, see_who_comes_before_it_is_there) {
   EXPECT_NEAR(after.kinetic + after.internal, before.kinetic, 0.02 * before.kinetic);
 }
 
+/// Two bodies of one piece that have failed press each other, alone: by how much their energy
+/// changes until they have parted, of what they held.
+double gained_by_failed_pair(double distance, double compression, double courant) {
+  const double mass = copper.density * d * d * d / std::sqrt(2.0);
+  std::vector<Sphere> two(2, {.radius = d / 2, .mass = mass});
+  two[1].position = distance * Vec3(2, 1, -2) / 3;
+  Lab world = parted(world_of(alone(), two, ductile), courant);
+  Bodies& bodies = world.bodies;
+  for (Index b = 0; b < bodies.owned; ++b) {
+    bodies.damage[b] = 1;
+    bodies.compression[b] = compression;
+    bodies.internal_energy[b] = mass / ductile.density * ductile.cold.at(compression).energy;
+  }
+  const double before = sums_of(world).internal;
+  solid_steps(world, 2 * crossing, 5);
+  const Sums after = sums_of(world);
+  return (after.kinetic + after.internal) / before - 1;
+}
+
+TEST(PartedSteps, two_failed_bodies_make_no_energy_however_near_they_are) {
+  for (const double compression : {1.05, 1.2, 1.5}) {
+    for (double distance = 0.001 * d; distance < 0.2 * d; distance *= 1.3)
+      EXPECT_EQ(gained_by_failed_pair(distance, compression, usual_courant), 0) << distance;
+    // Where they begin to be resolved, or are no longer so, the error is of first order.
+    for (const double distance : {0.28 * d, 0.325 * d, 0.4 * d, 1.54 * d})
+      for (const double courant : {usual_courant, usual_courant / 2, usual_courant / 4})
+        EXPECT_LE(std::abs(gained_by_failed_pair(distance, compression, courant)), 0.8 * courant)
+            << distance << " " << courant;
+    for (double distance = 0.7 * d; distance < 1.1 * d; distance *= 1.1)
+      EXPECT_LE(std::abs(gained_by_failed_pair(distance, compression, usual_courant)), 1e-3)
+          << distance;
+  }
+}
+
 TEST(PartedSteps, are_no_longer_than_what_they_are_parts_of) {
   Lab world = parted(world_of_two(testing_world(), 10, ductile));
   solid_steps(world, 0.01 * crossing, 30);

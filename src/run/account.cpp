@@ -2,7 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "run/account.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 
 namespace spall {
 
@@ -57,19 +60,43 @@ void Account::add_drifts(ResultTable& table, double momentum,
                 : "largest drift of angular momentum, of the largest sum of m |x| |v|");
 }
 
+namespace {
+
+/// Where next to nothing is dissipated, of the kinetic energy, what is would make any error look
+/// large, or none at all.
+constexpr double next_to_nothing = 1e-6;
+bool conserves(const Diagnostics& sums) {
+  return sums.dissipated <= next_to_nothing * sums.kinetic;
+}
+
+}  // namespace
+
+double Account::open_share(const Diagnostics& sums) const {
+  const double measure = conserves(sums) ? sums.kinetic : sums.dissipated;
+  return measure > 0 ? unexplained_ / measure : 0;
+}
+
+std::string Account::warning(const Diagnostics& sums) const {
+  constexpr double open = 0.05;  // the report's bound, too
+  const double share = open_share(sums);
+  if (std::abs(share) <= open) return "";
+  return fmt::format("{:.3g} J, {:.2g} of {}, {}: do not believe this run", std::abs(unexplained_),
+                     std::abs(share),
+                     conserves(sums) ? "the kinetic energy" : "what was dissipated",
+                     unexplained_ > 0 ? "come out of nothing" : "are lost without an entry");
+}
+
 void Account::add_energies(ResultTable& table, const Diagnostics& sums, double potential) const {
-  // Where next to nothing is dissipated, what is would make any error look large, or none at all.
-  constexpr double next_to_nothing = 1e-6;  // of the kinetic energy
-  const bool conserves = sums.dissipated <= next_to_nothing * sums.kinetic;
-  const bool gained = sums.dissipated < -next_to_nothing * sums.kinetic;
-  const double measure = conserves ? sums.kinetic : sums.dissipated;
-  table.add("conservation", "energy_unexplained", measure > 0 ? unexplained_ / measure : 0, "",
-            conserves ? "energy that no entry explains, of energy_measure"
-                      : "energy that no entry explains, of what was dissipated");
-  if (conserves && measure > 0)
-    table.add("conservation", "energy_measure", measure, "J",
-              gained ? "kinetic: energy was gained, dissipated is negative"
-                     : "kinetic: next to nothing was dissipated");
+  table.add("conservation", "energy_unexplained", open_share(sums), "",
+            conserves(sums) ? "energy that no entry explains, of energy_measure"
+                            : "energy that no entry explains, of what was dissipated");
+  if (conserves(sums) && sums.kinetic > 0)
+    table.add("conservation", "energy_measure", sums.kinetic, "J",
+              sums.dissipated < -next_to_nothing * sums.kinetic
+                  ? "kinetic: energy was gained, dissipated is negative"
+                  : "kinetic: next to nothing was dissipated");
+  if (const std::string told = warning(sums); !told.empty())
+    table.add("conservation", "warning", told);
   table.add("conservation", "dissipated", sums.dissipated, "J");
   if (sums.gained > 0)
     table.add("conservation", "gained_by_restitution", sums.gained, "J",

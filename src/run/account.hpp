@@ -42,6 +42,8 @@ class Account {
   void add_drifts(ResultTable& table, double momentum,
                   std::optional<double> angular_momentum) const;
   void add_energies(ResultTable& table, const Diagnostics& sums, double potential) const;
+  /// What a user must know where the account does not close; else empty.
+  std::string warning(const Diagnostics& sums) const;
 
   /// What a restart file keeps.
   template <class Self, class F>
@@ -62,6 +64,10 @@ class Account {
   }
 
  private:
+  /// Energy that no entry explains, of what was dissipated or, if that is next to nothing, of the
+  /// kinetic energy.
+  double open_share(const Diagnostics& sums) const;
+
   double opened_ = 0;   // 1 when the first balance has set what follows
   double reopens_ = 0;  // 1 when the next balance sets the energy at the start anew
   double initial_ = 0;  // J, energy at the start

@@ -401,6 +401,8 @@ class Run {
                       table);
     progress_.say("\n" + table.text());
     if (const std::string warning = verdict_.warning(); !warning.empty()) progress_.say(warning);
+    if (const std::string open = simulation_->account().warning(sums); !open.empty())
+      progress_.say("WARNING: " + open);
     if (record_.relaxed() > 0)
       progress_.say(fmt::format(
           "WARNING: in {} of {} steps Coulomb's law and restitution gave contacts no impulses that "

@@ -17,10 +17,12 @@
 namespace spall {
 namespace {
 
-/// Of the largest eigenvalue: shares below the first are not resolved, above the second fully.
+/// Of the largest eigenvalue, or of that of one neighbour a spacing away if it is less: shares
+/// below the first are not resolved, above the second fully. What is alone and much nearer than a
+/// spacing would else push with a force of 1/r, for which no step were short enough.
 constexpr double unresolved = 0.1, resolved = 0.4;
 /// Of what its eigenvalues would give if they were equal: a determinant above it means that all
-/// directions are resolved.
+/// directions are resolved, as the least is above half of their mean.
 constexpr double surely_resolved = 0.8;
 /// A body is not deformed by more within a step: what moves so is not resolved in time.
 constexpr double most_squeezed = 0.5, most_stretched = 2;
@@ -36,6 +38,8 @@ double shape_of_lattice() {
   static const double sum = shell(12, 1) + shell(6, std::sqrt(2.0)) + shell(24, std::sqrt(3.0));
   return sum;
 }
+/// The eigenvalue of a body with one neighbour a spacing away, of d^2 V.
+constexpr double shape_of_pair = neighbour_weight(1 / neighbour_reach);
 
 /// The shape tensors' inverses, and the projectors on the directions that are resolved.
 struct Shapes {
@@ -43,16 +47,18 @@ struct Shapes {
   bool projected = false;
 };
 
-void resolve(const LaneTensor& K, std::size_t l, Shapes& shapes) {
+/// `least`: of what eigenvalues are shares, if they are all less.
+void resolve(const LaneTensor& K, double least, std::size_t l, Shapes& shapes) {
   Eigen::Matrix3d k;
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) k(i, j) = K.at[i][j][l];
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> of(k);
   const Vec3 value = of.eigenvalues();
+  const double whole = std::max(value[2], least);
   Vec3 share = Vec3::Zero(), inverse = Vec3::Zero();
   for (int e = 0; e < 3; ++e) {
-    if (!(value[e] > unresolved * value[2]) || value[2] <= 0) continue;
-    const double t = std::min(1.0, (value[e] / value[2] - unresolved) / (resolved - unresolved));
+    if (!(value[e] > unresolved * whole)) continue;
+    const double t = std::min(1.0, (value[e] / whole - unresolved) / (resolved - unresolved));
     share[e] = t * t * (3 - 2 * t);
     inverse[e] = 1 / value[e];
   }
@@ -66,16 +72,16 @@ void resolve(const LaneTensor& K, std::size_t l, Shapes& shapes) {
     }
 }
 
-Shapes shapes_of(const LaneTensor& K) {
+Shapes shapes_of(const LaneTensor& K, const PairLanes& least) {
   const LaneTensor adjoint = adjugate(K);
   const PairLanes det = determinant(K, adjoint), mean = K.trace() / 3.0;
-  const PairMask sure = det > surely_resolved * mean * mean * mean;
+  const PairMask sure = (det > surely_resolved * mean * mean * mean) & (mean > least);
   Shapes shapes{.inverse = select(sure, 1.0 / det, PairLanes{}) * adjoint,
                 .projector = LaneTensor::diagonal(spread_pairs(1))};
   const std::uint8_t unsure = static_cast<std::uint8_t>(~bits_of_mask(sure));
   shapes.projected = unsure != 0;
   for (std::size_t l = 0; l < pair_lanes; ++l)
-    if (unsure >> l & 1) resolve(K, l, shapes);
+    if (unsure >> l & 1) resolve(K, least[l], l, shapes);
   return shapes;
 }
 
@@ -293,7 +299,9 @@ SPALL_KERNEL(double, update_bodies,
                                &k[n + 1], &k[n + 2], &k[n + 3]);
     const LaneTensor K{{{k[0], k[5], k[4]}, {k[5], k[1], k[3]}, {k[4], k[3], k[2]}}};
     const LaneTensor M{{{k[6], k[7], k[8]}, {k[9], k[10], k[11]}, {k[12], k[13], k[14]}}};
-    const Shapes shape = shapes_of(K);
+    const PairLanes at_rest = row.load(rest_volume), spacing = 2.0 * row.load(bodies.radius);
+    const PairLanes extent = spacing * spacing * at_rest;
+    const Shapes shape = shapes_of(K, shape_of_pair * extent);
     const PairLanes trace = K.trace();
     LaneTensor L = M * shape.inverse;
     if (shape.projected) L = shape.projector * L * shape.projector;
@@ -309,7 +317,6 @@ SPALL_KERNEL(double, update_bodies,
 
     const LaneTensor s_old = deviator_of(bodies, row);
     const PairLanes pressure = row.load(bodies.pressure), x = row.load(bodies.compression);
-    const PairLanes at_rest = row.load(rest_volume);
     PairLanes weight, stiffness = spread_pairs(1), intact = spread_pairs(1), sliding{};
     for (std::size_t l = 0; l < pair_lanes; ++l) weight[l] = rows[row[l]].place[3];
     if (law.any([](const SolidLaw& metal) { return metal.steinberg.known(); }))
@@ -357,12 +364,11 @@ SPALL_KERNEL(double, update_bodies,
                                       .growth = growth,
                                       .shear_power = shear_power});
     const PairLanes density = law.of(&SolidLaw::density), slope = law.of(&SolidLaw::slope);
-    const PairLanes spacing = 2.0 * row.load(bodies.radius);
     for (auto l = static_cast<std::size_t>(row.count); l < pair_lanes; ++l) settled.gained[l] = 0;
     heat += sum_of_lanes(settled.gained);
     // Never more than in a whole lattice: few neighbours would else be damped beyond the step.
-    const PairLanes whole = lattice * spacing * spacing * at_rest;
-    const PairLanes density_over_shape = 3.0 * density * compression / larger(whole, trace);
+    const PairLanes density_over_shape =
+        3.0 * density * compression / larger(lattice * extent, trace);
     const PairLanes linear = density_over_shape * settled.sound_speed;
     const PairLanes square = density_over_shape * slope;
     const LaneTensor s = settled.scale * trial;

@@ -15,7 +15,7 @@ inline constexpr double neighbour_reach = 1.7;
 
 /// Of a neighbour at this share r/R of the reach; why so: docs/physics/solid.md.
 template <class T>
-T neighbour_weight(const T& share) {
+constexpr T neighbour_weight(const T& share) {
   return 1.0 - share;
 }
 
