@@ -4,41 +4,18 @@
 #include <optional>
 #include <random>
 
+#include "copper_pieces.hpp"
 #include "output/diagnostics.hpp"
 #include "scene/packing.hpp"
 #include "scene/scene.hpp"
 #include "solid/contacts.hpp"
 #include "solid/flow_stress.hpp"
-#include "solid_worlds.hpp"
 #include "spall/error.hpp"
 #include "testing.hpp"
 
 namespace spall {
 namespace {
 
-constexpr double d = 1e-3;  // m
-
-const Solid copper{.density = 8930,
-                   .sound_speed = 3940,
-                   .hugoniot_slope = 1.489,
-                   .gruneisen = 2.02,
-                   .youngs_modulus = 124e9,
-                   .poisson_ratio = 0.34,
-                   .yield_strength = 90e6,
-                   .spall_strength = 1.2e9,
-                   .specific_heat = 385,
-                   .melting_point = 1358,
-                   .johnson_cook = {.a = 90e6, .b = 292e6, .n = 0.31, .c = 0.025, .m = 1.09}};
-const SolidLaw elastic = solid_law(copper, false, "copper");
-const SolidLaw ductile = solid_law(copper, true, "copper");
-
-template <class F>
-std::vector<Sphere> crystal(const Eigen::Matrix3d& turn, double radius, F&& inside) {
-  return spall::crystal(d, copper.density, turn, radius, inside);
-}
-std::vector<Sphere> ball(const Eigen::Matrix3d& turn, double radius) {
-  return spall::ball(d, copper.density, turn, radius);
-}
 /// Of grains of five spacings.
 std::vector<Sphere> polycrystal(double radius) {
   std::vector<Sphere> spheres;
@@ -149,38 +126,6 @@ TEST(SolidStep, a_spinning_block_keeps_energy_and_angular_momentum) {
   EXPECT_LE((after.angular - before.angular).norm(), 1e-11 * before.angular.norm());
   EXPECT_NEAR(after.kinetic + after.internal, before.kinetic, 1e-3 * before.kinetic);
   EXPECT_NEAR(after.kinetic, before.kinetic, 0.01 * before.kinetic);
-}
-
-/// Two balls of different groups that meet.
-std::vector<Sphere> two_balls(double speed, double radius = 2.6 * d) {
-  std::vector<Sphere> all;
-  for (int side : {-1, 1})
-    for (Sphere s : ball(side < 0 ? as_is : turned, radius)) {
-      s.position += side * Vec3(radius + 0.6 * d, 0.3 * d, 0);
-      s.velocity = -side * Vec3(speed, 0, 0);
-      all.push_back(s);
-    }
-  return all;
-}
-Lab of_two(const Comm& comm, const std::vector<Sphere>& spheres, const SolidLaw& law) {
-  Lab world = world_of(comm, spheres, law);
-  for (Index b = 0; b < world.bodies.owned; ++b)
-    world.bodies.group[b] = spheres[world.bodies.id[b]].velocity.x() < 0;
-  return world;
-}
-Lab world_of_two(const Comm& comm, double speed, const SolidLaw& law) {
-  return of_two(comm, two_balls(speed), law);
-}
-
-/// Of pieces that met at `speed` and yielded.
-void expect_kept(const Lab& world, const Sums& before, double speed) {
-  const Sums after = sums_of(world);
-  const double scale = before.kinetic / speed;
-  EXPECT_LE((after.momentum - before.momentum).norm(), 1e-12 * scale);
-  EXPECT_LE((after.angular - before.angular).norm(), 1e-12 * scale * 3 * d);
-  EXPECT_GT(after.heat, 0.1 * before.kinetic);
-  const double contacts = world.solid.energy(world) - (after.internal - after.heat);
-  EXPECT_NEAR(after.kinetic + after.internal + contacts, before.kinetic, 1e-2 * before.kinetic);
 }
 
 TEST(SolidStep, momenta_and_energy_are_kept_where_pieces_meet_and_yield) {
@@ -361,145 +306,6 @@ TEST(SolidStep, two_materials_with_two_spacings_keep_momenta_and_energy) {
   EXPECT_LT(after.kinetic, 0.8 * before.kinetic);  // they did meet
   const double contacts = world.solid.energy(world) - (after.internal - after.heat);
   EXPECT_NEAR(after.kinetic + after.internal + contacts, before.kinetic, 1e-2 * before.kinetic);
-}
-
-// --- parted steps ---
-
-Lab parted(Lab world, double courant = usual_courant) {
-  world.solid.courant = courant;
-  return world;
-}
-/// s: how long sound takes across a spacing.
-const double crossing = d / ductile.sound_speed();
-
-TEST(PartedSteps, energy_error_is_of_second_order) {
-  std::vector<double> errors;
-  for (const double courant : {0.2, 0.1, 0.05}) {
-    auto spheres = ball(turned, 2.6 * d);
-    for (Sphere& s : spheres) {
-      const Vec3 x = s.position / d;
-      s.velocity = 20 * Vec3(std::sin(x.y()), x.x() * 0.3, std::cos(x.x() + x.z()));
-    }
-    Lab world = parted(world_of(alone(), spheres, elastic), courant);
-    const double before = sums_of(world).kinetic;
-    solid_steps(world, 4 * d / elastic.sound_speed(), 1);
-    const Sums after = sums_of(world);
-    errors.push_back(std::abs(after.kinetic + after.internal - before) / before);
-  }
-  EXPECT_LT(errors[0], 0.01);
-  for (int k = 0; k < 2; ++k) EXPECT_NEAR(std::log2(errors[k] / errors[k + 1]), 2, 0.5);
-}
-
-TEST(PartedSteps, momenta_and_energy_are_kept_where_pieces_meet_and_yield) {
-  const double speed = 1500;
-  Lab world = parted(world_of_two(testing_world(), speed, ductile));
-  const Sums before = sums_of(world);
-  for (int k = 0; k < 4; ++k) solid_steps(world, crossing, 3);
-  expect_kept(world, before, speed);
-}
-
-TEST(PartedSteps, are_as_long_as_the_fastest_that_is_near_allows) {
-  const double rest = usual_courant * crossing, speed = 3000;
-  const double met = usual_courant * d / (ductile.sound_speed() + 4 * ductile.slope * speed);
-  const double mass = copper.density * d * d * d / std::sqrt(2.0);
-  const auto parts = [&](double distance, double closing, double lasts, bool one_piece) {
-    std::vector<Sphere> two(2, {.radius = d / 2, .mass = mass});
-    two[1].position = {distance, 0, 0};
-    for (Sphere& s : two) s.velocity = {0, 0, 5 * speed};  // a common motion counts for nothing
-    two[0].velocity.x() = closing;
-    Lab world = parted(world_of(testing_world(), two, ductile));
-    for (Index b = 0; b < world.bodies.owned; ++b)
-      world.bodies.group[b] = one_piece ? 0 : static_cast<int>(world.bodies.id[b]);
-    solid_steps(world, lasts, 1);
-    return world.solid.parts;
-  };
-  for (const bool one_piece : {true, false}) {
-    // In one piece they press each other, and sound is faster then; so it is in warmer ones.
-    EXPECT_GE(parts(1.6 * d, speed, 3 * met, one_piece), 3);
-    EXPECT_EQ(parts(1.3 * d, -speed, 2.9 * met, one_piece), 3);
-    EXPECT_EQ(parts(1.8 * d, -speed, 2.5 * rest, one_piece), 3);  // even parts
-    EXPECT_EQ(parts(1.6 * d, 0, 10.5 * rest, one_piece), 11);
-  }
-}
-
-TEST(PartedSteps, see_who_comes_before_it_is_there) {
-  // Sound alone would let them fly two spacings and more in a part.
-  const double speed = 12 * ductile.sound_speed();
-  auto spheres = two_balls(speed);
-  for (Sphere& s : spheres) s.position.x() += 4.3 * d * (s.velocity.x() < 0 ? 1 : -1);
-  Lab world = parted(of_two(testing_world(), spheres, ductile));
-  const Sums before = sums_of(world);
-  solid_steps(world, 10 * d / speed, 2);
-  const Sums after = sums_of(world);
-  EXPECT_GT(after.heat, 0.05 * before.kinetic);
-  EXPECT_NEAR(after.kinetic + after.internal, before.kinetic, 0.02 * before.kinetic);
-}
-
-/// Two bodies of one piece that have failed press each other, alone: by how much their energy
-/// changes until they have parted, of what they held.
-double gained_by_failed_pair(double distance, double compression, double courant) {
-  const double mass = copper.density * d * d * d / std::sqrt(2.0);
-  std::vector<Sphere> two(2, {.radius = d / 2, .mass = mass});
-  two[1].position = distance * Vec3(2, 1, -2) / 3;
-  Lab world = parted(world_of(alone(), two, ductile), courant);
-  Bodies& bodies = world.bodies;
-  for (Index b = 0; b < bodies.owned; ++b) {
-    bodies.damage[b] = 1;
-    bodies.compression[b] = compression;
-    bodies.internal_energy[b] = mass / ductile.density * ductile.cold.at(compression).energy;
-  }
-  const double before = sums_of(world).internal;
-  solid_steps(world, 2 * crossing, 5);
-  const Sums after = sums_of(world);
-  return (after.kinetic + after.internal) / before - 1;
-}
-
-TEST(PartedSteps, two_failed_bodies_make_no_energy_however_near_they_are) {
-  for (const double compression : {1.05, 1.2, 1.5}) {
-    for (double distance = 0.001 * d; distance < 0.2 * d; distance *= 1.3)
-      EXPECT_EQ(gained_by_failed_pair(distance, compression, usual_courant), 0) << distance;
-    // Where they begin to be resolved, or are no longer so, the error is of first order.
-    for (const double distance : {0.28 * d, 0.325 * d, 0.4 * d, 1.54 * d})
-      for (const double courant : {usual_courant, usual_courant / 2, usual_courant / 4})
-        EXPECT_LE(std::abs(gained_by_failed_pair(distance, compression, courant)), 0.8 * courant)
-            << distance << " " << courant;
-    for (double distance = 0.7 * d; distance < 1.1 * d; distance *= 1.1)
-      EXPECT_LE(std::abs(gained_by_failed_pair(distance, compression, usual_courant)), 1e-3)
-          << distance;
-  }
-}
-
-TEST(PartedSteps, are_no_longer_than_what_they_are_parts_of) {
-  Lab world = parted(world_of_two(testing_world(), 10, ductile));
-  solid_steps(world, 0.01 * crossing, 30);
-  EXPECT_EQ(world.solid.parts, 30);
-}
-
-TEST(PartedSteps, motion_is_the_same_on_any_number_of_ranks) {
-  Lab one = parted(world_of_two(alone(), 1500, ductile)),
-      many = parted(world_of_two(testing_world(), 1500, ductile));
-  for (int part = 0; part < 3; ++part) {
-    solid_steps(one, 2 * crossing, 1);
-    solid_steps(many, 2 * crossing, 1);
-  }
-  EXPECT_EQ(one.solid.parts, many.solid.parts);
-  const auto p = spheres_of(one), q = spheres_of(many);
-  for (std::size_t k = 0; k < p.size(); ++k)
-    EXPECT_LE((p[k].position - q[k].position).norm(), 1e-9 * d) << k;
-}
-
-TEST(PartedSteps, go_on_from_bodies_alone_with_the_same_bits) {
-  Lab first = parted(world_of_two(testing_world(), 1500, ductile));
-  solid_steps(first, 2 * crossing, 2);
-  first.solid.restart_pairs(first, {});
-  Lab resumed = parted(World(first));
-  resumed.solid.laws = {ductile};
-  for (Lab* world : {&first, &resumed}) solid_steps(*world, 2 * crossing, 2);
-  const auto p = spheres_of(first), q = spheres_of(resumed);
-  for (std::size_t k = 0; k < p.size(); ++k) {
-    EXPECT_EQ(p[k].position, q[k].position);
-    EXPECT_EQ(p[k].velocity, q[k].velocity);
-  }
 }
 
 // --- plastic ---
