@@ -28,6 +28,7 @@ class ColdCurve {
     T pressure{};  ///< Pa
     T energy{};    ///< J/m^3 of the solid at rest
     T slope2{};    ///< (m/s)^2, of the shock's pressure by density: bulk sound speed squared
+    T by_eta{};    ///< Pa, dP/d eta; 0 beyond the table, where the pressure stays
   };
   /// At this density, of that at rest; there exactly 0. Of one or of lanes.
   template <class T>
@@ -41,10 +42,13 @@ class ColdCurve {
                      step_ * t * u * (u * a.pressure - t * b.pressure);
     const T pressure = shock(eta) + gruneisen_ * energy;
     const T left = 1.0 - slope_ * eta, thinner = 1.0 - eta;
+    const T rise = bulk_modulus_ * (1.0 + slope_ * eta) / (left * left * left);  // of P_H
+    const T by_eta = rise * (1.0 - gruneisen_ * eta / 2.0) + gruneisen_ * pressure -
+                     gruneisen_ / 2 * bulk_modulus_ * eta / (left * left);
     return {.pressure = pressure,
-            .energy = energy + pressure * (asked - eta),  // beyond the table the pressure stays
-            .slope2 = bulk_modulus_ / density_ * thinner * thinner * (1.0 + slope_ * eta) /
-                      (left * left * left)};
+            .energy = energy + pressure * (asked - eta),
+            .slope2 = rise / density_ * thinner * thinner,
+            .by_eta = select(asked == eta, by_eta, none)};
   }
 
  private:

@@ -90,12 +90,18 @@ inline FlowStress<PairLanes> flow_stress_of(const LaneLaws& laws, const PairLane
 inline PairLanes plastic_increments(PairMask asked, const FlowStress<PairLanes>& flow,
                                     const PairLanes& shear, const PairLanes& trial,
                                     const PairLanes& strain, double h) {
-  const PairLanes none{};
+  const PairLanes none{}, one = spread_pairs(1);
   const PairLanes slow = flow.at(strain, none).stress;
   asked &= trial > slow;
   if (!any_lane(asked)) return none;
-  // Flow stress and what flow takes from the trial grow with the strain.
-  const PairLanes most = select(asked, (trial - slow) / (3.0 * shear), none);
+  // What flow takes from the trial grows with the strain, and so does the flow stress: by strain
+  // and rate. Each alone would need no less strain than both. Where the rate does most of it, that
+  // is orders of magnitude less than without it.
+  const PairLanes excess = trial - slow, by_shear = excess / (3.0 * shear);
+  const PairLanes by_rate =
+      h * exponential(smaller(excess / (slow * flow.c), logarithm(larger(by_shear / h, one))));
+  const PairLanes most =
+      select(asked, select(flow.c > 0.0, smaller(by_shear, by_rate), by_shear), none);
   FlowStress<PairLanes>::Value y;
   return root_within(
       asked, none, most, most, flow_error * trial,

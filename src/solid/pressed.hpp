@@ -68,11 +68,23 @@ struct Matter {
       cold.pressure = select(own, of.pressure, cold.pressure);
       cold.energy = select(own, of.energy, cold.energy);
       cold.slope2 = select(own, of.slope2, cold.slope2);
+      cold.by_eta = select(own, of.by_eta, cold.by_eta);
     });
     const PairLanes share = x / at;
     const PairLanes per_heat = share * gruneisen / rest_volume * smaller(spread_pairs(1), at);
     const PairLanes given = before - rest_volume * cold.energy - sheared;
     return (share * cold.pressure + per_heat * given) / (1.0 + per_heat * works);
+  }
+
+  /// Pa, dP/d(density) where the pressure was asked for last and is `pressure`.
+  PairLanes slope_at(const PairLanes& at, const PairLanes& pressure) const {
+    const PairLanes one = spread_pairs(1), share = x / at;
+    const PairLanes per_heat = share * gruneisen / rest_volume * smaller(one, at);
+    const PairLanes given = before - rest_volume * cold.energy - sheared;
+    const PairLanes thinned = select(at > one, per_heat / at, PairLanes{});
+    return (share / at * (cold.by_eta / at - cold.pressure) - thinned * (given - pressure * works) -
+            per_heat * rest_volume * cold.pressure / (at * at)) /
+           (1.0 + per_heat * works);
   }
 };
 
@@ -155,13 +167,12 @@ inline void open_voids(const PairMask& asked, const PairMask& melted, const Pair
   // Where it is found if the cold curve is straight:
   const PairLanes heated = matter.gruneisen * (matter.before - matter.sheared) / matter.rest_volume;
   const PairLanes from = one - (heated + bearable / matter.x) * matter.filled / matter.bulk;
+  PairLanes pressure;
   const PairLanes density = root_within(
       asked, least, most_matter * larger(one, least), select(asked & (from > least), from, least),
       tension_error * matter.bulk,
-      [&](const PairLanes& at) { return matter.pressure_at(at) + bearable; },
-      [&](const PairLanes& at) {
-        return matter.x * matter.density * matter.cold.slope2 / (at * matter.filled);
-      });
+      [&](const PairLanes& at) { return (pressure = matter.pressure_at(at)) + bearable; },
+      [&](const PairLanes& at) { return matter.slope_at(at, pressure); });
   after.pressure = matter.pressure_at(density);
   const std::uint8_t lanes = bits_of_mask(asked), molten = bits_of_mask(melted);
   PairLanes opened = one;  // the share of a body that voids or cracks run through
