@@ -324,6 +324,28 @@ TEST(Simulation, a_change_that_leaves_no_body_is_refused_and_changes_nothing) {
   EXPECT_TRUE(simulation.over());
 }
 
+TEST(Simulation, what_stress_is_of_stays_as_it_is) {
+  Simulation simulation(
+      testing_world(),
+      Scene::from_text("[materials.metal]\nlibrary = \"copper\"\n[[groups]]\nname = \"ball\"\n"
+                       "material = \"metal\"\n"
+                       "volume = {shape = \"sphere\", diameter = 6e-3}\n"
+                       "packing = {kind = \"fcc\", diameter = 1e-3}\n" +
+                       phase("method = \"solid\"\nstep = 1e-9\nduration = 1e-7\n")));
+  const auto told = [&](auto&& change) {
+    return complaint_of([&] { simulation.change_bodies(change); });
+  };
+  const std::string refused = "another radius, mass or material than its stress is of";
+  for (auto Bodies::*field : {&Bodies::radius, &Bodies::mass})
+    EXPECT_TRUE(told([&](Bodies& bodies) {
+                  for (double& value : bodies.*field) value *= 1.2;
+                }).ends_with(refused));
+  EXPECT_EQ(told([](Bodies& bodies) {
+              for (Index b = 0; b < bodies.owned; ++b) bodies.velocity[b].x() = 1;
+            }),
+            "");
+}
+
 TEST(Simulation, a_step_that_an_error_broke_off_is_the_last) {
   Simulation simulation(testing_world(), four(rock + phase("step = 0.01\nduration = 1\n")));
   simulation.add_force([&](const Bodies&, std::span<Vec3>) {

@@ -43,7 +43,8 @@ void check_changed(const World& world, const Bodies& former) {
                             "a material that is not in [materials]",
                             "another group",
                             "a place, velocity or spin that is not finite",
-                            "another shape, or an orientation whose length is not 1"};
+                            "another shape, or an orientation whose length is not 1",
+                            "another radius, mass or material than its stress is of"};
   std::array<double, what.size()> wrong;  // ids
   wrong.fill(-1);
   constexpr double round_off = 1e-12;  // what a step leaves is much less
@@ -59,7 +60,10 @@ void check_changed(const World& world, const Bodies& former) {
             (!bodies.has(Field::angular_velocity) || bodies.angular_velocity[b].allFinite()),
         !bodies.has(Field::shape) ||
             (bodies.shape[b] == former.shape[b] &&
-             std::abs(bodies.orientation[b].squaredNorm() - 1) <= round_off)};
+             std::abs(bodies.orientation[b].squaredNorm() - 1) <= round_off),
+        !bodies.has(Field::direct_stress) ||
+            (bodies.radius[b] == former.radius[b] && bodies.mass[b] == former.mass[b] &&
+             bodies.material[b] == former.material[b])};
     for (std::size_t k = 0; k < right.size(); ++k)
       if (!right[k]) wrong[k] = static_cast<double>(bodies.id[b]);
   }

@@ -274,9 +274,8 @@ Settled settle(Bodies& bodies, const Group& g) {
 std::vector<double> rest_volumes(const Bodies& bodies, const std::vector<SolidLaw>& laws) {
   std::vector<double> volumes(bodies.size());
   for (Index b = 0; b < bodies.size(); ++b) {
-    const double d = 2 * bodies.radius[b];
     volumes[b] = std::isfinite(bodies.mass[b]) ? bodies.mass[b] / laws[bodies.material[b]].density
-                                               : d * d * d / std::sqrt(2.0);
+                                               : volume_of_lattice(2 * bodies.radius[b]);
   }
   return volumes;
 }

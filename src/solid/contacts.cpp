@@ -74,16 +74,29 @@ ContactPush::ContactPush(const SolidLaw& a, const SolidLaw& b, double distance, 
       density_(series(a.density, b.density)),
       speed_(series(a.bulk_speed(), b.bulk_speed())) {}
 
+namespace {
+
+/// eta up to where its pressure grows as a shock's, and what is beyond.
+struct Squeezed {
+  double end, over, left;  ///< left: 1 - s end
+  double slope;            ///< of the pressure by eta, of the modulus, at the end and beyond
+
+  Squeezed(double eta, double s)
+      : end(std::min(eta, stiffest / s)),
+        over(eta - end),
+        left(1 - s * end),
+        slope((1 + s * end) / (left * left * left)) {}
+};
+
+}  // namespace
+
 double ContactPush::force(double r) const {
-  const double eta = 1 - r / distance_, most = stiffest / slope_, end = std::min(eta, most);
-  const double left = 1 - slope_ * end, slope = (1 + slope_ * end) / (left * left * left);
-  return area_ * modulus_ * (end / (left * left) + slope * (eta - end));
+  const auto [end, over, left, slope] = Squeezed(1 - r / distance_, slope_);
+  return area_ * modulus_ * (end / (left * left) + slope * over);
 }
 
 double ContactPush::energy(double r) const {
-  const double eta = 1 - r / distance_, most = stiffest / slope_, end = std::min(eta, most);
-  const double left = 1 - slope_ * end, over = eta - end;
-  const double slope = (1 + slope_ * end) / (left * left * left);
+  const auto [end, over, left, slope] = Squeezed(1 - r / distance_, slope_);
   return area_ * distance_ * modulus_ *
          ((std::log(left) + 1 / left - 1) / (slope_ * slope_) +
           over * (end / (left * left) + slope * over / 2));

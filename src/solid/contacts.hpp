@@ -36,8 +36,8 @@ class ContactPush {
 struct PieceContact {
   Index i, j;
 };
-/// An owned body near a wall, which acts on it as a contact does, at r = height + d/2. The body's
-/// image in the wall moves as it does.
+/// An owned body near a wall, which acts on it as a contact does, at r = height + d/2. The wall
+/// stands still, and the speed at which the body closes is not limited.
 struct WallContact {
   Index row;
   std::int32_t wall;

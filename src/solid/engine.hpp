@@ -15,7 +15,7 @@ namespace spall {
 struct SolidSettings {
   bool elastic = false;        ///< nothing yields or tears
   double courant = 0;          ///< as in `Elastoplastic`
-  std::vector<SolidLaw> laws;  ///< by material, once derived; of those that no body is of, none
+  std::vector<SolidLaw> laws;  ///< by material, once derived; without density: it is no solid
 };
 
 struct Elastoplastic final : Engine {

@@ -51,7 +51,7 @@ double open_flaws(const SolidLaw& law, BodyId body, double volume, double strain
 }
 
 double strain_of_first_flaw(const SolidLaw& law, double spacing) {
-  const double volume = spacing * spacing * spacing / std::sqrt(2.0);
+  const double volume = volume_of_lattice(spacing);
   return std::pow(std::log(2.0) / (law.flaws.k * volume), 1 / law.flaws.m);
 }
 

@@ -114,11 +114,14 @@ bool yields_in_contacts_alone(const Solid& solid) {
 
 /// How it breaks, in bodies of this spacing (m).
 std::string failure_of(const SolidLaw& law, double spacing) {
-  const std::string failed =
+  std::string failed =
       law.rock.failed_friction > 0
           ? fmt::format("    failed, slides at a shear stress of {:g} of its pressure\n",
                         law.rock.failed_friction)
           : "    failed, bears pressure alone: failed_friction is not known\n";
+  if (!std::isfinite(law.melting_heat()))
+    failed +=
+        "    neither softens by heat nor melts: specific_heat or melting_point is not known\n";
   if (law.brittle()) {
     const double strain = strain_of_first_flaw(law, spacing);
     return fmt::format(
@@ -131,7 +134,7 @@ std::string failure_of(const SolidLaw& law, double spacing) {
           ? fmt::format(
                 "    opens voids at a tension of {:.4g} Pa and fails where they are {:.3g} of the "
                 "volume{}\n",
-                law.strength, law.most_voids(spacing * spacing * spacing / std::sqrt(2.0)),
+                law.strength, law.most_voids(volume_of_lattice(spacing)),
                 law.fracture_energy > 0 ? "" : ": fracture_energy is not known")
           : std::string("    does not tear by tension: spall_strength is not known\n");
   if (!law.flow.fails()) text += "    does not fail by strain: johnson_cook_d1 … are not known\n";

@@ -19,7 +19,7 @@ T distension_of(const T& at_rest, const T& crushed) {
 
 /// Constants and curves of one material.
 struct SolidLaw {
-  double density = 0;          ///< kg/m^3, with its pores; 0: no body is of it
+  double density = 0;          ///< kg/m^3, with its pores; 0: it is no solid
   double bulk = 0, shear = 0;  ///< Pa, with its pores
   double slope = 0;            ///< s of the shock speed c0 + s u_p
   double gruneisen = 0;
@@ -59,6 +59,11 @@ struct SolidLaw {
   /// alpha, where pores have been crushed so far.
   double distension(double crushed) const { return distension_of(pores.distension, crushed); }
 };
+
+/// m^3 a body in a close-packed lattice of this spacing (m).
+inline double volume_of_lattice(double spacing) {
+  return spacing * spacing * spacing / std::sqrt(2.0);
+}
 
 /// Throws Error, which begins with `place`, where a constant is missing.
 SolidLaw solid_law(const Solid& solid, bool yields, const std::string& place);

@@ -159,7 +159,7 @@ double fastest_waves(const World& world, const Elastoplastic& engine) {
   double fastest = 0;
   for (Index b = 0; b < bodies.owned; ++b) {
     const SolidLaw& law = engine.laws[bodies.material[b]];
-    double c = law.sound_speed(), spacing = 2 * bodies.radius[b];
+    double c = law.sound_speed(), spacing = 2 * bodies.radius[b], shear = law.shear;
     if (const double x = bodies.compression[b]; x > 1 || bodies.heat[b] > 0) {
       const double matter = x * law.filled * (porous ? law.distension(bodies.crushed[b]) : 1);
       const double heat = bodies.heat[b] / (engine.rest_volume[b] * law.density);
@@ -167,7 +167,12 @@ double fastest_waves(const World& world, const Elastoplastic& engine) {
       const double g = law.gruneisen, dense = std::max(1.0, matter);
       const double warmed = matter > 1 ? g * g / (dense * dense) : g * (1 + g);
       const double bulk2 = law.cold.at(dense).slope2 + warmed * heat;
-      c = std::max(c, std::sqrt(bulk2 + 4 * law.shear / (3 * law.density)));
+      if (law.steinberg.known())
+        shear *=
+            std::max(1.0, law.stiffness(x, bodies.pressure[b],
+                                        bodies.heat[b] / (engine.rest_volume[b] * law.density)) /
+                              x);
+      c = std::max(c, std::sqrt(bulk2 + 4 * shear / (3 * law.density)));
       spacing /= std::cbrt(std::max(1.0, x));
     }
     fastest = std::max(fastest, c / spacing);
@@ -204,14 +209,15 @@ double fastest_meeting(const World& world, const Elastoplastic& engine) {
 /// `velocities`: of this rank. Collective.
 double longest_part(const World& world, const Elastoplastic& engine, const RowBox& velocities) {
   double slope = 0, narrowest = infinity;
-  for (const SolidLaw& law : engine.laws) slope = std::max(slope, law.slope);
-  for (Index b = 0; b < world.bodies.owned; ++b)
+  for (Index b = 0; b < world.bodies.owned; ++b) {
+    slope = std::max(slope, engine.laws[world.bodies.material[b]].slope);
     narrowest = std::min(narrowest, 2 * world.bodies.radius[b]);
-  std::array<double, 3> most{fastest_waves(world, engine), fastest_meeting(world, engine),
+  }
+  std::array<double, 4> most{fastest_waves(world, engine), fastest_meeting(world, engine), slope,
                              -narrowest};
   world.comm.max(most);
-  const double seen = (neighbour_reach - 1) / 2 * -most[2];
-  return std::min(engine.courant / (most[0] + share_of_impacts * slope * most[1]),
+  const double seen = (neighbour_reach - 1) / 2 * -most[3];
+  return std::min(engine.courant / (most[0] + share_of_impacts * most[2] * most[1]),
                   seen / velocities.united(world.comm).diagonal());
 }
 
@@ -239,11 +245,11 @@ class Motion {
            world_.ledger.dissipated - dissipated_;
   }
   void kick(double h, double first, double second) {
+    update();  // strains are of the motion before any kick
     if (!world_.own_forces.empty()) {
       take_positions(world_, engine_);
       kick_by_own_forces(world_, h);
     }
-    update();
     ++engine_.parts;
     velocities_ = kick_and_drift(world_, engine_, h, first, second);
     StageTimer timer(world_.stages, "motion");
@@ -257,8 +263,9 @@ class Motion {
   }
   /// s, that a part of a step may last from here, where pairs and shapes are current. Collective.
   double longest() const { return longest_part(world_, engine_, velocities_); }
-  /// Stress and answers of where bodies are. In steps of one length new stresses have worked for
-  /// half of the time since the last ones, at an end of steps for none of it.
+  /// Stress and answers of where bodies are. New stresses have worked for `late` (s) of the time
+  /// since the last ones, half of it if not told. Parts differ in length: there it is half of the
+  /// kick that follows, and none at an end of steps.
   void update(std::optional<double> late = {}) {
     if (current_) return;
     update_pairs(world_, engine_);
@@ -299,8 +306,8 @@ Part next_part(double left, double longest) {
   return {parts <= even ? left / parts : longest, parts <= 1};
 }
 
-/// Parts grow by no more than this share from one to the next: error of second order comes from
-/// each change. They become shorter at once.
+/// The longest part grows by no more than this share from one part to the next, since error of
+/// second order comes from each change. It becomes shorter at once.
 constexpr double growth = 0.05;
 
 /// Leapfrog as `smooth_steps` makes it, in parts of the steps that last as their bodies allow.
