@@ -15,6 +15,7 @@ SPDX-License-Identifier: BSD-3-Clause
 import csv
 from dataclasses import dataclass
 from functools import partial
+from itertools import combinations
 from math import cos, exp, log, pi, radians
 from pathlib import Path
 
@@ -198,6 +199,16 @@ def is_right(shot, equation):
     return (shot.diameter > EQUATIONS[equation](shot)) == shot.perforated
 
 
+def alike(shots, within=0.03):
+    """Pairs of shots of the same metals that differ by no more than this in each number."""
+    def numbers(shot):
+        return (shot.diameter, shot.angle, shot.speed, shot.bumper, shot.standoff, shot.wall)
+
+    return [(one, other) for one, other in combinations(shots, 2) if one.metals == other.metals
+            and all(abs(a - b) <= within * max(a, b)
+                    for a, b in zip(numbers(one), numbers(other)))]
+
+
 def main():
     shots = read_shots()
     for name, some in (("all", shots), ("cheap", [shot for shot in shots if is_cheap(shot)])):
@@ -206,6 +217,9 @@ def main():
         for equation in EQUATIONS:
             right = sum(is_right(shot, equation) for shot in some)
             print(f"  {equation:14} {right:4} right, {100 * right / len(some):.1f} %")
+        pairs = alike(some)
+        differ = sum(one.perforated != other.perforated for one, other in pairs)
+        print(f"  of {len(pairs)} pairs that are alike within 3 % {differ} end differently")
 
 
 if __name__ == "__main__":

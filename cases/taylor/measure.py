@@ -46,8 +46,8 @@ def case_of(folder, options):
         text = text.replace('orientation = "random"', f'grains = "{options.grains} mm"')
     material = MATERIALS / f"{options.material}.toml"
     if options.whole:
-        lines = [line for line in material.read_text().splitlines() if "spall_strength" not in line
-                 and "cook_d" not in line]
+        lines = [line for line in material.read_text().splitlines() if not line.startswith(
+                     ("spall_strength", "fracture_energy", "johnson_cook_d"))]
         material = folder / material.name
         material.write_text("\n".join(lines) + "\n")
     (folder / "case.toml").write_text(text.replace('library = "copper"', f'file = "{material}"'))
