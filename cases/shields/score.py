@@ -102,11 +102,32 @@ def coarse_calls(some, options):
                                         for shot, _ in some]}
 
 
+def of_other_seeds(some, options):
+    """In words: how many of these shots, run with crystals that are turned otherwise, Spall calls
+    otherwise, and the standard error that this alone gives the share that it calls right."""
+    fails = {shot.row: FAILED[line["verdict"]] for shot, line in some}
+    seeds = {int(line["seed"]) for line in csv.DictReader(RESULTS.open())} - {options.seed}
+    again = [(shot.row, FAILED[line["verdict"]]) for seed in sorted(seeds)
+             for shot, line in counted(read_shots(), argparse.Namespace(
+                 across=options.across, wall_across=options.wall_across, seed=seed))[0]
+             if shot.row in fails]
+    if not again:
+        return ""
+    changed = [row for row, failed in again if failed != fails[row]]
+    # Of two draws of a call that is made with odds p, 2 p (1 - p) differ.
+    error = sqrt(len(changed) / len(again) / 2 / len(some))
+    rows = f" (rows {', '.join(map(str, changed))})" if changed else ""
+    return (f"{len(again)} of these shots were run with crystals turned otherwise (other seeds): "
+            f"{len(changed)} are called otherwise{rows}. That alone would be a standard error of "
+            f"{100 * error:.0f} % of the share that Spall calls right.")
+
+
 def table(some, without, planned, options):
     called = {"Spall": [FAILED[line["verdict"]] == shot.perforated for shot, line in some],
               **coarse_calls(some, options)}
     for name in EQUATIONS:
         called[name] = [is_right(shot, name) for shot, _ in some]
+    called["every wall held"] = [not shot.perforated for shot, _ in some]
     ratio = [shot.diameter / EQUATIONS[BEST](shot) for shot, _ in some]
     parts = {"all": [True] * len(some), "3–5 km/s": [shot.speed < 5 for shot, _ in some],
              "5–7 km/s": [5 <= shot.speed < 7 for shot, _ in some],
@@ -157,8 +178,9 @@ def table(some, without, planned, options):
         text += ["", f"In {late} of these runs more than a hundredth of the energy had not met the "
                  f"wall in the end, in {edge} an opening reached the wall's rim. Energy that no "
                  f"entry explains: at most {100 * worst:.2g} % of the impact's. {hours:.1f} hours, "
-                 f"one rank each. Commits: {', '.join(commits)}."]
-    return "\n".join(text)
+                 f"one rank each. Commits: {', '.join(commits)}.", "",
+                 of_other_seeds(some, options)]
+    return "\n".join(text).rstrip("\n")
 
 
 def draw(some, path):
