@@ -175,12 +175,12 @@ std::string turns(double part) {
 }
 
 TEST(Books, of_what_dissipates_next_to_nothing_are_measured_by_its_motion) {
-  const auto told = [](double kinetic, double dissipated) {
+  const auto told = [](double kinetic, double dissipated, double gained = 0.25) {
     Account account;
     Diagnostics sums;
     sums.kinetic = kinetic;
     account.balance(sums, 0, 0);
-    sums.kinetic += 0.25;
+    sums.kinetic += gained;
     sums.dissipated = dissipated;
     account.balance(sums, 0, -dissipated);
     ResultTable table;
@@ -198,10 +198,13 @@ TEST(Books, of_what_dissipates_next_to_nothing_are_measured_by_its_motion) {
   EXPECT_TRUE(says(told(1, -1e-9), "kinetic: next to nothing was dissipated"));
   EXPECT_TRUE(says(told(1, -0.5), "energy_unexplained = 0.2 ")) << told(1, -0.5);
   EXPECT_TRUE(says(told(1, -0.5), "kinetic: energy was gained, dissipated is negative"));
-  // A quarter of a joule more than there was, or less.
+  // A quarter of a joule more than there was.
   EXPECT_TRUE(says(told(1, 0.5), "0.25 J, 0.5 of what was dissipated, come out of nothing"));
   EXPECT_TRUE(says(told(1, 0), "0.25 J, 0.2 of the kinetic energy, come out of nothing"));
+  EXPECT_TRUE(says(told(1, -0.5), "0.25 J, 0.2 of the kinetic energy, come out of nothing"));
   EXPECT_FALSE(says(told(5, 0), "warning")) << told(5, 0);  // 0.048
+  EXPECT_FALSE(says(told(1000, 0.5), "warning"));  // half of what was dissipated, little of motion
+  EXPECT_TRUE(says(told(1, 0.5, -0.1), "0.1 J, 0.2 of what was dissipated, are lost"));
 }
 
 TEST(Books, go_on_from_rigid_spheres_to_springs_and_back) {

@@ -94,6 +94,17 @@ TEST(SolidLaw, returns_to_the_flow_stress_of_each_metal) {
   EXPECT_EQ(flow_stress_of(other, 1).at(0.3, 1e4).stress, 0);
 }
 
+TEST(ColdCurve, tells_its_own_slope) {
+  const ColdCurve curve(copper());
+  for (const double eta : {-0.2, -0.03, 0.0, 0.05, 0.3}) {
+    const double step = 1e-5;
+    const auto pressure = [&](double at) { return curve.at(1 / (1 - at)).pressure; };
+    const double slope = (pressure(eta + step) - pressure(eta - step)) / (2 * step);
+    EXPECT_NEAR(curve.at(1 / (1 - eta)).by_eta, slope, 1e-5 * slope) << eta;
+  }
+  EXPECT_EQ(curve.at(0.3).by_eta, 0);  // beyond the table
+}
+
 TEST(ColdCurve, is_the_same_of_lanes) {
   const ColdCurve curve(copper());
   PairLanes at;
@@ -104,6 +115,7 @@ TEST(ColdCurve, is_the_same_of_lanes) {
     EXPECT_NEAR(all.pressure[l], one.pressure, 1e-14 * std::abs(one.pressure));
     EXPECT_NEAR(all.energy[l], one.energy, 1e-13 * std::abs(one.energy));
     EXPECT_NEAR(all.slope2[l], one.slope2, 1e-14 * one.slope2);
+    EXPECT_NEAR(all.by_eta[l], one.by_eta, 1e-13 * std::abs(one.by_eta));
   }
 }
 

@@ -78,8 +78,10 @@ double Account::open_share(const Diagnostics& sums) const {
 
 std::string Account::warning(const Diagnostics& sums) const {
   constexpr double open = 0.05;  // the report's bound, too
+  // What is lost of little that was dissipated says nothing about motion.
+  constexpr double seen = 1e-3;  // of the kinetic energy
   const double share = open_share(sums);
-  if (std::abs(share) <= open) return "";
+  if (std::abs(share) <= open || std::abs(unexplained_) <= seen * sums.kinetic) return "";
   return fmt::format("{:.3g} J, {:.2g} of {}, {}: do not believe this run", std::abs(unexplained_),
                      std::abs(share),
                      conserves(sums) ? "the kinetic energy" : "what was dissipated",

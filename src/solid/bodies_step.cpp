@@ -22,7 +22,7 @@ namespace {
 /// spacing would else push with a force of 1/r, for which no step were short enough.
 constexpr double unresolved = 0.1, resolved = 0.4;
 /// Of what its eigenvalues would give if they were equal: a determinant above it means that all
-/// directions are: at the most uneven, 4 : 7 : 10, it is 0.816.
+/// directions are. With one at four tenths of the largest it is 0.816 at most, at 4 : 7 : 10.
 constexpr double surely_resolved = 0.82;
 /// A body is not deformed by more within a step: what moves so is not resolved in time.
 constexpr double most_squeezed = 0.5, most_stretched = 2;

@@ -121,7 +121,8 @@ std::string failure_of(const SolidLaw& law, double spacing) {
           : "    failed, bears pressure alone: failed_friction is not known\n";
   if (!std::isfinite(law.melting_heat()))
     failed +=
-        "    neither softens by heat nor melts: specific_heat or melting_point is not known\n";
+        fmt::format("    {}: specific_heat or melting_point is not known\n",
+                    law.steinberg.known() ? "does not melt" : "neither softens by heat nor melts");
   if (law.brittle()) {
     const double strain = strain_of_first_flaw(law, spacing);
     return fmt::format(

@@ -168,10 +168,7 @@ double fastest_waves(const World& world, const Elastoplastic& engine) {
       const double warmed = matter > 1 ? g * g / (dense * dense) : g * (1 + g);
       const double bulk2 = law.cold.at(dense).slope2 + warmed * heat;
       if (law.steinberg.known())
-        shear *=
-            std::max(1.0, law.stiffness(x, bodies.pressure[b],
-                                        bodies.heat[b] / (engine.rest_volume[b] * law.density)) /
-                              x);
+        shear *= std::max(1.0, law.stiffness(x, bodies.pressure[b], heat) / x);
       c = std::max(c, std::sqrt(bulk2 + 4 * shear / (3 * law.density)));
       spacing /= std::cbrt(std::max(1.0, x));
     }
