@@ -33,6 +33,16 @@ inline std::vector<Sphere> ball(const Eigen::Matrix3d& turn, double radius) {
   return spall::ball(d, copper.density, turn, radius);
 }
 
+/// A ball that is deformed in another way at each place, at some 20 m/s.
+inline std::vector<Sphere> stirred_ball() {
+  auto spheres = ball(turned, 2.6 * d);
+  for (Sphere& s : spheres) {
+    const Vec3 x = s.position / d;
+    s.velocity = 20 * Vec3(std::sin(x.y()), x.x() * 0.3, std::cos(x.x() + x.z()));
+  }
+  return spheres;
+}
+
 /// Two balls of different groups that meet.
 inline std::vector<Sphere> two_balls(double speed, double radius = 2.6 * d) {
   std::vector<Sphere> all;

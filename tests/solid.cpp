@@ -176,12 +176,7 @@ TEST(SolidStep, viscosity_only_warms_whatever_velocities_and_gradients_are) {
 TEST(SolidStep, energy_error_is_of_second_order) {
   std::vector<double> errors;
   for (int halvings = 0; halvings < 3; ++halvings) {
-    auto spheres = ball(turned, 2.6 * d);
-    for (Sphere& s : spheres) {
-      const Vec3 x = s.position / d;
-      s.velocity = 20 * Vec3(std::sin(x.y()), x.x() * 0.3, std::cos(x.x() + x.z()));
-    }
-    Lab world = world_of(alone(), spheres, elastic);
+    Lab world = world_of(alone(), stirred_ball(), elastic);
     const double whole = 4 * d / elastic.sound_speed();
     const int steps = 40 << halvings;
     const double before = sums_of(world).kinetic;

@@ -18,12 +18,7 @@ const double crossing = d / ductile.sound_speed();
 TEST(PartedSteps, energy_error_is_of_second_order) {
   std::vector<double> errors;
   for (const double courant : {0.2, 0.1, 0.05}) {
-    auto spheres = ball(turned, 2.6 * d);
-    for (Sphere& s : spheres) {
-      const Vec3 x = s.position / d;
-      s.velocity = 20 * Vec3(std::sin(x.y()), x.x() * 0.3, std::cos(x.x() + x.z()));
-    }
-    Lab world = parted(world_of(alone(), spheres, elastic), courant);
+    Lab world = parted(world_of(alone(), stirred_ball(), elastic), courant);
     const double before = sums_of(world).kinetic;
     solid_steps(world, 4 * d / elastic.sound_speed(), 1);
     const Sums after = sums_of(world);

@@ -124,11 +124,10 @@ def of_other_seeds(some, options):
 
 
 def table(some, without, planned, options):
-    called = {"Spall": [FAILED[line["verdict"]] == shot.perforated for shot, line in some],
-              **coarse_calls(some, options)}
-    for name in EQUATIONS:
-        called[name] = [is_right(shot, name) for shot, _ in some]
-    called["every wall held"] = [not shot.perforated for shot, _ in some]
+    ours = {"Spall": [FAILED[line["verdict"]] == shot.perforated for shot, line in some],
+            **coarse_calls(some, options)}
+    others = {name: [is_right(shot, name) for shot, _ in some] for name in EQUATIONS}
+    others["every wall held"] = [not shot.perforated for shot, _ in some]
     ratio = [shot.diameter / EQUATIONS[BEST](shot) for shot, _ in some]
     parts = {"all": [True] * len(some), "3–5 km/s": [shot.speed < 5 for shot, _ in some],
              "5–7 km/s": [5 <= shot.speed < 7 for shot, _ in some],
@@ -148,16 +147,15 @@ def table(some, without, planned, options):
             f"|---|{'--:|' * len(parts)}---|",
             f"| shots | {' | '.join(str(sum(inside)) for inside in parts.values())} | |"]
     shields = [(shot.metals[1:], shot.bumper, shot.standoff, shot.wall) for shot, _ in some]
-    adjusted = dict(zip(EQUATIONS, holm(
-        [max(mcnemar(called["Spall"], called[name])[2],
-             by_shields(shields, called["Spall"], called[name])) for name in EQUATIONS])))
-    for name, calls in called.items():
+    tests = {name: (*mcnemar(ours["Spall"], calls), by_shields(shields, ours["Spall"], calls))
+             for name, calls in others.items()}
+    adjusted = dict(zip(EQUATIONS, holm([max(tests[name][2:]) for name in EQUATIONS])))
+    for name, calls in (ours | others).items():
         beside = ""
-        if name not in ("Spall", *coarse_calls(some, options)):
-            ours, theirs, odds = mcnemar(called["Spall"], calls)
-            beside = (f"{ours} that Spall alone calls right, {theirs} that it alone calls wrong, "
-                      f"p = {odds:.2g}, by shields "
-                      f"{by_shields(shields, called['Spall'], calls):.2g}")
+        if name in tests:
+            right, wrong, odds, by_shield = tests[name]
+            beside = (f"{right} that Spall alone calls right, {wrong} that it alone calls wrong, "
+                      f"p = {odds:.2g}, by shields {by_shield:.2g}")
         if name in adjusted:
             beside += f", of five tests {adjusted[name]:.2g}"
         text.append(f"| {name} | {' | '.join(share(of(calls, part)) for part in parts)} "
