@@ -256,8 +256,7 @@ Settled settle(Bodies& bodies, const Group& g) {
   g.rows.store(g.compression, bodies.compression);
   g.rows.store(g.rows.load(bodies.plastic_strain) + left.strained, bodies.plastic_strain);
   g.rows.store(after.damage, bodies.damage);
-  if (g.laws.any([](const SolidLaw& law) { return law.pores.any(); }))
-    g.rows.store(after.crushed, bodies.crushed);
+  if (g.laws.any(has_pores)) g.rows.store(after.crushed, bodies.crushed);
   g.rows.store(after.energy, bodies.internal_energy);
   g.rows.store(after.heat, bodies.heat);
   g.rows.store(after.pressure, bodies.pressure);

@@ -39,18 +39,21 @@ struct Group {
 /// Of their trial deviator the share `scale` is left, with the energy `sheared` (J).
 struct Matter {
   const Group& group;
-  PairLanes gruneisen, bulk, density, filled;  ///< as of a `SolidLaw`
-  PairLanes x;                       ///< the density it has where it fills all, of that at rest
-  PairLanes rest_volume;             ///< m^3
-  PairLanes before, sheared;         ///< J: all but the work of its pressure; of shear
-  PairLanes works;                   ///< m^3, over which the pressure works
-  ColdCurve::State<PairLanes> cold;  ///< at the density that `pressure_at` was asked for last
+  PairLanes gruneisen, bulk, filled;  ///< as of a `SolidLaw`
+  PairLanes x;                        ///< the density it has where it fills all, of that at rest
+  PairLanes rest_volume;              ///< m^3
+  PairLanes before, sheared;          ///< J: all but the work of its pressure; of shear
+  PairLanes works;                    ///< m^3, over which the pressure works
+  // At the density that `pressure_at` was asked for last:
+  ColdCurve::State<PairLanes> cold;
+  PairLanes pressure;  ///< Pa
+  PairLanes per_heat;  ///< Pa/J
+  PairLanes given;     ///< J, heat but for the work of the pressure
 
   Matter(const Bodies& bodies, const Group& g, const PairLanes& scale, const PairLanes& of_shear)
       : group(g),
         gruneisen(g.laws.of(&SolidLaw::gruneisen)),
         bulk(g.laws.of(&SolidLaw::bulk)),
-        density(g.laws.of(&SolidLaw::density)),
         filled(g.laws.of(&SolidLaw::filled)),
         sheared(of_shear) {
     x = g.compression * filled;
@@ -71,22 +74,25 @@ struct Matter {
       cold.by_eta = select(own, of.by_eta, cold.by_eta);
     });
     const PairLanes share = x / at;
-    const PairLanes per_heat = share * gruneisen / rest_volume * smaller(spread_pairs(1), at);
-    const PairLanes given = before - rest_volume * cold.energy - sheared;
-    return (share * cold.pressure + per_heat * given) / (1.0 + per_heat * works);
+    per_heat = share * gruneisen / rest_volume * smaller(spread_pairs(1), at);
+    given = before - rest_volume * cold.energy - sheared;
+    pressure = (share * cold.pressure + per_heat * given) / (1.0 + per_heat * works);
+    return pressure;
   }
 
-  /// Pa, dP/d(density) where the pressure was asked for last and is `pressure`.
-  PairLanes slope_at(const PairLanes& at, const PairLanes& pressure) const {
-    const PairLanes one = spread_pairs(1), share = x / at;
-    const PairLanes per_heat = share * gruneisen / rest_volume * smaller(one, at);
-    const PairLanes given = before - rest_volume * cold.energy - sheared;
-    const PairLanes thinned = select(at > one, per_heat / at, PairLanes{});
+  /// Pa, dP/d(density) at the density that `pressure_at` was asked for last.
+  PairLanes slope_at(const PairLanes& at) const {
+    const PairLanes share = x / at;
+    const PairLanes thinned = select(at > 1.0, per_heat / at, PairLanes{});
     return (share / at * (cold.by_eta / at - cold.pressure) - thinned * (given - pressure * works) -
             per_heat * rest_volume * cold.pressure / (at * at)) /
            (1.0 + per_heat * works);
   }
 };
+
+inline bool has_pores(const SolidLaw& law) {
+  return law.pores.any();
+}
 
 /// The pores of some bodies.
 struct PoreLanes {
@@ -142,7 +148,6 @@ struct Pressed {
 /// that at rest, without voids.
 inline PairLanes crush(const Bodies& bodies, Matter& matter, Pressed& after) {
   const Group& g = matter.group;
-  const auto has_pores = [](const SolidLaw& law) { return law.pores.any(); };
   if (!g.laws.any(has_pores)) return matter.x;
   const PoreLanes pores(g.laws);
   const PairLanes crushed = g.rows.load(bodies.crushed), crushes = g.laws.of(&SolidLaw::yields);
@@ -167,12 +172,11 @@ inline void open_voids(const PairMask& asked, const PairMask& melted, const Pair
   // Where it is found if the cold curve is straight:
   const PairLanes heated = matter.gruneisen * (matter.before - matter.sheared) / matter.rest_volume;
   const PairLanes from = one - (heated + bearable / matter.x) * matter.filled / matter.bulk;
-  PairLanes pressure;
   const PairLanes density = root_within(
       asked, least, most_matter * larger(one, least), select(asked & (from > least), from, least),
       tension_error * matter.bulk,
-      [&](const PairLanes& at) { return (pressure = matter.pressure_at(at)) + bearable; },
-      [&](const PairLanes& at) { return matter.slope_at(at, pressure); });
+      [&](const PairLanes& at) { return matter.pressure_at(at) + bearable; },
+      [&](const PairLanes& at) { return matter.slope_at(at); });
   after.pressure = matter.pressure_at(density);
   const std::uint8_t lanes = bits_of_mask(asked), molten = bits_of_mask(melted);
   PairLanes opened = one;  // the share of a body that voids or cracks run through
