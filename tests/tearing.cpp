@@ -71,6 +71,36 @@ TEST(Tearing, a_body_that_is_pulled_alone_bears_more_than_the_strength_but_not_t
   EXPECT_GT(damage, 0);
 }
 
+// Squeezed by this strain, then sheared: the damage, beside Johnson and Cook's sum.
+TEST(Tearing, by_strain_is_put_off_by_pressure) {
+  const double d = 1e-3, step = 2e-3;
+  SolidLaw law = solid_law(*material_of_library("aluminium_2024_t351").solid, true, "");
+  law.specific_heat = 0;  // it stays cold
+  Eigen::Matrix3d shear = Eigen::Matrix3d::Zero();
+  shear(0, 1) = 1;
+  double last = 1;
+  for (const double squeezed : {0.0, 0.002, 0.008, 0.05}) {
+    Lab world = held_ball(d, law);
+    const double h = 0.1 * d / law.sound_speed(), rate = step / std::sqrt(3.0) / h;
+    deform(world, -squeezed / 3 / h * as_is, h, 1);
+    double expected = 0, before = of_the_middle_body(world, &Bodies::plastic_strain);
+    for (int n = 0; n < 100; ++n) {
+      const double around = of_the_middle_body(world, &Bodies::pressure);
+      deform(world, step / h * shear, h, 1);
+      const Eigen::Matrix3d stress = stress_of_the_middle(world);
+      const double mises = std::sqrt(1.5) * (stress - stress.trace() / 3 * as_is).norm();
+      const double strain = of_the_middle_body(world, &Bodies::plastic_strain);
+      expected += (strain - before) / law.failure_strain(-around / mises, rate, 0);
+      before = strain;
+    }
+    const double damage = of_the_middle_body(world, &Bodies::damage);
+    EXPECT_NEAR(damage, expected, 0.03 * expected) << squeezed;
+    EXPECT_LT(damage, last) << squeezed;
+    last = damage;
+  }
+  EXPECT_LT(last, 1e-4);
+}
+
 TEST(Tearing, fracture_energy_needs_what_it_goes_with) {
   Solid solid = *material_of_library("copper").solid;
   solid.fracture_energy = 1e4;

@@ -155,7 +155,7 @@ struct Sheared {
 /// pressure around it is `around` (Pa): it fails where it has flown too far.
 double strained_damage(const SolidLaw& law, double damage, double strained, double stress,
                        double around, double h, double hot) {
-  const double triaxiality = stress > 0 ? std::max(-most_triaxial, -around / stress) : 0;
+  const double triaxiality = stress > 0 ? -around / stress : 0;
   if (triaxiality > most_triaxial) return damage;
   const double most = law.failure_strain(triaxiality, strained / h, hot);
   return most > 0 ? damage + strained / most : std::max(damage, 1.0);

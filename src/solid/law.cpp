@@ -31,7 +31,8 @@ double SolidLaw::least_flow_stress(double homologous) const {
 double SolidLaw::failure_strain(double triaxiality, double rate, double homologous) const {
   const auto& d = flow.d;
   const double fast = rate > 1 ? 1 + d[3] * std::log(rate) : 1;
-  return (d[0] + d[1] * std::exp(d[2] * triaxiality)) * fast * (1 + d[4] * homologous);
+  const double notched = d[1] == 0 ? 0 : d[1] * std::exp(d[2] * triaxiality);
+  return (d[0] + notched) * fast * (1 + d[4] * homologous);
 }
 
 double SolidLaw::most_voids(double rest_volume) const {

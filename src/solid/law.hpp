@@ -46,7 +46,7 @@ struct SolidLaw {
   /// What shear modulus and flow stress of Steinberg and Guinan's metals are of those at rest, with
   /// this pressure (Pa) and heat (J/kg); 0 where nothing is left.
   double stiffness(double compression, double pressure, double heat) const;
-  /// The plastic strain at which it fails.
+  /// The plastic strain at which it fails; infinite under a pressure that keeps it together.
   double failure_strain(double triaxiality, double rate, double homologous) const;
   /// The share of voids at which a body of this volume at rest (m^3) bears nothing any more.
   double most_voids(double rest_volume) const;
