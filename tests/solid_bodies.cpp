@@ -190,6 +190,7 @@ Some drawn(Index count) {
     bodies.shear_stress[b] = vector(2e8);
     bodies.plastic_strain[b] = b % 3 == 0 ? 0 : between(0, 0.3);
     bodies.damage[b] = b % 5 == 0 ? 1 : b % 5 == 1 ? between(0, 1) : 0;
+    bodies.strained[b] = between(0, 1.5);
     bodies.crushed[b] = law.pores.any() ? between(0, 0.5) : 0;
     const double to_melt = std::min(1e6, law.melting_heat());
     bodies.heat[b] = (b % 4 == 0 ? 0 : between(0, 1.3)) * to_melt * bodies.mass[b];
@@ -279,8 +280,9 @@ TEST(SolidBodies, bear_no_more_than_their_flow_stress_and_nothing_once_they_have
     const double strained = bodies.plastic_strain[b] - old.plastic_strain[b];
     const double stiffness =
         law.steinberg.known() ? law.stiffness(old.compression[b], old.pressure[b], heat) : 1;
+    const double bears = (1 - old.damage[b]) * stiffness;
     const double flow =
-        stiffness * flow_stress_of(law, hot).at(bodies.plastic_strain[b], strained / h).stress;
+        bears * flow_stress_of(law, hot).at(bodies.plastic_strain[b], strained / h).stress;
     const double mises = mises_of(bodies, b);
     if (hot >= 1 || old.damage[b] >= 1) {
       const double slides = law.rock.failed_friction * std::max(0.0, old.pressure[b]);

@@ -71,7 +71,51 @@ TEST(Tearing, a_body_that_is_pulled_alone_bears_more_than_the_strength_but_not_t
   EXPECT_GT(damage, 0);
 }
 
-// Squeezed by this strain, then sheared: the damage, beside Johnson and Cook's sum.
+Eigen::Matrix3d deviator_of_the_middle(const Lab& world) {
+  const Eigen::Matrix3d stress = stress_of_the_middle(world);
+  return stress - stress.trace() / 3 * as_is;
+}
+
+// Shear parts a layer by the same energy as tension: from where Johnson and Cook's sum is 1 on.
+TEST(Tearing, by_strain_takes_the_fracture_energy_whatever_the_spacing) {
+  SolidLaw law = solid_law(*material_of_library("aluminium_6061_t6").solid, true, "");
+  law.specific_heat = 0;           // it stays cold
+  law.flow.d = {0.2, 0, 0, 0, 0};  // under any pressure
+  Eigen::Matrix3d shear = Eigen::Matrix3d::Zero();
+  shear(0, 1) = 1;
+  for (const double d : {0.2e-3, 0.4e-3, 0.8e-3}) {
+    Lab world = held_ball(d, law);
+    const double h = 0.1 * d / law.sound_speed(), side = std::cbrt(volume_of_body(d));
+    double begun = 0;
+    for (int n = 0; of_the_middle_body(world, &Bodies::damage) < 1; ++n) {
+      ASSERT_LT(n, 3000) << d;
+      deform(world, 1e-3 / h * shear, h, 1);
+      if (of_the_middle_body(world, &Bodies::strained) < 1)
+        begun = of_the_middle_body(world, &Bodies::heat);
+    }
+    const double heat = (of_the_middle_body(world, &Bodies::heat) - begun) / (side * side);
+    EXPECT_NEAR(heat, law.fracture_energy, 0.03 * law.fracture_energy) << d;
+  }
+}
+
+TEST(Tearing, by_strain_is_at_once_where_no_energy_is_known) {
+  SolidLaw law = solid_law(*material_of_library("copper").solid, true, "copper");
+  law.specific_heat = 0;
+  law.flow.d = {0.2, 0, 0, 0, 0};
+  Eigen::Matrix3d shear = Eigen::Matrix3d::Zero();
+  shear(0, 1) = 1;
+  Lab world = held_ball(1e-3, law);
+  const double h = 0.1e-3 / law.sound_speed();
+  for (int n = 0; of_the_middle_body(world, &Bodies::strained) < 1; ++n) {
+    ASSERT_LT(n, 1000);
+    ASSERT_EQ(of_the_middle_body(world, &Bodies::damage), 0);
+    deform(world, 1e-3 / h * shear, h, 1);
+  }
+  EXPECT_EQ(of_the_middle_body(world, &Bodies::damage), 1);
+  EXPECT_LT(deviator_of_the_middle(world).norm(), 1e-12 * law.shear);
+}
+
+// Squeezed by this strain, then sheared: Johnson and Cook's sum.
 TEST(Tearing, by_strain_is_put_off_by_pressure) {
   const double d = 1e-3, step = 2e-3;
   SolidLaw law = solid_law(*material_of_library("aluminium_2024_t351").solid, true, "");
@@ -87,16 +131,15 @@ TEST(Tearing, by_strain_is_put_off_by_pressure) {
     for (int n = 0; n < 100; ++n) {
       const double around = of_the_middle_body(world, &Bodies::pressure);
       deform(world, step / h * shear, h, 1);
-      const Eigen::Matrix3d stress = stress_of_the_middle(world);
-      const double mises = std::sqrt(1.5) * (stress - stress.trace() / 3 * as_is).norm();
+      const double mises = std::sqrt(1.5) * deviator_of_the_middle(world).norm();
       const double strain = of_the_middle_body(world, &Bodies::plastic_strain);
       expected += (strain - before) / law.failure_strain(-around / mises, rate, 0);
       before = strain;
     }
-    const double damage = of_the_middle_body(world, &Bodies::damage);
-    EXPECT_NEAR(damage, expected, 0.03 * expected) << squeezed;
-    EXPECT_LT(damage, last) << squeezed;
-    last = damage;
+    const double strained = of_the_middle_body(world, &Bodies::strained);
+    EXPECT_NEAR(strained, expected, 0.03 * expected) << squeezed;
+    EXPECT_LT(strained, last) << squeezed;
+    last = strained;
   }
   EXPECT_LT(last, 1e-4);
 }

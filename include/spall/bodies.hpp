@@ -56,6 +56,8 @@ inline constexpr unsigned kept = migrated | restarted;
   X(Vec3, direct_stress, Vec3::Zero(), "Pa", kept | written, "deviator: xx, yy, zz")               \
   X(Vec3, shear_stress, Vec3::Zero(), "Pa", kept | written, "deviator: yz, zx, xy")                \
   X(double, plastic_strain, 0, "", kept | written, "equivalent, that has accumulated")             \
+  X(double, strained, 0, "", kept | written,                                                       \
+    "Johnson and Cook's sum of plastic strain: from 1 on the metal fails")                         \
   X(double, crushed, 0, "", kept | written,                                                        \
     "largest pressure on its pores, from the elastic (0) to the compaction pressure (1)")          \
   X(double, internal_energy, 0, "J", kept | written, "elastic, and heat")

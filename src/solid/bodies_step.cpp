@@ -127,11 +127,18 @@ void find_intact(const Bodies& bodies, const LaneLaws& laws, const LaneRows& row
   }
 }
 
+/// The share of their flow stress that bodies bear. Rock is judged by its cracks.
+PairLanes bearing_shares(const Group& g, const PairLanes& damage) {
+  const PairLanes brittle = g.laws.of(&SolidLaw::brittle), one = spread_pairs(1);
+  return select((damage < 1.0) & (brittle == 0.0), one - damage, one);
+}
+
 /// The plastic strains that bring bodies back to their flow stress, if they have one; 0 where their
 /// trial stress is less. `hot`: homologous temperatures.
 PairLanes flowing_strains(const Bodies& bodies, const Group& g, const PairLanes& hot) {
-  const PairLanes none{}, trial = select(g.stiffness > 0.0, g.mises / g.stiffness, none);
-  const PairLanes damage = g.rows.load(bodies.damage);
+  const PairLanes damage = g.rows.load(bodies.damage), bears = bearing_shares(g, damage);
+  // All over the share, so that the flow stress is that of whole metal.
+  const PairLanes none{}, trial = select(g.stiffness > 0.0, g.mises / (g.stiffness * bears), none);
   PairLanes least;
   for (std::size_t l = 0; l < pair_lanes; ++l) {
     const SolidLaw& law = g.laws[l];
@@ -140,8 +147,8 @@ PairLanes flowing_strains(const Bodies& bodies, const Group& g, const PairLanes&
   }
   const PairMask asked = (hot < 1.0) & (trial > least);
   if (g.h == 0 || !any_lane(asked)) return none;
-  return plastic_increments(asked, flow_stress_of(g.laws, hot), g.laws.of(&SolidLaw::shear), trial,
-                            g.rows.load(bodies.plastic_strain), g.h);
+  return plastic_increments(asked, flow_stress_of(g.laws, hot), g.laws.of(&SolidLaw::shear) / bears,
+                            trial, g.rows.load(bodies.plastic_strain), g.h);
 }
 
 /// What is left of some bodies' trial deviator.
@@ -151,14 +158,14 @@ struct Sheared {
   PairLanes strained{};  ///< plastic strain
 };
 
-/// The damage of metal that flows by `strained` at von Mises' stress `stress` (Pa) while the mean
-/// pressure around it is `around` (Pa): it fails where it has flown too far.
-double strained_damage(const SolidLaw& law, double damage, double strained, double stress,
-                       double around, double h, double hot) {
+/// Johnson and Cook's sum of metal that flows by `flowing` at von Mises' stress `stress` (Pa) while
+/// the mean pressure around it is `around` (Pa): from 1 on it fails.
+double strained_by(const SolidLaw& law, double strained, double flowing, double stress,
+                   double around, double h, double hot) {
   const double triaxiality = stress > 0 ? -around / stress : 0;
-  if (triaxiality > most_triaxial) return damage;
-  const double most = law.failure_strain(triaxiality, strained / h, hot);
-  return most > 0 ? damage + strained / most : std::max(damage, 1.0);
+  if (triaxiality > most_triaxial) return strained;
+  const double most = law.failure_strain(triaxiality, flowing / h, hot);
+  return most > 0 ? strained + flowing / most : std::max(strained, 1.0);
 }
 
 /// Pa, that metal bears once it has failed: friction, and no more than what is whole.
@@ -168,24 +175,34 @@ double rubbing_stress(const SolidLaw& law, double stiffness, double pressure, do
 }
 
 /// Metals return to their flow stress, by the plastic strains `flowing`, and fail where they have
-/// flown too far. What has failed slides. Of rock it is found anew.
+/// flown too far: over a strain whose work is the fracture energy. What has failed slides. Of rock
+/// it is found anew.
 Sheared sheared_metals(Bodies& bodies, const Group& g, const PairLanes& hot, const PairMask& melted,
                        const PairLanes& flowing) {
   const PairLanes none{}, one = spread_pairs(1);
   const PairLanes shear = g.stiffness * g.laws.of(&SolidLaw::shear);
   PairLanes damage = g.rows.load(bodies.damage);
+  const PairLanes bears = bearing_shares(g, damage);
   const PairMask fluid = (damage >= 1.0) | melted | (shear <= 0.0), flows = flowing > 0.0;
   const PairLanes flown = larger(none, one - 3.0 * shear * flowing / g.mises);
   Sheared left{.scale = select(fluid, none, select(flows, flown, one)), .strained = flowing};
   const std::uint8_t flowing_lanes = bits_of_mask(flows), fluid_lanes = bits_of_mask(fluid);
   if (flowing_lanes && g.laws.any([](const SolidLaw& law) { return law.flow.fails(); })) {
+    PairLanes strained = g.rows.load(bodies.strained);
     for (std::size_t l = 0; l < pair_lanes; ++l) {
-      if (!(flowing_lanes >> l & 1) || !g.laws[l].flow.fails()) continue;
-      damage[l] = strained_damage(g.laws[l], damage[l], flowing[l], left.scale[l] * g.mises[l],
-                                  g.around[l], g.h, hot[l]);
-      if (damage[l] >= 1) left.scale[l] = 0;
+      const SolidLaw& law = g.laws[l];
+      if (!(flowing_lanes >> l & 1) || !law.flow.fails()) continue;
+      const double stress = left.scale[l] * g.mises[l];
+      if (strained[l] < 1)
+        strained[l] = strained_by(law, strained[l], flowing[l], stress, g.around[l], g.h, hot[l]);
+      else
+        damage[l] += flowing[l] / law.parting_strain(stress / bears[l], g.rest_volume[l]);
+      if (strained[l] >= 1 && law.fracture_energy == 0) damage[l] = 1;
+      damage[l] = std::min(damage[l], 1.0);
+      if (damage[l] == 1) left.scale[l] = 0;
     }
     g.rows.store(damage, bodies.damage);
+    g.rows.store(strained, bodies.strained);
   }
   if (fluid_lanes && g.laws.any([](const SolidLaw& law) { return law.rock.failed_friction > 0; }))
     for (std::size_t l = 0; l < pair_lanes; ++l) {

@@ -78,8 +78,10 @@ FieldSet fields(const Surroundings& around, const EngineSettings&) {
   FieldSet set{Field::heat,         Field::kick,           Field::damage,
                Field::compression,  Field::pressure,       Field::direct_stress,
                Field::shear_stress, Field::plastic_strain, Field::internal_energy};
-  for (const Material& material : around.materials)
+  for (const Material& material : around.materials) {
+    if (material.solid && material.solid->johnson_cook.fails()) set |= {Field::strained};
     if (material.solid && material.solid->pores.any()) set |= {Field::crushed};
+  }
   return set;
 }
 
@@ -138,7 +140,12 @@ std::string failure_of(const SolidLaw& law, double spacing) {
                 law.strength, law.most_voids(volume_of_lattice(spacing)),
                 law.fracture_energy > 0 ? "" : ": fracture_energy is not known")
           : std::string("    does not tear by tension: spall_strength is not known\n");
-  if (!law.flow.fails()) text += "    does not fail by strain: johnson_cook_d1 … are not known\n";
+  if (!law.flow.fails())
+    text += "    does not fail by strain: johnson_cook_d1 … are not known\n";
+  else if (law.fracture_energy > 0)
+    text +=
+        fmt::format("    once strain fails it, parts over {:.3g} of plastic strain at {:.4g} Pa\n",
+                    law.parting_strain(law.flow.a, volume_of_lattice(spacing)), law.flow.a);
   return text + failed;
 }
 

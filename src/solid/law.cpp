@@ -35,6 +35,11 @@ double SolidLaw::failure_strain(double triaxiality, double rate, double homologo
   return (d[0] + notched) * fast * (1 + d[4] * homologous);
 }
 
+double SolidLaw::parting_strain(double flow_stress, double rest_volume) const {
+  // The stress falls in proportion to the strain, as in `most_voids` the tension.
+  return 2 * fracture_energy / (flow_stress * std::cbrt(rest_volume));
+}
+
 double SolidLaw::most_voids(double rest_volume) const {
   // Tvergaard & Needleman, Acta Metallurgica 32 (1984) 157.
   constexpr double joined = 0.25;
