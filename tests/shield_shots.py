@@ -34,6 +34,17 @@ def the_shares_are_those_that_were_counted_by_pyblossum():
         assert found == expected, (name, found, expected)
 
 
+def thickness_tells_which_ends_are_swapped():
+    counts = equations.by_thickness(shots)
+    thinner, thicker = counts.pop(equations.SWAPPED)
+    assert (thinner, thicker) == (0, 19)
+    assert all(thinner > 4 * thicker for thinner, thicker in counts.values()), counts
+    swapped = equations.mended(shots)
+    assert equations.by_thickness(swapped)[equations.SWAPPED] == (19, 0)
+    assert [s.row for s, m in zip(shots, swapped) if s != m] == [
+        s.row for s in shots if s.source == equations.SWAPPED]
+
+
 def each_equation_is_continuous_where_its_regimes_meet():
     for name, equation in equations.EQUATIONS.items():
         for shot in cheap[::20]:
@@ -120,7 +131,7 @@ def what_is_done_is_kept_and_what_is_missing_goes_on():
         program = folder / "stub"
         program.write_text(STUB)
         program.chmod(0o755)
-        run.RESULTS = score.RESULTS = folder / "results.csv"
+        run.RESULTS = folder / "results.csv"
         wanted = [str(shot.row) for shot in run.chosen(shots)]
         for most, expected in ((2, 2), (3, 5)):
             sys.argv = ["run.py", "--most", str(most), "--jobs", "2", "--program", str(program),
@@ -141,7 +152,8 @@ def what_is_done_is_kept_and_what_is_missing_goes_on():
                     "--out", str(folder / "out")]
         run.main()
         assert run.known()[-1]["verdict"] == "failed"
-        options = Namespace(across=run.FINE_ACROSS, wall_across=run.WALL_ACROSS, seed=1)
+        options = Namespace(across=run.FINE_ACROSS, wall_across=run.WALL_ACROSS, seed=1,
+                            results=run.RESULTS)
         some, without, planned = score.counted(shots, options)
         assert (len(some), without, planned) == (5, 1, len(wanted))
         text = score.table(some, without, planned, options)
@@ -150,6 +162,7 @@ def what_is_done_is_kept_and_what_is_missing_goes_on():
 
 
 for test in (the_shares_are_those_that_were_counted_by_pyblossum,
+             thickness_tells_which_ends_are_swapped,
              each_equation_is_continuous_where_its_regimes_meet,
              a_thick_bumper_takes_nothing_off,
              an_uneven_split_is_as_unlikely_as_coins_say,

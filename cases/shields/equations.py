@@ -13,7 +13,8 @@ grow as the bumper gets thinner.
 SPDX-License-Identifier: BSD-3-Clause
 """
 import csv
-from dataclasses import dataclass
+from collections import Counter
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import combinations
 from math import cos, exp, log, pi, radians
@@ -22,6 +23,7 @@ from pathlib import Path
 SHOTS = Path(__file__).with_name("shots.csv")
 STEEPEST = 65  # degrees: beyond that the equations have the value that they have there
 HYPERVELOCITY = 7.0  # km/s, along the normal: from here on the ball is taken to melt
+SWAPPED = "AFML-TR-70-135"  # of this report the table has holes where walls held: see README.md
 
 
 @dataclass(frozen=True)
@@ -199,27 +201,54 @@ def is_right(shot, equation):
     return (shot.diameter > EQUATIONS[equation](shot)) == shot.perforated
 
 
+def mended(shots):
+    """The same with the ends of SWAPPED as its walls' thickness tells them."""
+    return [replace(shot, perforated=not shot.perforated) if shot.source == SWAPPED else shot
+            for shot in shots]
+
+
+def close(one, other, names, within):
+    return all(abs(a - b) <= within * max(a, b)
+               for a, b in ((getattr(one, name), getattr(other, name)) for name in names))
+
+
 def alike(shots, within=0.03):
     """Pairs of shots of the same metals that differ by no more than this in each number."""
-    def numbers(shot):
-        return (shot.diameter, shot.angle, shot.speed, shot.bumper, shot.standoff, shot.wall)
+    names = ("diameter", "angle", "speed", "bumper", "standoff", "wall")
+    return [(one, other) for one, other in combinations(shots, 2)
+            if one.metals == other.metals and close(one, other, names, within)]
 
-    return [(one, other) for one, other in combinations(shots, 2) if one.metals == other.metals
-            and all(abs(a - b) <= within * max(a, b)
-                    for a, b in zip(numbers(one), numbers(other)))]
+
+def by_thickness(shots, within=0.02):
+    """Of pairs of a report that differ in the wall's thickness and end differently, but are alike
+    within this in all else: {report: (in how many the thinner wall failed, the thicker one)}."""
+    names = ("diameter", "angle", "speed", "bumper", "standoff")
+    thinner, thicker = Counter(), Counter()
+    for one, other in combinations(shots, 2):
+        if (one.source, one.metals) != (other.source, other.metals) or \
+                one.perforated == other.perforated or not close(one, other, names, within) or \
+                close(one, other, ("wall",), within / 2):
+            continue
+        failed, held = (one, other) if one.perforated else (other, one)
+        (thinner if failed.wall < held.wall else thicker)[one.source] += 1
+    return {source: (thinner[source], thicker[source]) for source in sorted(thinner | thicker)}
 
 
 def main():
-    shots = read_shots()
-    for name, some in (("all", shots), ("cheap", [shot for shot in shots if is_cheap(shot)])):
-        print(f"{name}: {len(some)} shots, "
-              f"{sum(shot.perforated for shot in some)} of them perforated")
-        for equation in EQUATIONS:
-            right = sum(is_right(shot, equation) for shot in some)
-            print(f"  {equation:14} {right:4} right, {100 * right / len(some):.1f} %")
-        pairs = alike(some)
-        differ = sum(one.perforated != other.perforated for one, other in pairs)
-        print(f"  of {len(pairs)} pairs that are alike within 3 % {differ} end differently")
+    told = read_shots()
+    for labels, shots in (("as the table has them", told), (f"{SWAPPED} mended", mended(told))):
+        for name, some in (("all", shots), ("cheap", [shot for shot in shots if is_cheap(shot)])):
+            print(f"{name}, {labels}: {len(some)} shots, "
+                  f"{sum(shot.perforated for shot in some)} of them perforated")
+            for equation in EQUATIONS:
+                right = sum(is_right(shot, equation) for shot in some)
+                print(f"  {equation:14} {right:4} right, {100 * right / len(some):.1f} %")
+            pairs = alike(some)
+            differ = sum(one.perforated != other.perforated for one, other in pairs)
+            print(f"  of {len(pairs)} pairs that are alike within 3 % {differ} end differently")
+    print("Pairs that differ in the wall's thickness alone: the thinner wall failed, the thicker")
+    for source, counts in by_thickness(told).items():
+        print(f"  {source:18} {counts[0]:3} {counts[1]:3}")
 
 
 if __name__ == "__main__":

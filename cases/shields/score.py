@@ -1,6 +1,7 @@
 """Scores Spall and five equations on the same shots: table and plot of README.md, from results.csv.
 
     python3 cases/shields/score.py [--across 12] [--wall-across 6] [--seed 1]
+    python3 cases/shields/score.py --former     by the law until commit 8330739
 
 SPDX-License-Identifier: BSD-3-Clause
 """
@@ -10,10 +11,11 @@ import sys
 from math import comb, sqrt
 from pathlib import Path
 
-from equations import EQUATIONS, is_right, read_shots
+from equations import EQUATIONS, SWAPPED, is_right, mended, read_shots
 from run import ACROSS, RESULTS, ask_for_setting, chosen
 
 HERE = Path(__file__).parent
+FORMER = HERE / "results_until_8330739.csv"  # by the law until this commit
 sys.path.append(str(HERE.parent.parent / "bench"))
 from readme import replace_section  # noqa: E402
 
@@ -82,7 +84,7 @@ def counted(shots, options):
     """(shot, line of results.csv) of what was run by the rule and has a verdict; how many have
     none, and how many the rule has."""
     by_row = {shot.row: shot for shot in chosen(shots)}
-    lines = [line for line in csv.DictReader(RESULTS.open()) if int(line["row"]) in by_row
+    lines = [line for line in csv.DictReader(options.results.open()) if int(line["row"]) in by_row
              and float(line["across"]) == options.across
              and float(line["wall_across"]) == options.wall_across
              and int(line["seed"]) == options.seed]
@@ -92,7 +94,8 @@ def counted(shots, options):
 
 def coarse_calls(some, options):
     """{name: calls} of the rule's own setting, where that is another and has called all of them."""
-    rule = argparse.Namespace(across=ACROSS, wall_across=ACROSS, seed=options.seed)
+    rule = argparse.Namespace(across=ACROSS, wall_across=ACROSS, seed=options.seed,
+                              results=options.results)
     if (options.across, options.wall_across) == (rule.across, rule.wall_across):
         return {}
     verdicts = {shot.row: line["verdict"] for shot, line in counted(read_shots(), rule)[0]}
@@ -106,10 +109,11 @@ def of_other_seeds(some, options):
     """In words: how many of these shots, run with crystals that are turned otherwise, Spall calls
     otherwise, and the standard error that this alone gives the share that it calls right."""
     fails = {shot.row: FAILED[line["verdict"]] for shot, line in some}
-    seeds = {int(line["seed"]) for line in csv.DictReader(RESULTS.open())} - {options.seed}
+    seeds = {int(line["seed"]) for line in csv.DictReader(options.results.open())} - {options.seed}
     again = [(shot.row, FAILED[line["verdict"]], line["commit"]) for seed in sorted(seeds)
              for shot, line in counted(read_shots(), argparse.Namespace(
-                 across=options.across, wall_across=options.wall_across, seed=seed))[0]
+                 across=options.across, wall_across=options.wall_across, seed=seed,
+                 results=options.results))[0]
              if shot.row in fails]
     if not again:
         return ""
@@ -123,11 +127,47 @@ def of_other_seeds(some, options):
             f"error of {100 * error:.0f} % of the share that Spall calls right.")
 
 
-def table(some, without, planned, options):
+def calls_of(some, options):
+    """{name: whether it calls each shot right}, of Spall, at both settings, and of the others."""
     ours = {"Spall": [FAILED[line["verdict"]] == shot.perforated for shot, line in some],
             **coarse_calls(some, options)}
     others = {name: [is_right(shot, name) for shot, _ in some] for name in EQUATIONS}
     others["every wall held"] = [not shot.perforated for shot, _ in some]
+    return ours, others
+
+
+def tests_of(some, ours, others):
+    """{name: (shots that Spall alone calls right, that it alone calls wrong, McNemar's odds, those
+    by shields)}"""
+    shields = [(shot.metals[1:], shot.bumper, shot.standoff, shot.wall) for shot, _ in some]
+    return {name: (*mcnemar(ours["Spall"], calls), by_shields(shields, ours["Spall"], calls))
+            for name, calls in others.items()}
+
+
+def by_labels(told, options):
+    """Table of what the labels of SWAPPED decide. `told`: with those of the table."""
+    shots = mended([shot for shot, _ in told])
+    sets = {f"{SWAPPED} mended": [(shot, line) for shot, (_, line) in zip(shots, told)],
+            "as the table has it": told,
+            "without this report": [(shot, line) for shot, line in told if shot.source != SWAPPED]}
+    called = {name: calls_of(some, options) for name, some in sets.items()}
+    text = [f"| called right | {' | '.join(sets)} |", f"|---|{'--:|' * len(sets)}",
+            f"| shots | {' | '.join(str(len(some)) for some in sets.values())} |"]
+    for caller in ("Spall", *EQUATIONS, "every wall held"):
+        cells = []
+        for name, some in sets.items():
+            ours, others = called[name]
+            calls = (ours | others)[caller]
+            cells.append(f"{sum(calls)}, {share(calls)}")
+            if caller in others:
+                right, wrong, odds, by_shield = tests_of(some, ours, others)[caller]
+                cells[-1] += f"; {right} : {wrong}, p = {max(odds, by_shield):.2g}"
+        text.append(f"| {caller} | {' | '.join(cells)} |")
+    return "\n".join(text)
+
+
+def table(some, without, planned, options):
+    ours, others = calls_of(some, options)
     ratio = [shot.diameter / EQUATIONS[BEST](shot) for shot, _ in some]
     parts = {"all": [True] * len(some), "3–5 km/s": [shot.speed < 5 for shot, _ in some],
              "5–7 km/s": [5 <= shot.speed < 7 for shot, _ in some],
@@ -146,9 +186,7 @@ def table(some, without, planned, options):
             f"| called right | {' | '.join(parts)} | McNemar beside Spall |",
             f"|---|{'--:|' * len(parts)}---|",
             f"| shots | {' | '.join(str(sum(inside)) for inside in parts.values())} | |"]
-    shields = [(shot.metals[1:], shot.bumper, shot.standoff, shot.wall) for shot, _ in some]
-    tests = {name: (*mcnemar(ours["Spall"], calls), by_shields(shields, ours["Spall"], calls))
-             for name, calls in others.items()}
+    tests = tests_of(some, ours, others)
     adjusted = dict(zip(EQUATIONS, holm([max(tests[name][2:]) for name in EQUATIONS])))
     for name, calls in (ours | others).items():
         beside = ""
@@ -209,11 +247,16 @@ def draw(some, path):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     ask_for_setting(parser)
+    parser.add_argument("--former", action="store_const", dest="results", const=FORMER,
+                        default=RESULTS, help="score the runs of results_until_8330739.csv")
     options = parser.parse_args()
-    some, without, planned = counted(read_shots(), options)
-    text = table(some, without, planned, options)
+    told = counted(read_shots(), options)[0]
+    some, without, planned = counted(mended(read_shots()), options)
+    text = table(some, without, planned, options) + "\n\n" + by_labels(told, options)
     print(text)
     name = f"score_{options.across:g}_{options.wall_across:g}"
+    if options.results == FORMER:
+        name += "_former"
     replace_section(HERE / "README.md", name, text)
     draw(some, HERE / f"{name}.png")
 

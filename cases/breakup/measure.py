@@ -1,0 +1,152 @@
+"""Shoots balls through bumpers, and pieces at walls, and puts what becomes of them beside what is
+known. Writes the tables of README.md.
+
+    /usr/bin/python3 cases/breakup/measure.py onset pieces wall
+
+SPDX-License-Identifier: BSD-3-Clause
+"""
+import argparse
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+HERE = Path(__file__).parent
+sys.path += [str(HERE.parent), str(HERE.parent.parent / "bench")]
+from program import PROGRAM, ROOT, spall  # noqa: E402
+from readme import replace_section  # noqa: E402
+from remnants import clump_names, commits, results  # noqa: E402
+
+ACROSS = 12  # bodies, as of the shields' balls
+BUMPER_LAYERS, BUMPER_WIDTH = 2, 3  # at least; in ball diameters
+FLIGHT = 3  # ball diameters at its speed
+GAP = 0.35  # spacings between the surfaces of neighbours: bodies of a piece are nearer
+SEEN = 0.01  # of the ball: lighter pieces are not counted
+
+
+@dataclass(frozen=True)
+class Shot:
+    """Of balls of 9.53 mm of 2017-T4 at bumpers of 6061-T6."""
+    name: str
+    bumper: float  # of the ball's diameter
+    speed: float  # km/s
+    breaks: bool  # the shell that spall has parted from the ball's rear is ruptured
+
+
+# Piekutowski, Int. J. Impact Engng 29 (2003) 563, read off the figure that Reimerdes, Noelke &
+# Schaefer, Int. J. Impact Engng 33 (2006) 645 show of it: speeds are good to 0.1 km/s.
+SHOTS = [Shot("4-1715", 0.026, 4.6, False), Shot("4-1428", 0.049, 3.77, False),
+         Shot("4-1633", 0.062, 3.65, True), Shot("4-1632", 0.084, 3.4, True),
+         Shot("4-1722", 0.13, 2.5, False), Shot("4-1718", 0.233, 2.0, False),
+         Shot("4-1720", 0.233, 2.4, False), Shot("4-1719", 0.233, 2.7, True),
+         Shot("4-1721", 0.5, 2.25, False)]
+DIAMETER = 9.53e-3  # m
+SMALL = 3.18e-3  # m, of most balls of the shields
+SMALL_BUMPER, SMALL_SPEED = 0.25, 4.2  # of its diameter; km/s
+
+
+def run(options, case, folder, changes):
+    folder = options.out / folder
+    spall("run", HERE / case, "--out", folder, "--overwrite", changes=changes,
+          program=options.program, before=options.before.split())
+    return folder
+
+
+def through_a_bumper(options, folder, d, bumper, speed, across=ACROSS, more=()):
+    """d in m, the bumper in balls, km/s."""
+    thick, ball = bumper * d, d / across
+    spacing, duration = min(ball, thick / BUMPER_LAYERS), FLIGHT * d / (1e3 * speed)
+    return run(options, "case.toml", folder, [
+        f"groups.bumper.volume.diameter={BUMPER_WIDTH * d}",
+        f"groups.bumper.volume.height={thick}", f"groups.bumper.volume.center=[0,0,{-thick / 2}]",
+        f"groups.bumper.packing.diameter={spacing}", f"groups.ball.volume.diameter={d}",
+        f"groups.ball.volume.center=[0,0,{d / 2 + 1.05 * ball}]",
+        f"groups.ball.packing.diameter={ball}", f"groups.ball.velocity=[0,0,{-1e3 * speed}]",
+        f"phases.impact.step={duration / 200}", f"phases.impact.duration={duration}",
+        f"output.series_every={duration / 10}", f"output.snapshot_every={duration / 5}", *more])
+
+
+def pieces(folder):
+    """Of what the ball has become: the share of its bodies that have failed, and the shares of its
+    mass of the pieces that hang together, the largest first."""
+    with h5py.File(folder / "trajectory.h5") as file:
+        bodies = file["particles/all"]
+        ball = bodies["group"][:] == 1
+        whole = bodies["damage/value"][-1][ball] < 1
+        position, radius = bodies["position/value"][-1][ball][whole], bodies["radius"][:][ball]
+    name = clump_names(position, radius[whole], 2 * GAP * radius[0])
+    shares = np.sort(np.bincount(name))[::-1] / len(whole)
+    return 1 - whole.mean(), shares
+
+
+def onset(options):
+    text = ["| shot | bumper, diameters | km/s | measured | Spall | largest piece | next | failed "
+            "|\n|---|--:|--:|---|---|--:|--:|--:|"]
+    folders = []
+    for shot in SHOTS:
+        folder = through_a_bumper(options, f"onset-{shot.name}", DIAMETER, shot.bumper, shot.speed)
+        failed, shares = pieces(folder)
+        called = "broken" if shares[1] > SEEN else "in one piece"
+        text.append(f"| {shot.name} | {shot.bumper:g} | {shot.speed:g} "
+                    f"| {'broken' if shot.breaks else 'in one piece'} | {called} "
+                    f"| {shares[0]:.3f} | {shares[1]:.3f} | {failed:.2f} |")
+        folders.append(folder)
+    return text, folders
+
+
+def finer(options):
+    text = ["| fails by strain | across | failed | largest pieces, of the ball "
+            "| bodies in the largest |\n|---|--:|--:|---|--:|"]
+    folders = []
+    for fails, more in (("yes", ()), ("no", ("materials.ball.solid.johnson_cook_d1=1e3",))):
+        for across in (12, 18, 24):
+            folder = through_a_bumper(options, f"pieces-{fails}-{across}", SMALL, SMALL_BUMPER,
+                                      SMALL_SPEED, across, more)
+            failed, shares = pieces(folder)
+            bodies = shares[0] * np.pi / 6 * np.sqrt(2) * across**3
+            text.append(f"| {fails} | {across} | {failed:.2f} "
+                        f"| {', '.join(f'{share:.3f}' for share in shares[:4])} | {bodies:.0f} |")
+            folders.append(folder)
+    return text, folders
+
+
+def wall(options):
+    text = ["| wall, mm | its bodies, mm | verdict | margin | hole, mm |\n|--:|--:|---|--:|--:|"]
+    folders = []
+    for thick in (1.6, 2.0, 2.4):
+        for spacing in (0.53, 0.265):
+            folder = run(options, "wall.toml", f"wall-{thick}-{spacing}", [
+                f"groups.wall.volume.height={1e-3 * thick}",
+                f"groups.wall.volume.center=[0,0,{-5e-4 * thick}]",
+                f"groups.wall.packing.diameter={1e-3 * spacing}"])
+            told = results(folder)["shield_wall"]
+            text.append(f"| {thick} | {spacing} | {told['verdict']} | {told['margin']:.2f} "
+                        f"| {1e3 * told['hole']:.2f} |")
+            folders.append(folder)
+    return text, folders
+
+
+TABLES = {"onset": onset, "pieces": finer, "wall": wall}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("tables", nargs="+", choices=TABLES)
+    parser.add_argument("--program", default=PROGRAM)
+    parser.add_argument("--before", default="", help='put before the program, such as "nice -n 5"')
+    parser.add_argument("--out", type=Path, default=ROOT / "out/breakup")
+    options = parser.parse_args()
+    for name in options.tables:
+        text, folders = TABLES[name](options)
+        unexplained = max(results(folder)["conservation"]["energy_unexplained"]
+                          for folder in folders)
+        text += ["", f"Commits: {commits(folders)}. Energy that no entry explains: at most "
+                 f"{100 * unexplained:.2g} % of what was dissipated."]
+        print("\n".join(text), flush=True)
+        replace_section(HERE / "README.md", name, "\n".join(text))
+
+
+if __name__ == "__main__":
+    main()
