@@ -70,15 +70,15 @@ def through_a_bumper(options, folder, d, bumper, speed, across=ACROSS, more=()):
 
 def pieces(folder):
     """Of what the ball has become: the share of its bodies that have failed, and the shares of its
-    mass of the pieces that hang together, the largest first."""
+    mass of the four largest pieces that hang together; 0 where there are fewer."""
     with h5py.File(folder / "trajectory.h5") as file:
         bodies = file["particles/all"]
         ball = bodies["group"][:] == 1
         whole = bodies["damage/value"][-1][ball] < 1
         position, radius = bodies["position/value"][-1][ball][whole], bodies["radius"][:][ball]
     name = clump_names(position, radius[whole], 2 * GAP * radius[0])
-    shares = np.sort(np.bincount(name))[::-1] / len(whole)
-    return 1 - whole.mean(), shares
+    largest = np.sort(np.append(np.bincount(name), [0] * 4))[:-5:-1]
+    return 1 - whole.mean(), largest / len(whole)
 
 
 def onset(options):
@@ -107,7 +107,7 @@ def finer(options):
             failed, shares = pieces(folder)
             bodies = shares[0] * np.pi / 6 * np.sqrt(2) * across**3
             text.append(f"| {fails} | {across} | {failed:.2f} "
-                        f"| {', '.join(f'{share:.3f}' for share in shares[:4])} | {bodies:.0f} |")
+                        f"| {', '.join(f'{share:.3f}' for share in shares)} | {bodies:.0f} |")
             folders.append(folder)
     return text, folders
 
