@@ -16,7 +16,7 @@ namespace spall {
 
 namespace {
 
-constexpr int format_version = 11;
+constexpr int format_version = 12;
 
 std::string place_of(const FieldInfo& info) {
   return std::string("/bodies/") + info.name;
