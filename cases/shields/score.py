@@ -150,19 +150,19 @@ def by_labels(told, options):
     sets = {f"{SWAPPED} mended": [(shot, line) for shot, (_, line) in zip(shots, told)],
             "as the table has it": told,
             "without this report": [(shot, line) for shot, line in told if shot.source != SWAPPED]}
-    called = {name: calls_of(some, options) for name, some in sets.items()}
     text = [f"| called right | {' | '.join(sets)} |", f"|---|{'--:|' * len(sets)}",
             f"| shots | {' | '.join(str(len(some)) for some in sets.values())} |"]
-    for caller in ("Spall", *EQUATIONS, "every wall held"):
-        cells = []
-        for name, some in sets.items():
-            ours, others = called[name]
+    rows = {caller: [] for caller in ("Spall", *EQUATIONS, "every wall held")}
+    for some in sets.values():
+        ours, others = calls_of(some, options)
+        tests = tests_of(some, ours, others)
+        for caller, cells in rows.items():
             calls = (ours | others)[caller]
             cells.append(f"{sum(calls)}, {share(calls)}")
-            if caller in others:
-                right, wrong, odds, by_shield = tests_of(some, ours, others)[caller]
+            if caller in tests:
+                right, wrong, odds, by_shield = tests[caller]
                 cells[-1] += f"; {right} : {wrong}, p = {max(odds, by_shield):.2g}"
-        text.append(f"| {caller} | {' | '.join(cells)} |")
+    text += [f"| {caller} | {' | '.join(cells)} |" for caller, cells in rows.items()]
     return "\n".join(text)
 
 

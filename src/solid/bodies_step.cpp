@@ -134,9 +134,10 @@ PairLanes bearing_shares(const Group& g, const PairLanes& damage) {
 }
 
 /// The plastic strains that bring bodies back to their flow stress, if they have one; 0 where their
-/// trial stress is less. `hot`: homologous temperatures.
-PairLanes flowing_strains(const Bodies& bodies, const Group& g, const PairLanes& hot) {
-  const PairLanes damage = g.rows.load(bodies.damage), bears = bearing_shares(g, damage);
+/// trial stress is less. `hot`: homologous temperatures. `bears`: `bearing_shares`.
+PairLanes flowing_strains(const Bodies& bodies, const Group& g, const PairLanes& hot,
+                          const PairLanes& bears) {
+  const PairLanes damage = g.rows.load(bodies.damage);
   // All over the share, so that the flow stress is that of whole metal.
   const PairLanes none{}, trial = select(g.stiffness > 0.0, g.mises / (g.stiffness * bears), none);
   PairLanes least;
@@ -178,11 +179,10 @@ double rubbing_stress(const SolidLaw& law, double stiffness, double pressure, do
 /// flown too far: over a strain whose work is the fracture energy. What has failed slides. Of rock
 /// it is found anew.
 Sheared sheared_metals(Bodies& bodies, const Group& g, const PairLanes& hot, const PairMask& melted,
-                       const PairLanes& flowing) {
+                       const PairLanes& bears, const PairLanes& flowing) {
   const PairLanes none{}, one = spread_pairs(1);
   const PairLanes shear = g.stiffness * g.laws.of(&SolidLaw::shear);
   PairLanes damage = g.rows.load(bodies.damage);
-  const PairLanes bears = bearing_shares(g, damage);
   const PairMask fluid = (damage >= 1.0) | melted | (shear <= 0.0), flows = flowing > 0.0;
   const PairLanes flown = larger(none, one - 3.0 * shear * flowing / g.mises);
   Sheared left{.scale = select(fluid, none, select(flows, flown, one)), .strained = flowing};
@@ -259,8 +259,9 @@ Settled settle(Bodies& bodies, const Group& g) {
       if (g.laws[l].brittle())
         bodies.damage[g.rows[l]] =
             grown_damage(g.laws[l], bodies, g.rows[l], g.rest_volume[l], g.intact[l], g.h);
-  const PairLanes flowing = flowing_strains(bodies, g, hot);
-  Sheared left = sheared_metals(bodies, g, hot, melted, flowing);
+  const PairLanes bears = bearing_shares(g, g.rows.load(bodies.damage));
+  const PairLanes flowing = flowing_strains(bodies, g, hot, bears);
+  Sheared left = sheared_metals(bodies, g, hot, melted, bears, flowing);
   Pressed after{.pressure = g.rows.load(bodies.pressure), .damage = g.rows.load(bodies.damage)};
   // What rock bears depends on its pressure, which follows from the energy, and on what crushing
   // breaks: in two rounds.
