@@ -14,6 +14,12 @@
 
 namespace spall {
 
+/// Keeps what a run says from the screen while it lives: a failure is not lost in it.
+struct Hushed {
+  Hushed() { ::testing::internal::CaptureStdout(); }
+  ~Hushed() { ::testing::internal::GetCapturedStdout(); }
+};
+
 /// Runs the case in a folder of this test. Values by the names of their columns. Collective.
 inline std::vector<std::map<std::string, double>> series_of(const std::string& text) {
   const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
@@ -21,8 +27,11 @@ inline std::vector<std::map<std::string, double>> series_of(const std::string& t
       std::filesystem::absolute(
           fmt::format("{}_{}_{}", test->test_suite_name(), test->name(), testing_world().size))
           .string();
-  run_case(testing_world(), parse_case(text, std::string(test->name()) + ".toml"), folder,
-           Former::overwrite);
+  {
+    const Hushed hushed;
+    run_case(testing_world(), parse_case(text, std::string(test->name()) + ".toml"), folder,
+             Former::overwrite);
+  }
   testing_world().any(false);  // rank 0 has written it
   std::ifstream file(folder + "/series.csv");
   std::vector<std::string> names;
