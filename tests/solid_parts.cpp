@@ -60,6 +60,21 @@ TEST(PartedSteps, are_as_long_as_the_fastest_that_is_near_allows) {
   }
 }
 
+TEST(PartedSteps, are_not_made_shorter_by_who_is_hot_and_alone) {
+  const double mass = copper.density * d * d * d / std::sqrt(2.0);
+  const auto parts = [&](double distance) {
+    std::vector<Sphere> two(2, {.radius = d / 2, .mass = mass});
+    two[1].position = {distance, 0, 0};
+    Lab world = parted(world_of(testing_world(), two, ductile));
+    for (Index b = 0; b < world.bodies.owned; ++b)
+      world.bodies.heat[b] = world.bodies.internal_energy[b] = 1e7 * mass;
+    solid_steps(world, 10.5 * usual_courant * crossing, 1);
+    return world.solid.parts;
+  };
+  EXPECT_EQ(parts(1.8 * d), 11);
+  EXPECT_GT(parts(1.6 * d), 14);
+}
+
 TEST(PartedSteps, see_who_comes_before_it_is_there) {
   // Sound alone would let them fly two spacings and more in a part.
   const double speed = 12 * ductile.sound_speed();

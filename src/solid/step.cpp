@@ -152,7 +152,7 @@ double elastic_energy(const Bodies& bodies) {
 }
 
 /// 1/s: the largest share of its spacing that sound crosses in a body of this rank in a second,
-/// with what compression and heat add.
+/// with what compression and heat add where there are neighbours: else its pressure moves nothing.
 double fastest_waves(const World& world, const Elastoplastic& engine) {
   const Bodies& bodies = world.bodies;
   const bool porous = bodies.has(Field::crushed);
@@ -160,7 +160,9 @@ double fastest_waves(const World& world, const Elastoplastic& engine) {
   for (Index b = 0; b < bodies.owned; ++b) {
     const SolidLaw& law = engine.laws[bodies.material[b]];
     double c = law.sound_speed(), spacing = 2 * bodies.radius[b], shear = law.shear;
-    if (const double x = bodies.compression[b]; x > 1 || bodies.heat[b] > 0) {
+    const RowHalf& shape = engine.shapes[b].at[0];
+    const bool alone = shape[0] + shape[1] + shape[2] == 0;
+    if (const double x = bodies.compression[b]; !alone && (x > 1 || bodies.heat[b] > 0)) {
       const double matter = x * law.filled * (porous ? law.distension(bodies.crushed[b]) : 1);
       const double heat = bodies.heat[b] / (engine.rest_volume[b] * law.density);
       // (dP/d rho)_S of the heat's pressure Gamma rho e, Gamma rho constant from rest on.
