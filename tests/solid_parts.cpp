@@ -133,6 +133,33 @@ TEST(PartedSteps, failed_bodies_make_no_energy_however_near_they_are) {
   }
 }
 
+TEST(PartedSteps, who_is_whole_among_failed_bodies_fails_and_lets_its_pressure_go) {
+  const double mass = copper.density * d * d * d / std::sqrt(2.0), compression = 1.2;
+  std::vector<Sphere> spheres(1, {.radius = d / 2, .mass = mass});
+  for (int k = 0; k < 3; ++k)
+    for (const double side : {-1, 1})
+      spheres.push_back({.radius = d / 2, .mass = mass, .position = side * d * Vec3::Unit(k)});
+  for (const bool yields : {true, false}) {
+    Lab world = parted(world_of(testing_world(), spheres, yields ? ductile : elastic));
+    Bodies& bodies = world.bodies;
+    for (Index b = 0; b < bodies.owned; ++b) {
+      bodies.damage[b] = bodies.id[b] == 0 ? 0 : 1;
+      bodies.compression[b] = compression;
+      bodies.internal_energy[b] = mass / ductile.density * ductile.cold.at(compression).energy;
+    }
+    const Sums before = sums_of(world);
+    solid_steps(world, crossing, 5);
+    const Sums after = sums_of(world);
+    EXPECT_NEAR(after.kinetic + after.internal, before.internal, 0.02 * before.internal);
+    for (Index b = 0; b < bodies.owned; ++b)
+      if (bodies.id[b] == 0) {
+        EXPECT_EQ(bodies.damage[b], yields ? 1 : 0);
+        EXPECT_NEAR(bodies.pressure[b] / ductile.cold.at(compression).pressure, yields ? 0 : 1,
+                    0.01);
+      }
+  }
+}
+
 TEST(PartedSteps, are_no_longer_than_what_they_are_parts_of) {
   Lab world = parted(world_of_two(testing_world(), 10, ductile));
   solid_steps(world, 0.01 * crossing, 30);

@@ -286,6 +286,14 @@ Settled settle(Bodies& bodies, const Group& g) {
               square_root(after.sound_speed2 + select(left.scale > 0.0, shear_speed2, none))};
 }
 
+/// What yields and no neighbour holds has failed. It would else not see those that have, and keep
+/// the pressure that it was left with among them.
+void break_off(const PairMask& alone, const LaneLaws& laws, const LaneRows& rows, Bodies& bodies) {
+  const std::uint8_t lanes = bits_of_mask(alone);
+  for (std::size_t l = 0; lanes && l < pair_lanes; ++l)
+    if (lanes >> l & 1 && laws[l].yields) bodies.damage[rows[l]] = 1;
+}
+
 }  // namespace
 
 std::vector<double> rest_volumes(const Bodies& bodies, const std::vector<SolidLaw>& laws) {
@@ -319,6 +327,7 @@ SPALL_KERNEL(double, update_bodies,
     const PairLanes extent = spacing * spacing * at_rest;
     const Shapes shape = shapes_of(K, shape_of_pair * extent);
     const PairLanes trace = K.trace();
+    break_off(trace == 0.0, law, row, bodies);
     LaneTensor L = M * shape.inverse;
     if (shape.projected) L = shape.projector * L * shape.projector;
 
