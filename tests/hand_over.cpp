@@ -10,7 +10,7 @@
 #include <sstream>
 
 #include "output/restart.hpp"
-#include "run/run.hpp"
+#include "run_series.hpp"
 #include "testing.hpp"
 #include "worlds.hpp"
 
@@ -308,9 +308,9 @@ TEST(CoupledRun, that_would_make_energy_is_refused) {
 
 TEST(CoupledRun, closes_its_books_and_goes_on_after_a_stop) {
   const std::string folder = folder_of("ball"), again = folder_of("again");
-  testing::internal::CaptureStdout();
-  run_case(testing_world(), parse_case(ball(coupled), "ball.toml"), folder, Former::overwrite);
-  const std::string told = testing::internal::GetCapturedStdout();
+  const std::string told = said_by([&] {
+    run_case(testing_world(), parse_case(ball(coupled), "ball.toml"), folder, Former::overwrite);
+  });
   const toml::table results = results_in(folder);
   if (testing_world().rank == 0) {
     const auto share = fmt::format("{:.4g} leave from within with its body",

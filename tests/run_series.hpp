@@ -1,4 +1,4 @@
-// The series that a whole run writes, as rows of named numbers.
+// What a whole run says, and the series that it writes, as rows of named numbers.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -14,11 +14,18 @@
 
 namespace spall {
 
-/// Keeps what a run says from the screen while it lives: a failure is not lost in it.
-struct Hushed {
-  Hushed() { ::testing::internal::CaptureStdout(); }
-  ~Hushed() { ::testing::internal::GetCapturedStdout(); }
-};
+/// What `f` says, which is kept from the screen: a failure is not lost in it.
+template <class F>
+std::string said_by(F&& f) {
+  ::testing::internal::CaptureStdout();
+  try {
+    f();
+  } catch (...) {
+    ::testing::internal::GetCapturedStdout();
+    throw;
+  }
+  return ::testing::internal::GetCapturedStdout();
+}
 
 /// Runs the case in a folder of this test. Values by the names of their columns. Collective.
 inline std::vector<std::map<std::string, double>> series_of(const std::string& text) {
@@ -27,11 +34,10 @@ inline std::vector<std::map<std::string, double>> series_of(const std::string& t
       std::filesystem::absolute(
           fmt::format("{}_{}_{}", test->test_suite_name(), test->name(), testing_world().size))
           .string();
-  {
-    const Hushed hushed;
+  said_by([&] {
     run_case(testing_world(), parse_case(text, std::string(test->name()) + ".toml"), folder,
              Former::overwrite);
-  }
+  });
   testing_world().any(false);  // rank 0 has written it
   std::ifstream file(folder + "/series.csv");
   std::vector<std::string> names;

@@ -14,6 +14,16 @@ Lab parted(Lab world, double courant = usual_courant) {
 }
 /// s: how long sound takes across a spacing.
 const double crossing = d / ductile.sound_speed();
+/// kg, of a body in a lattice.
+const double mass = copper.density * volume_of_lattice(d);
+/// As pressed as the cold curve says, and failed.
+void press_and_break(Bodies& bodies, double compression) {
+  for (Index b = 0; b < bodies.owned; ++b) {
+    bodies.damage[b] = 1;
+    bodies.compression[b] = compression;
+    bodies.internal_energy[b] = mass / ductile.density * ductile.cold.at(compression).energy;
+  }
+}
 
 TEST(PartedSteps, energy_error_is_of_second_order) {
   std::vector<double> errors;
@@ -39,7 +49,6 @@ TEST(PartedSteps, momenta_and_energy_are_kept_where_pieces_meet_and_yield) {
 TEST(PartedSteps, are_as_long_as_the_fastest_that_is_near_allows) {
   const double rest = usual_courant * crossing, speed = 3000;
   const double met = usual_courant * d / (ductile.sound_speed() + 4 * ductile.slope * speed);
-  const double mass = copper.density * d * d * d / std::sqrt(2.0);
   const auto parts = [&](double distance, double closing, double lasts, bool one_piece) {
     std::vector<Sphere> two(2, {.radius = d / 2, .mass = mass});
     two[1].position = {distance, 0, 0};
@@ -61,7 +70,6 @@ TEST(PartedSteps, are_as_long_as_the_fastest_that_is_near_allows) {
 }
 
 TEST(PartedSteps, are_not_made_shorter_by_who_is_hot_and_alone) {
-  const double mass = copper.density * d * d * d / std::sqrt(2.0);
   const auto parts = [&](double distance) {
     std::vector<Sphere> two(2, {.radius = d / 2, .mass = mass});
     two[1].position = {distance, 0, 0};
@@ -91,17 +99,11 @@ TEST(PartedSteps, see_who_comes_before_it_is_there) {
 /// Bodies of one piece that have failed press each other: by how much their energy changes until
 /// they have parted, of what they held.
 double gained_by_failed(const std::vector<Vec3>& places, double compression, double courant) {
-  const double mass = copper.density * d * d * d / std::sqrt(2.0);
   std::vector<Sphere> spheres;
   for (const Vec3& place : places)
     spheres.push_back({.radius = d / 2, .mass = mass, .position = place});
   Lab world = parted(world_of(alone(), spheres, ductile), courant);
-  Bodies& bodies = world.bodies;
-  for (Index b = 0; b < bodies.owned; ++b) {
-    bodies.damage[b] = 1;
-    bodies.compression[b] = compression;
-    bodies.internal_energy[b] = mass / ductile.density * ductile.cold.at(compression).energy;
-  }
+  press_and_break(world.bodies, compression);
   const double before = sums_of(world).internal;
   solid_steps(world, 2 * crossing, 5);
   const Sums after = sums_of(world);
@@ -134,7 +136,7 @@ TEST(PartedSteps, failed_bodies_make_no_energy_however_near_they_are) {
 }
 
 TEST(PartedSteps, who_is_whole_among_failed_bodies_fails_and_lets_its_pressure_go) {
-  const double mass = copper.density * d * d * d / std::sqrt(2.0), compression = 1.2;
+  const double compression = 1.2;
   std::vector<Sphere> spheres(1, {.radius = d / 2, .mass = mass});
   for (int k = 0; k < 3; ++k)
     for (const double side : {-1, 1})
@@ -142,11 +144,9 @@ TEST(PartedSteps, who_is_whole_among_failed_bodies_fails_and_lets_its_pressure_g
   for (const bool yields : {true, false}) {
     Lab world = parted(world_of(testing_world(), spheres, yields ? ductile : elastic));
     Bodies& bodies = world.bodies;
-    for (Index b = 0; b < bodies.owned; ++b) {
-      bodies.damage[b] = bodies.id[b] == 0 ? 0 : 1;
-      bodies.compression[b] = compression;
-      bodies.internal_energy[b] = mass / ductile.density * ductile.cold.at(compression).energy;
-    }
+    press_and_break(bodies, compression);
+    for (Index b = 0; b < bodies.owned; ++b)
+      if (bodies.id[b] == 0) bodies.damage[b] = 0;
     const Sums before = sums_of(world);
     solid_steps(world, crossing, 5);
     const Sums after = sums_of(world);

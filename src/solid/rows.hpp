@@ -30,6 +30,8 @@ static_assert(sizeof(MotionRow) == doubles_a_row * sizeof(double));
 /// less the body's own: K = sum w V x x, M = sum w V v x, S = sum w V r^2 p.
 struct alignas(64) ShapeRow {
   RowHalf at[4];  ///< Kxx Kyy Kzz Kyz, Kzx Kxy Mxx Mxy, Mxz Myx Myy Myz, Mzx Mzy Mzz S
+
+  double trace() const { return at[0][0] + at[0][1] + at[0][2]; }  ///< of K; 0: it sees nobody
 };
 inline constexpr Index shape_width = sizeof(ShapeRow) / sizeof(double);
 

@@ -160,8 +160,7 @@ double fastest_waves(const World& world, const Elastoplastic& engine) {
   for (Index b = 0; b < bodies.owned; ++b) {
     const SolidLaw& law = engine.laws[bodies.material[b]];
     double c = law.sound_speed(), spacing = 2 * bodies.radius[b], shear = law.shear;
-    const RowHalf& shape = engine.shapes[b].at[0];
-    const bool alone = shape[0] + shape[1] + shape[2] == 0;
+    const bool alone = engine.shapes[b].trace() == 0;
     if (const double x = bodies.compression[b]; !alone && (x > 1 || bodies.heat[b] > 0)) {
       const double matter = x * law.filled * (porous ? law.distension(bodies.crushed[b]) : 1);
       const double heat = bodies.heat[b] / (engine.rest_volume[b] * law.density);
