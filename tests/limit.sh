@@ -50,6 +50,9 @@ thinnest = 0.001
 hole = 0.0
 spall_mass = 0.0
 still_coming = {0.3 if size == 2 else 0.0}
+opening_at_edge = {'true' if size == 9 else 'false'}
+[conservation]
+energy_unexplained = {0.07 if size == 9 else 0.01}
 [provenance]
 case = "x"
 """)
@@ -94,11 +97,20 @@ grep -q 'limit: held at \[0, 0, "-5.1.* km/s"\], perforated at \[0, 0, "-5.2.* k
   fail "of a speed: $(cat out.txt)"
 
 limit shield.toml --vary ball.diameter=2..4mm --out out/none
-[ $? = 4 ] && grep -q "held, not final at 2mm and held at 4mm" out.txt || fail "no limit between: $(cat out.txt)"
+[ $? = 4 ] && grep -q "held at 2mm (not final: 30 % .*) and held at 4mm" out.txt || fail "no limit between: $(cat out.txt)"
 limit shield.toml --vary ball.diameter=2000e-3..8e0 --within 1% --out out/exponents || fail "exponents: $(cat out.txt)"
 grep -q "limit: held at 4.29[0-9]*, perforated at 4.3" out.txt || fail "of exponents: $(cat out.txt)"
 limit shield.toml --vary ball.diameter=2..8mm --set islands.key=1 --jobs 7 --out out/islands || fail "islands"
 grep -q "changes more than once" out.txt || fail "islands: $(cat out.txt)"
+limit shield.toml --vary ball.diameter=3..9mm --within 60% --out out/doubts || fail "doubts: $(cat out.txt)"
+grep -q "^9mm: perforated, margin .*; opened as far as its edge: .*; not to be believed: 0.07 of what" out.txt ||
+  fail "what runs say against their verdicts: $(cat out.txt)"
+python3 - <<'END' || fail "doubts: $(cat out/doubts/limit.json)"
+import csv, json
+assert json.load(open("out/doubts/limit.json"))["doubts_high"] == [], "6mm has none"
+rows = {row["value"]: row for row in csv.DictReader(open("out/doubts/table.csv"))}
+assert (rows["9mm"]["opening_at_edge"], rows["9mm"]["energy_unexplained"]) == ("True", "0.07"), rows
+END
 limit shield.toml --vary ball.diameter=2..8mm --set broken.key=1 --out out/broken
 [ $? = 1 ] && grep -q "a run has failed" out.txt || fail "a run that fails: $(cat out.txt)"
 limit shield.toml --vary ball.diameter=2..8mm --set stopped.key=1 --out out/stopped
@@ -115,6 +127,8 @@ refused() { # text that must be said, arguments
 refused "KEY=LOW..HIGH" shield.toml --vary ball.diameter=2
 refused "alike but for their numbers" shield.toml --vary ball.diameter=2mm..8cm
 refused "both ends are the same" shield.toml --vary ball.diameter=2mm..2mm
+refused "digits without _" shield.toml --vary 'ball.velocity=[0, 0, -1_000]..[0, 0, -2_200]'
+refused "digits without _" shield.toml --vary ball.diameter=0x10..0x20
 refused "told twice" shield.toml --vary ball.diameter=2..8mm --set ball.diameter=3mm
 refused "never.key=1 is refused" shield.toml --vary never.key=1..2 --out never
 [ ! -e never ] || fail "a refused search left a folder"
@@ -134,7 +148,7 @@ library = "aluminium_6061_t6"
 name = "plate"
 material = "al"
 volume = {shape = "box", size = ["16 mm", "16 mm", "2 mm"]}
-packing = {kind = "fcc", diameter = "1 mm"}
+packing = {kind = "fcc", diameter = "1 mm", orientation = "random"}
 [[groups]]
 name = "ball"
 material = "al"

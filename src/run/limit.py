@@ -28,7 +28,9 @@ from sweep import DONE, NUMBER, STOPPED, Run, claim, files_of, names_of
 
 NO_LIMIT = 4  # exit code: both ends have the same verdict
 NOT_FINAL = 0.01  # of the energy that flies at the wall, beyond which a verdict may change
-COLUMNS = ("verdict", "margin", "thinnest", "hole", "spall_mass", "still_coming")
+DOUBTED = 0.05  # of what was dissipated, beyond which a run tells not to believe it
+COLUMNS = ("verdict", "margin", "thinnest", "hole", "spall_mass", "still_coming",
+           "opening_at_edge", "energy_unexplained")
 
 
 def leave(message, code=2):
@@ -54,6 +56,10 @@ class Range:
             leave(f"--vary {text}: both ends must be alike but for their numbers")
         self.words = words
         self.varied = [k for k in range(1, len(words), 2) if float(words[k]) != float(others[k])]
+        for k in self.varied:
+            if re.search(r"\w$", words[k - 1]) or words[k + 1].startswith("_"):
+                leave(f"--vary {text}: write numbers in digits without _, decimal, apart from "
+                      "letters before them")
         self.low = [float(words[k]) for k in self.varied]
         self.high = [float(others[k]) for k in self.varied]
         if not self.varied:
@@ -100,11 +106,13 @@ class Search:
         path = run.folder / "results.toml"
         if not path.is_file():
             return None
-        sections = tomllib.loads(path.read_text()).values()
-        found = [rows for rows in sections if rows.get("wall") == self.wall and "verdict" in rows]
+        results = tomllib.loads(path.read_text())
+        found = [rows for rows in results.values()
+                 if rows.get("wall") == self.wall and "verdict" in rows]
         if not found:
             leave(f"{path} has no verdict on the wall \"{self.wall}\"")
-        return found[0]
+        lost = results["conservation"]["energy_unexplained"]
+        return {**found[0], "energy_unexplained": lost}
 
     def recall(self):
         """What earlier calls found, whatever their range was."""
@@ -129,11 +137,8 @@ class Search:
                   flush=True)
             return
         self.known[part] = found
-        late = "" if self.final(part) else (
-            f"; not final: {100 * found['still_coming']:.2g} % of the energy that flies at it has "
-            "not met it")
-        print(f"{self.span.value(part)}: {found['verdict']}, margin {found['margin']:.3g}{late}",
-              flush=True)
+        print("; ".join([f"{self.span.value(part)}: {found['verdict']}, margin "
+                         f"{found['margin']:.3g}", *self.doubts(part)]), flush=True)
 
     def learn(self, parts):
         wanted = [part for part in parts if part not in self.known]
@@ -169,14 +174,27 @@ class Search:
         """What has failed stays so; what has held may yet fail by what is still coming."""
         return not self.holds(part) or self.known[part]["still_coming"] <= NOT_FINAL
 
+    def doubts(self, part):
+        """What the run itself says against its verdict."""
+        found, doubts = self.known[part], []
+        if not self.final(part):
+            doubts.append(f"not final: {100 * found['still_coming']:.2g} % of the energy that flies"
+                          " at it has not met it")
+        if found["opening_at_edge"]:
+            doubts.append("opened as far as its edge: the wall may be too small")
+        if not abs(found["energy_unexplained"]) <= DOUBTED:
+            doubts.append(f"not to be believed: {found['energy_unexplained']:.2g} of what was "
+                          "dissipated came out of nothing")
+        return doubts
+
     def changes(self):
         """Neighbours of which one has held and one has not, from the low end on."""
         parts = sorted(self.known)
         return [(a, b) for a, b in zip(parts, parts[1:]) if self.holds(a) != self.holds(b)]
 
     def told(self, part):
-        late = "" if self.final(part) else ", not final"
-        return f"{self.known[part]['verdict']}{late} at {self.span.value(part)}"
+        doubts = "".join(f" ({doubt})" for doubt in self.doubts(part))
+        return f"{self.known[part]['verdict']} at {self.span.value(part)}{doubts}"
 
 
 def between(a, b, count):
@@ -264,7 +282,8 @@ def main():
     whole = {"key": span.key, "wall": search.wall, "low": texts[0], "high": texts[1],
              "verdict_low": search.known[low]["verdict"],
              "verdict_high": search.known[high]["verdict"],
-             "final": search.final(low) and search.final(high)}
+             "final": search.final(low) and search.final(high),
+             "doubts_low": search.doubts(low), "doubts_high": search.doubts(high)}
     (out / "limit.json").write_text(json.dumps(whole, indent=1) + "\n")
     print(f"table: {out / 'table.csv'}, {out / 'table.json'}")
 
