@@ -198,6 +198,14 @@ TEST(Debris, melts_by_its_own_material_where_that_is_known) {
   EXPECT_EQ(cloud.plate_melted, 1);
 }
 
+TEST(Debris, what_would_boil_before_it_melts_is_refused) {
+  const std::string complaint = complaint_of([] {
+    parse_case("[materials.al.solid]\ndensity = 2700\nmelt_energy = 3\nsublimation_energy = 2\n",
+               "x.toml");
+  });
+  EXPECT_EQ(complaint.substr(0, 34), "x.toml:4:22: materials.al.solid.su");
+}
+
 TEST(Debris, maps_that_end_keep_the_line_of_flight_in_their_middle) {
   const Comm comm = testing_world();
   const Target t = target_of(scene());

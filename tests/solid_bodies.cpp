@@ -95,14 +95,18 @@ TEST(SolidLaw, returns_to_the_flow_stress_of_each_metal) {
 }
 
 TEST(ColdCurve, tells_its_own_slope) {
-  const ColdCurve curve(copper());
-  for (const double eta : {-0.2, -0.03, 0.0, 0.05, 0.3}) {
-    const double step = 1e-5;
-    const auto pressure = [&](double at) { return curve.at(1 / (1 - at)).pressure; };
-    const double slope = (pressure(eta + step) - pressure(eta - step)) / (2 * step);
-    EXPECT_NEAR(curve.at(1 / (1 - eta)).by_eta, slope, 1e-5 * slope) << eta;
+  Solid solid = copper();
+  for (const double of_shock : {1e-4, 0.5, copper().hugoniot_slope}) {
+    solid.hugoniot_slope = of_shock;
+    const ColdCurve curve(solid);
+    for (const double eta : {-0.2, -0.03, 0.0, 0.05, 0.3}) {
+      const double step = 1e-5;
+      const auto pressure = [&](double at) { return curve.at(1 / (1 - at)).pressure; };
+      const double slope = (pressure(eta + step) - pressure(eta - step)) / (2 * step);
+      EXPECT_NEAR(curve.at(1 / (1 - eta)).by_eta, slope, 1e-5 * slope) << eta;
+    }
+    EXPECT_EQ(curve.at(0.3).by_eta, 0);  // beyond the table
   }
-  EXPECT_EQ(curve.at(0.3).by_eta, 0);  // beyond the table
 }
 
 TEST(ColdCurve, is_the_same_of_lanes) {

@@ -144,6 +144,19 @@ TEST(Tearing, by_strain_is_put_off_by_pressure) {
   EXPECT_LT(last, 1e-4);
 }
 
+TEST(Tearing, moduli_that_are_far_apart_are_a_slip_of_units) {
+  const Solid copper = *material_of_library("copper").solid;
+  for (const double slip : {1e-3, 1e-2, 1e2, 1e3}) {
+    Solid solid = copper;
+    solid.youngs_modulus *= slip;
+    EXPECT_EQ(complaint_of([&] { solid_law(solid, true, "x"); }).substr(0, 22),
+              "x: the bulk modulus is");
+    solid = copper;
+    solid.sound_speed *= slip;
+    EXPECT_NE(complaint_of([&] { solid_law(solid, true, "x"); }), "");
+  }
+}
+
 TEST(Tearing, fracture_energy_needs_what_it_goes_with) {
   Solid solid = *material_of_library("copper").solid;
   solid.fracture_energy = 1e4;

@@ -40,6 +40,9 @@ void read_solid(Section& in, Solid& solid) {
           positive(specific_energy));
   in.take("sublimation_energy", "its enthalpy: debris with more heat is vapour",
           solid.sublimation_energy, positive(specific_energy));
+  in.check("sublimation_energy",
+           solid.sublimation_energy == 0 || solid.melt_energy < solid.sublimation_energy,
+           fmt::format("must be more than melt_energy = {:g} J/kg", solid.melt_energy));
   JohnsonCook& jc = solid.johnson_cook;
   in.take("johnson_cook_a", "A of its flow stress (A + B eps^n)(1 + C ln rate)(1 - T*^m)", jc.a,
           positive(pressure));

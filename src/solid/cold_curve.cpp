@@ -2,13 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "solid/cold_curve.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace spall {
 namespace {
 
 constexpr int nodes_a_side = 512;
-/// Of 1/s, where the shock's pressure has no end.
+/// Of 1/s, where the shock's pressure has no end, and of 1, where the density has none.
 constexpr double strongest = 0.85;
 constexpr double most_stretched = -0.3;  // eta; solids fail long before
 
@@ -19,7 +20,7 @@ ColdCurve::ColdCurve(const Solid& solid)
       density_(solid.density),
       slope_(solid.hugoniot_slope),
       gruneisen_(solid.gruneisen) {
-  last_ = strongest / slope_;
+  last_ = strongest / std::max(1.0, slope_);
   step_ = last_ / nodes_a_side;
   const int stretched = static_cast<int>(std::ceil(-most_stretched / step_));
   first_ = -stretched * step_;
