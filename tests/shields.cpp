@@ -27,11 +27,14 @@ materials = ["al"]
 
 struct Asked {
   std::string size = R"(["28 mm", "24 mm", "6 mm"])";
+  std::string volume = "";  // of the wall, in place of a box of that size
+  std::string packing = R"({kind = "fcc", diameter = "1 mm", orientation = "random"})";
   std::string method = "solid";
   std::string way = "[0, 0, 1]";        // of the ball, m/s
   std::string from = "[0, 0, -10e-3]";  // where the ball is, m
   std::string more = "";                // of [[shields]]
   std::string of_wall = "";             // keys of its group
+  std::string before = "";              // a phase
 };
 
 Case read(const Asked& asked) {
@@ -39,11 +42,10 @@ Case read(const Asked& asked) {
 [[groups]]
 name = "rear wall"
 material = "al"
-volume = {shape = "box", size = )" +
-                        asked.size +
-                        R"(}
-packing = {kind = "fcc", diameter = "1 mm", orientation = "random"}
-)" + asked.of_wall + R"(
+volume = )" +
+                        (asked.volume.empty() ? R"({shape = "box", size = )" + asked.size + "}"
+                                              : asked.volume) +
+                        "\npacking = " + asked.packing + "\n" + asked.of_wall + R"(
 [[groups]]
 name = "ball"
 material = "al"
@@ -51,8 +53,7 @@ volume = {shape = "sphere", diameter = "4 mm", center = )" +
                         asked.from + R"(}
 packing = {kind = "fcc", diameter = "1 mm"}
 velocity = )" + asked.way +
-                        R"(
-[[phases]]
+                        "\n" + asked.before + R"([[phases]]
 name = "hit"
 method = ")" + asked.method +
                         R"("
@@ -241,6 +242,8 @@ TEST(Shields, what_is_blown_off_the_edges_is_no_spall_and_what_flies_aside_is) {
     blow(far, infinity, 100 * normal - 20 * aside);
     EXPECT_EQ(shot.judge().spall_pieces, 0);
     EXPECT_EQ(shot.judge().outcome, Outcome::held);
+    EXPECT_NE(sentence_of(shot.wall, shot.judge()).find("its rim, which is not judged, has lost"),
+              std::string::npos);
     // From the middle, so far aside that it is beyond the edge by now.
     blow(-2 * d, 2 * d, 200 * normal + 500 * aside);
     const WallVerdict v = shot.judge();
@@ -327,6 +330,24 @@ TEST(Shields, what_has_not_arrived_is_told) {
   EXPECT_EQ(shot.judge().still_coming, 0);
 }
 
+TEST(Shields, what_has_not_arrived_from_behind_is_told_too) {
+  const std::string behind = R"(
+[[groups]]
+name = "behind"
+material = "al"
+volume = {shape = "sphere", diameter = "4 mm", center = [0, 0, 10e-3]}
+packing = {kind = "fcc", diameter = "1 mm"}
+velocity = [0, 0, -3]
+)";
+  Scenery shot(testing_world(), {.more = "rear = [0, 0, 1]", .of_wall = behind});
+  EXPECT_NEAR(shot.judge().still_coming, 1, 1e-12);
+  Bodies& bodies = shot.world.bodies;
+  const auto group = std::ranges::find(shot.scene.groups, "behind", &Group::name);
+  for (Index b = 0; b < bodies.owned; ++b)
+    if (bodies.group[b] == group - shot.scene.groups.begin()) bodies.velocity[b].z() = 1;  // away
+  EXPECT_NEAR(shot.judge().still_coming, 0.1, 1e-12);  // of 3^2 and 1^2 the latter
+}
+
 TEST(Shields, what_flies_past_does_not_count_as_what_flies_at_it) {
   const std::string past = R"(
 [[groups]]
@@ -390,7 +411,7 @@ name = "wall"
 material = "al"
 volume = {shape = "cylinder", diameter = "20 mm", height = "2 mm", )" +
                                             rotation + R"(}
-packing = {kind = "fcc", diameter = "1 mm"}
+packing = {kind = "fcc", diameter = "1 mm", orientation = "random"}
 [[groups]]
 name = "ball"
 material = "al"
@@ -433,6 +454,15 @@ TEST(Shields, a_scene_that_is_turned_as_a_whole_ends_the_same) {
   EXPECT_NEAR(upright.still_coming, tilted.still_coming, 1e-6);
 }
 
+TEST(Shields, a_lattice_that_leaves_much_of_its_volume_out_is_told) {
+  const auto told = [](const std::string& packing) {
+    const Case scene = read({.packing = R"({kind = "fcc", diameter = "1 mm")" + packing + "}"});
+    return describe_phases(scene, measure_groups(scene)).find("groups.rear wall: its lattice has ");
+  };
+  EXPECT_NE(told(""), std::string::npos);  // whole spheres, in layers along the faces
+  EXPECT_EQ(told(R"(, orientation = "random")"), std::string::npos);
+}
+
 TEST(Shields, what_cannot_be_judged_is_refused) {
   const auto complaint = [](const Asked& asked) { return complaint_of([&] { read(asked); }); };
   const auto starts = [](const std::string& text, const std::string& with) {
@@ -447,8 +477,25 @@ TEST(Shields, what_cannot_be_judged_is_refused) {
   starts(complaint({.way = "[0, 0, -1]"}), wall + ": no group flies at it along z");
   starts(complaint({.way = "[0, 0, -1]", .more = "rear = [0, 0, -2]"}), wall + ": no group flies");
   starts(complaint({.from = "[40e-3, 0, -10e-3]"}), wall + ": no group flies at it along z");
-  EXPECT_EQ(complaint({.from = "[15e-3, 0, -10e-3]"}), "");  // its edge meets it
+  starts(complaint({.from = "[15e-3, 0, -10e-3]"}), wall + ": the middle of groups.ball flies at");
   EXPECT_EQ(complaint({.way = "[-4, 0, 1]", .from = "[40e-3, 0, -10e-3]"}), "");
+  // Nor where a disc ends, which is before the corners of the square around it.
+  const auto at_disc = [&](const std::string& from) {
+    return complaint(
+        {.volume = R"({shape = "cylinder", diameter = "30 mm", height = "6 mm"})", .from = from});
+  };
+  EXPECT_EQ(at_disc("[9e-3, 9e-3, -10e-3]"), "");
+  starts(at_disc("[10e-3, 10e-3, -10e-3]"), wall + ": the middle of groups.ball flies at its rim");
+  starts(complaint({.before = R"([[phases]]
+name = "first"
+method = "nonsmooth"
+step = "1 us"
+duration = "1 us"
+)"}),
+         "x.toml:27:1: shields.0.wall = \"rear wall\": phases.first.method = \"nonsmooth\" cannot");
+  const Asked thin{.size = R"(["28 mm", "24 mm", "3 mm"])",
+                   .packing = R"({kind = "fcc", diameter = "1 mm"})"};
+  starts(complaint_of([&] { Scenery(testing_world(), thin); }), wall + ": its bodies have 0.");
   starts(complaint({.of_wall = "spin = [0, 0, 1]"}), wall + " spins: ");
   starts(complaint({.more = "rear = [0, 1, 0]"}), place + ".rear does not lead through");
   starts(complaint({.more = "rear = [0, 0, -1]"}), place + ".rear leads against what flies at");

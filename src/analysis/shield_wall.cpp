@@ -18,7 +18,6 @@ namespace {
 
 constexpr double pixels_a_spacing = 4, most_pixels = 2000;
 constexpr double seen_beyond = 0.25;  // of a half width: a free wall may drift across
-constexpr double rim_share = 0.1, rim_spacings = 2;
 constexpr double smoothing = 1.5;     // spacings, radius of the circle that thickness is of
 constexpr double smallest_spall = 4;  // bodies: pi d^2 of a close-packed layer holds 3.6
 /// Spacings behind the rear surface, beyond which a piece has left it; of single bodies, which may
@@ -26,6 +25,9 @@ constexpr double smallest_spall = 4;  // bodies: pi d^2 of a close-packed layer 
 constexpr double gap_of_pieces = 1, gap_of_singles = 2;
 constexpr double plate_like = 0.5;   // thickness over width, at most
 constexpr double nearly = 1 - 1e-9;  // of a sum of masses on many ranks
+/// Of its mass: what a wall may have too much or too little, as the equations of shields are steep
+/// in its thickness.
+constexpr double most_unfilled = 0.05;
 
 /// A point as the wall sees it.
 struct Seen {
@@ -119,8 +121,7 @@ class Window {
   Window(const ShieldWall& wall, const std::array<double, 2>& middle)
       : middle_(middle), round_(wall.round) {
     for (int k = 0; k < 2; ++k)
-      half_[k] = wall.half_width[k] -
-                 std::max(rim_share * wall.half_width[k], rim_spacings * wall.spacing);
+      half_[k] = wall.half_width[k] - rim_of(wall.half_width[k], wall.spacing);
   }
   bool contains(double x, double y) const {
     const double at_x = (x - middle_[0]) / half_[0], at_y = (y - middle_[1]) / half_[1];
@@ -294,10 +295,9 @@ void weigh_spall(const Comm& comm, const Bodies& bodies, const std::vector<BodyI
   verdict.rim_mass = sums[3];
 }
 
-/// Share of the energy that flew at the wall of what is before it and will still meet it.
+/// Share of the energy that flew at the wall, from either side, of what will still meet it.
 double share_still_coming(const Comm& comm, const Bodies& bodies, const ShieldWall& wall,
                           const Clump& main, const WallFrame& frame) {
-  const double front = -wall.thickness / 2;
   std::array<double, 2> energy{};  // still coming, at the start
   for (Index b = 0; b < bodies.owned; ++b) {
     const double m = bodies.mass[b];
@@ -306,9 +306,10 @@ double share_still_coming(const Comm& comm, const Bodies& bodies, const ShieldWa
       if (bodies.group[b] == group) energy[1] += m / 2 * speed * speed;
     const Seen at = see(frame, bodies.position[b]);
     const Vec3 motion = bodies.velocity[b] - main.velocity;
-    const double speed = motion.dot(frame.normal);
-    if (at.depth >= front || speed <= 0) continue;
-    const double left = (front - at.depth) / speed;  // s
+    const double speed = (at.depth < 0 ? 1 : -1) * motion.dot(frame.normal);
+    const double gap = std::abs(at.depth) - wall.thickness / 2;
+    if (gap <= 0 || speed <= 0) continue;
+    const double left = gap / speed;  // s
     const double x = at.x + left * motion.dot(frame.across[0]);
     const double y = at.y + left * motion.dot(frame.across[1]);
     if (std::abs(x) <= wall.half_width[0] && std::abs(y) <= wall.half_width[1])
@@ -351,8 +352,9 @@ ShieldWall lay_wall(const Comm& comm, const Case& scene, const Shield& shield) {
         wall.spacing, 2 * (1 + seen_beyond) * wall.half_width[k] * pixels_a_spacing / most_pixels);
   }
   for (std::size_t g = 0; g < scene.groups.size(); ++g) {
-    const double speed = speed_of_flight(group, scene.groups[g], wall.start.normal);
-    if (speed > 0) wall.approaches.push_back({static_cast<std::int32_t>(g), speed});
+    for (const Vec3& way : {wall.start.normal, Vec3(-wall.start.normal)})
+      if (const double speed = speed_of_flight(group, scene.groups[g], way); speed > 0)
+        wall.approaches.push_back({static_cast<std::int32_t>(g), speed});
   }
 
   // The recipe alone: every rank runs through it, and draws its share.
@@ -370,6 +372,12 @@ ShieldWall lay_wall(const Comm& comm, const Case& scene, const Shield& shield) {
                                      draw(grid, wall.spacing, see(wall.start, sphere.center), maps);
                                  }});
   sum_over_ranks(comm, maps);
+  const double filled =
+      static_cast<double>(count) * lattice_of(group.packing).volume() / volume_of(group.volume);
+  require(group.total_mass || std::abs(filled - 1) <= most_unfilled,
+          "{}.wall = \"{}\": its bodies have {:.3g} of the mass of such a wall, as a lattice of "
+          "whole spheres along its faces has: packing.orientation = \"random\" fills it",
+          shield.place, wall.name, filled);
   const Window window(wall, {0, 0});
   const Openings openings = find_openings(grid, maps, window, wall.spacing);
   require(
@@ -427,12 +435,13 @@ WallVerdict judge_wall(const Comm& comm, const LinkedBodies& linked, const Shiel
   verdict.opening_at_edge = openings.at_edge;
   verdict.hole = diameter_of_circle(openings.largest);
   weigh_spall(comm, bodies, name, wall, main, frame, grid, maps, window, verdict);
+  verdict.least_spall = nearly * smallest_spall * all[1] / all[0];
   verdict.still_coming = share_still_coming(comm, bodies, wall, main, frame);
 
   if (verdict.openings > 0) {
     verdict.outcome = Outcome::perforated;
     verdict.margin = -verdict.hole / wall.thickness;
-  } else if (verdict.spall_mass >= nearly * smallest_spall * all[1] / all[0]) {
+  } else if (verdict.spall_mass >= verdict.least_spall) {
     const double volume =
         wall.thickness * 4 * wall.half_width[0] * wall.half_width[1] * (wall.round ? pi / 4 : 1);
     verdict.outcome = Outcome::detached_spall;

@@ -64,6 +64,7 @@ struct WallVerdict {
   std::int64_t spall_pieces = 0;             ///< behind the rear, moving away; single bodies, too
   double spall_mass = 0, spall_largest = 0;  ///< kg
   double rim_mass = 0;                       ///< kg, the same from the rim, which is not judged
+  double least_spall = 0;                    ///< kg, from which on it counts
   double spall_speed = 0;                    ///< m/s, against the main piece, mean by mass
   double still_coming = 0;  ///< share of the energy that flew at it of what is yet to meet it
 };

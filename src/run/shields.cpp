@@ -83,6 +83,8 @@ std::string sentence_of(const ShieldWall& wall, const WallVerdict& v) {
                           v.hole, v.opening_at_edge ? ", as far as its edge" : "");
       break;
   }
+  if (v.rim_mass >= v.least_spall && v.outcome == Outcome::held)
+    text += fmt::format("; its rim, which is not judged, has lost {:.3g} kg", v.rim_mass);
   constexpr double little = 0.01;
   if (v.still_coming > little)
     text += fmt::format("; not final: {:.2g} % of the energy that flies at it has not met it",

@@ -92,6 +92,29 @@ std::vector<std::string> other_densities(const Case& scene) {
   return told;
 }
 
+/// Spheres of a lattice stand for their cells: few layers of whole ones leave much of a volume out.
+std::vector<std::string> unfilled_lattices(const Case& scene,
+                                           const std::vector<GroupContent>& contents) {
+  std::vector<std::string> told;
+  for (std::size_t g = 0; g < scene.groups.size(); ++g) {
+    const Group& group = scene.groups[g];
+    const Material& material = scene.materials[group.material];
+    const Lattice lattice = lattice_of(group.packing);
+    if (group.held() || group.total_mass || !material.solid || lattice.neighbours == 0) continue;
+    const double filled =
+        static_cast<double>(contents[g].count) * lattice.volume() / volume_of(group.volume);
+    constexpr double told_apart = 0.05;
+    if (std::abs(filled - 1) <= told_apart) continue;
+    told.push_back(fmt::format(
+        "groups.{}: its lattice has {:.3g} of the mass that its volume has at the density of "
+        "materials.{}; {}",
+        group.name, filled, material.name,
+        group.packing.rotation.isZero(0) ? "packing.orientation = \"random\" fills plates"
+                                         : "finer bodies or another diameter come nearer"));
+  }
+  return told;
+}
+
 std::int64_t count_bodies(const Case& scene, const std::vector<GroupContent>& contents) {
   std::int64_t all = std::ssize(scene.spheres);
   for (const GroupContent& content : contents) all += content.count;
@@ -180,6 +203,7 @@ std::string describe_phases(const Case& scene, const std::vector<GroupContent>& 
   for (const std::string& table : scene.unused) text += "\n  " + table + "\n";
   for (const std::string& told : warnings_of(scene)) text += "\n  " + told + "\n";
   for (const std::string& told : other_densities(scene)) text += "\n  " + told + "\n";
+  for (const std::string& told : unfilled_lattices(scene, contents)) text += "\n  " + told + "\n";
   return text;
 }
 

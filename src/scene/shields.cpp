@@ -3,6 +3,7 @@
 #include "scene/shields.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
 
@@ -37,17 +38,25 @@ std::string results_of(const Shield& shield) {
   return "shield" + section_end(shield.wall_name);
 }
 
-double miss_of_line(const Volume& plate, const Vec3& from, const Vec3& velocity) {
+double rim_of(double half_width, double spacing) {
+  constexpr double share = 0.1, spacings = 2;
+  return std::max(share * half_width, spacings * spacing);
+}
+
+double miss_of_line(const Volume& plate, const Vec3& from, const Vec3& velocity, double spacing) {
   const int thin = axis_through(plate);
   const Vec3 normal = plate.axes.col(thin);
   const double flight = normal.dot(plate.center - from) / normal.dot(velocity);  // s
-  const Vec3 meets = from + flight * velocity - plate.center;
-  double miss = -infinity;
-  for (int k = 1; k <= 2; ++k) {
-    const int side = (thin + k) % 3;
-    miss = std::max(miss, std::abs(plate.axes.col(side).dot(meets)) - plate.extents[side] / 2);
+  const Vec3 meets = plate.axes.transpose() * (from + flight * velocity - plate.center);
+  std::array<double, 2> off, edge;
+  for (int k = 0; k < 2; ++k) {
+    const int side = (thin + 1 + k) % 3;
+    const double half = plate.extents[side] / 2;
+    off[k] = std::abs(meets[side]);
+    edge[k] = spacing > 0 ? half - rim_of(half, spacing) : half;
   }
-  return miss;
+  if (plate.shape == Shape::cylinder) return std::hypot(off[0], off[1]) - edge[0];
+  return std::max(off[0] - edge[0], off[1] - edge[1]);
 }
 
 double speed_of_flight(const Group& wall, const Group& other, const Vec3& normal) {
@@ -74,6 +83,21 @@ double way_of_flight(const Case& scene, const Group& wall, const Vec3& normal,
           "is wanted",
           told, words_of_direction(normal));
   return up == down ? 0 : up ? 1 : -1;
+}
+
+/// What flies at the rim would be told to have done nothing to the wall.
+void check_rim(const Case& scene, const Group& wall, const Vec3& normal, const std::string& told) {
+  const double spacing = lattice_of(wall.packing).distance;
+  for (const Group& group : scene.groups) {
+    if (speed_of_flight(wall, group, normal) == 0 && speed_of_flight(wall, group, -normal) == 0)
+      continue;
+    const double beyond =
+        miss_of_line(wall.volume, group.volume.center, group.velocity - wall.velocity, spacing);
+    require(beyond <= 0,
+            "{}: the middle of groups.{} flies at its rim, or past it, {:.3g} m beyond what is "
+            "judged: a wider wall is wanted",
+            told, group.name, beyond);
+  }
 }
 
 void find_wall(const Case& scene, Shield& shield) {
@@ -110,13 +134,14 @@ void find_wall(const Case& scene, Shield& shield) {
             "{}.remove_drift would move groups.{} from where [[shields]] judge it", phase.place,
             shield.wall_name);
   }
-  const Phase& last = scene.phases.back();
-  require(last.engine->breaks(last.settings, wall.material),
-          "{}: phases.{}.method = \"{}\" cannot break it; method = \"solid\" does where {} has a "
-          "strength, and \"potential\" with bonds that break",
-          told, last.name, last.engine->name, scene.materials[wall.material].name);
+  for (const Phase& phase : scene.phases)
+    require(phase.engine->breaks(phase.settings, wall.material),
+            "{}: phases.{}.method = \"{}\" cannot break it; method = \"solid\" does where {} has a "
+            "strength, and \"potential\" with bonds that break",
+            told, phase.name, phase.engine->name, scene.materials[wall.material].name);
   const Vec3 normal = wall.volume.axes.col(thin);
   const double way = way_of_flight(scene, wall, normal, told);
+  check_rim(scene, wall, normal, told);
   if (shield.rear.isZero(0)) {
     require(
         way != 0,

@@ -14,8 +14,13 @@ void read_shield(Section& in, Shield& shield);
 void find_shield_walls(Case& scene);
 
 /// m: how far beyond the edge of a plate a line from `from` along `velocity` meets the plane of its
-/// middle; negative where it meets the plate.
-double miss_of_line(const Volume& plate, const Vec3& from, const Vec3& velocity);
+/// middle; negative where it meets the plate. `spacing` (m): beyond the rim of a wall of such
+/// bodies, which is not judged.
+double miss_of_line(const Volume& plate, const Vec3& from, const Vec3& velocity,
+                    double spacing = 0);
+
+/// m: how wide the rim of a wall is that is not judged.
+double rim_of(double half_width, double spacing);
 
 /// m/s, towards the wall along `normal`, of a group that is before it and whose line of flight
 /// meets it; else 0.
