@@ -241,6 +241,7 @@ class Verdicts(unittest.TestCase):
             table = {"wall": "rear", "verdict": verdict, "margin": 0.62, "thickness": 4.8e-3,
                      "hole": 9.1e-3, "openings": 2, "spall_mass": 2e-5,
                      "spall_pieces": 3, "spall_speed": 120.0, "still_coming": 1e-4,
+                     "rim_mass": 1e-6, "least_spall": 4e-6,
                      "opening_at_edge": False, "spacing": 1e-3,
                      "times": [1e-6, 2e-6], "margins": [0.63, 0.62]}
             return self.of({"shield_rear": table | more}, method="solid")
@@ -253,6 +254,7 @@ class Verdicts(unittest.TestCase):
                    "still changed from 0.8 to 0.62 of its thickness between 1 µs and 2 µs")
         self.check(wall("perforated", opening_at_edge=True), "note", "reaches its edge")
         self.check(wall("held", spacing=2e-3), "note", "2.4 spacings")
+        self.check(wall("held", rim_mass=5e-6), "note", "which is not judged, has lost 0.005 g")
         self.check(wall("held", wall="wall"), "good", "The wall has held")
         # Three layers, which in binary are below three by round-off alone.
         three = wall("held", thickness=1.2e-3, spacing=0.4e-3)

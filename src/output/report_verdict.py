@@ -70,6 +70,9 @@ def shields(results):
         if wall["opening_at_edge"]:
             yield NOTE, (f"An opening of the {name} reaches its edge: a wider wall may give "
                          "another verdict.")
+        if found == "held" and wall["rim_mass"] >= wall.get("least_spall", float("inf")):
+            yield NOTE, (f"The rim of the {name}, which is not judged, has lost "
+                         f"{1e3 * wall['rim_mass']:.2g} g: a wider wall may give another verdict.")
         if wall["thickness"] < FEW_LAYERS * wall["spacing"] * (1 - ROUND_OFF):
             yield NOTE, (f"The {name} is {wall['thickness'] / wall['spacing']:.2g} spacings of its "
                          f"bodies thick: fewer than {FEW_LAYERS} tell little of it.")

@@ -58,6 +58,7 @@ void add(const ShieldWall& wall, const WallVerdict& v, ResultTable& table) {
   table.add(section, "spall_pieces", v.spall_pieces, "", "single bodies, too");
   table.add(section, "spall_largest", v.spall_largest, "kg");
   table.add(section, "rim_mass", v.rim_mass, "kg", "the same, from the rim, which is not judged");
+  table.add(section, "least_spall", v.least_spall, "kg", "from which on it counts");
   table.add(section, "spall_speed", v.spall_speed, "m/s", "against the wall, mean by mass");
   table.add(section, "still_coming", v.still_coming, "",
             "of the energy that flew at it: has not met it yet");
