@@ -220,10 +220,13 @@ class Verdicts(unittest.TestCase):
     def test_beta_that_is_only_a_bounce_is_said_to_be_so(self):
         def beta(value, **more):
             return self.of(
-                {"deflection": {"beta": value, "dv_plastic": 2.0, "dv_elastic": 2.6, **more}})
+                {"deflection": {"beta": 9.0, "beta_along": value, "dv_plastic": 2.0,
+                                "dv_elastic": 2.6, **more}})
         self.check(beta(1.301), "note", "only 1 + e = 1.3")
         self.check(beta(2.0), "good", "ejecta carried off 0.7")
         self.check(beta(1.1), "note", "less than")
+        self.check(beta(1.4, warning="WARNING: beta 1.4 is that of a bounce alone"), "note",
+                   "Beta 1.4 is that of a bounce alone.")
         self.check(beta(2.0, momentum_closure=1e-3), "bad", "miss its sum")
         self.check(beta(2.0, foreign_motion="a wall moves the target, too"), "bad",
                    "Beta is 2, but a wall moves the target, too.")

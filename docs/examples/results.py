@@ -6,7 +6,7 @@ import spall
 matplotlib.use("Agg")
 
 run = spall.run("cases/hello/case.toml", out="out/hello", set={"seed": 2})
-print(run["deflection"]["beta"])   # results.toml
+print(run["deflection"]["beta_along"])   # results.toml
 run.series.plot("time", "kinetic") # series.csv, a pandas frame
 for time, bodies in run.frames():  # trajectory.h5
     print(time, bodies["position"].mean(axis=0))

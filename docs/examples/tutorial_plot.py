@@ -17,7 +17,8 @@ left.legend()
 
 table = pandas.read_csv("out/pile-sweep/table.csv")
 for seed, rows in table.groupby("seed"):
-    right.plot(rows["phases.impact.cohesion"], rows["deflection.beta"], "o-", label=f"seed {seed}")
+    cohesion, beta = rows["phases.impact.cohesion"], rows["deflection.beta_along"]
+    right.plot(cohesion, beta, "o-", label=f"seed {seed}")
 right.set_xlabel("cohesion")
 right.set_ylabel("beta")
 right.legend()

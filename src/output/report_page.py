@@ -14,7 +14,7 @@ MODULES = {"three": "three/three.module.min.js", "orbit": "three/OrbitControls.j
            "packed": "page/packed.js",
            "bodies": "page/bodies.js", "colors": "page/colors.js", "seen": "page/seen.js",
            "plots": "page/plots.js", "page": "page/page.js"}
-HEADLINES = [("deflection", "dv", "dv, m/s"), ("deflection", "beta", "momentum enhancement β"),
+HEADLINES = [("deflection", "dv", "dv, m/s"), ("deflection", "beta_along", "β along the flight"),
              ("deflection", "dT_min", "change of the period, min"),
              ("ejecta", "count", "bodies ejected"),
              ("debris", "front_over_speed", "front / speed of impact"),

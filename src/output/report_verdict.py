@@ -163,12 +163,16 @@ def coupled(deflection):
 
 def beta(results):
     deflection = results.get("deflection", {})
-    value, plastic, elastic = (deflection.get(key) for key in ("beta", "dv_plastic", "dv_elastic"))
+    value, plastic, elastic = (deflection.get(key)
+                               for key in ("beta_along", "dv_plastic", "dv_elastic"))
     if value is None or not plastic:
         return
     rebound = elastic / plastic
     if (told := deflection.get("foreign_motion")) is not None:
         yield BAD, f"Beta is {value:.3g}, but {told}."
+    elif (told := deflection.get("warning")) is not None:
+        told = told.removeprefix("WARNING: ")
+        yield NOTE, f"{told[0].upper()}{told[1:]}.{coupled(deflection)}"
     elif abs(value - rebound) <= SAME_BETA * rebound:
         yield NOTE, (f"Beta is {value:.3g}, which is only 1 + e = {rebound:.3g}: the impactor "
                      f"bounced off, and ejecta added "
