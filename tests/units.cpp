@@ -47,7 +47,9 @@ TEST(Units, times_and_angles_have_their_customary_units) {
   EXPECT_EQ(parse_quantity("12 h", dimension::time), 43200);
   EXPECT_EQ(parse_quantity("2 days", dimension::time), 172800);
   EXPECT_EQ(parse_quantity("10 min", dimension::time), 600);
-  EXPECT_DOUBLE_EQ(parse_quantity("30 deg", dimension::number), pi / 6);
+  EXPECT_DOUBLE_EQ(parse_quantity("30 deg", dimension::angle), pi / 6);
+  EXPECT_EQ(parse_quantity("0.5", dimension::angle), 0.5);
+  EXPECT_EQ(parse_quantity("2 s^-1", dimension::spin), 2);
   EXPECT_DOUBLE_EQ(parse_quantity("90 deg/min", dimension::spin), pi / 120);
   EXPECT_DOUBLE_EQ(parse_quantity("60 rpm", dimension::spin), 2 * pi);
   EXPECT_DOUBLE_EQ(parse_quantity("36 km/h", dimension::speed), 10);
@@ -81,6 +83,10 @@ TEST(Units, wrong_ones_are_told_with_an_example) {
             "\"6.7 km\" is a length; a speed such as \"6.7 km/s\" is wanted");
   EXPECT_EQ(complaint("6.7", dimension::speed),
             "\"6.7\" is a number; a speed such as \"6.7 km/s\" is wanted");
+  EXPECT_EQ(complaint("30 deg", dimension::number),
+            "\"30 deg\" is an angle; a number such as 0.5 is wanted");
+  EXPECT_EQ(complaint("2 rev m", dimension::length),
+            "\"2 rev m\" is in m^1 kg^0 s^0 K^0 rad^1; a length such as \"0.237 mm\" is wanted");
   EXPECT_EQ(complaint("3 furlong", dimension::length),
             "\"3 furlong\": \"furlong\" is not a unit known here; a length such as \"0.237 mm\" is "
             "wanted");

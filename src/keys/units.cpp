@@ -47,9 +47,9 @@ constexpr Unit units_alone[] = {
     {"d", dimension::time, 0, 86400},
     {"day", dimension::time, 0, 86400},
     {"days", dimension::time, 0, 86400},
-    {"rad", dimension::number},
-    {"deg", dimension::number, 0, pi / 180},
-    {"rev", dimension::number, 0, 2 * pi},
+    {"rad", dimension::angle},
+    {"deg", dimension::angle, 0, pi / 180},
+    {"rev", dimension::angle, 0, 2 * pi},
     {"rpm", dimension::spin, 0, pi / 30},
     {"%", dimension::number, -2},
     {"in", dimension::length, 0, inch},
@@ -73,6 +73,7 @@ constexpr struct {
   std::string_view name, unit, example;
 } named[] = {
     {dimension::number, "a number", "", "0.5"},
+    {dimension::angle, "an angle", "rad", "\"30 deg\""},
     {dimension::length, "a length", "m", "\"0.237 mm\""},
     {dimension::mass, "a mass", "kg", "\"500 kg\""},
     {dimension::time, "a time", "s", "\"10 s\" or \"12 h\""},
@@ -99,8 +100,8 @@ constexpr struct {
 std::string name_of(Dimension dimension) {
   for (const auto& entry : named)
     if (entry.dimension == dimension) return std::string(entry.name);
-  return fmt::format("in m^{} kg^{} s^{} K^{}", dimension.length, dimension.mass, dimension.time,
-                     dimension.temperature);
+  return fmt::format("in m^{} kg^{} s^{} K^{} rad^{}", dimension.length, dimension.mass,
+                     dimension.time, dimension.temperature, dimension.angle);
 }
 
 std::optional<Unit> find_unit(std::string_view name) {
@@ -162,6 +163,7 @@ Unit parse_units(std::string_view text, std::string_view whole, Dimension wanted
     product.dimension.mass += n * unit->dimension.mass;
     product.dimension.time += n * unit->dimension.time;
     product.dimension.temperature += n * unit->dimension.temperature;
+    product.dimension.angle += n * unit->dimension.angle;
     product.exponent += n * unit->exponent;
     product.factor *= std::pow(unit->factor, n);
   }
@@ -179,7 +181,8 @@ double parse_quantity(std::string_view text, Dimension wanted) {
   const std::string_view number = rest.substr(0, static_cast<std::size_t>(end - rest.data()));
   require(std::ranges::count(text, '(') == std::ranges::count(text, ')'),
           "\"{}\": a bracket has no partner", text);
-  const Unit unit = parse_units(rest.substr(number.size()), text, wanted);
+  Unit unit = parse_units(rest.substr(number.size()), text, wanted);
+  if (wanted.angle == 1 && unit.dimension.angle == 0) unit.dimension.angle = 1;
   require(unit.dimension == wanted, "\"{}\" is {}; {} is wanted", text, name_of(unit.dimension),
           describe(wanted));
   // The power of ten goes into the decimal text, so that the result is rounded once.

@@ -7,15 +7,16 @@
 
 namespace spall {
 
-/// Powers of metre, kilogram, second and kelvin. Angles are numbers (rad = 1).
+/// Powers of metre, kilogram, second, kelvin and radian. Where an angle is wanted a number is one,
+/// in radians; where a number is wanted, as of a coefficient, an angle is none.
 struct Dimension {
-  int length = 0, mass = 0, time = 0, temperature = 0;
+  int length = 0, mass = 0, time = 0, temperature = 0, angle = 0;
   bool operator==(const Dimension&) const = default;
 };
 
 namespace dimension {
-inline constexpr Dimension number{}, length{1, 0, 0}, mass{0, 1, 0}, time{0, 0, 1}, speed{1, 0, -1},
-    acceleration{1, 0, -2}, spin{0, 0, -1}, density{-3, 1, 0}, force{1, 1, -2}, energy{2, 1, -2},
+inline constexpr Dimension number{}, angle{.angle = 1}, length{1, 0, 0}, mass{0, 1, 0}, time{0, 0, 1}, speed{1, 0, -1},
+    acceleration{1, 0, -2}, spin{.time = -1, .angle = 1}, density{-3, 1, 0}, force{1, 1, -2}, energy{2, 1, -2},
     pressure{-1, 1, -2}, specific_energy{2, 0, -2}, gravitational_parameter{3, 0, -2},
     gravitational_constant{3, -1, -2}, spring_constant{0, 1, -2}, temperature{0, 0, 0, 1},
     specific_heat{2, 0, -2, -1}, number_density{-3, 0, 0}, per_pressure{1, -1, 2},

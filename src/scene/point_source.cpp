@@ -71,7 +71,8 @@ void read_point_source(Section& in, PointSource& source) {
   in.need("density", "of the ground with its voids", source.density, positive(dimension::density));
   in.take("crater_radius", "left out: no rim slows the flow", source.crater_radius,
           positive(length));
-  in.take("angle", "of launches above the surface", source.angle, Quantity{number, 0, pi / 2});
+  in.take("angle", "of launches above the surface", source.angle,
+          Quantity{dimension::angle, 0, pi / 2});
   in.take("surface", "plane: across the flight; ellipsoid: with the target's moments of mass",
           source.surface, surfaces);
   in.need("hand_over", "distance from the site from which on bodies get the flow", source.hand_over,

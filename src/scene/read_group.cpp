@@ -49,7 +49,7 @@ void read_volume(Section& in, Volume& volume) {
     in.take("rotation",
             "of box, ellipsoid, cylinder, mesh: rotation vector about center; lattices and bodies "
             "of file in it turn along",
-            turn, any(number));
+            turn, any(dimension::angle));
     volume.axes = turn_by(turn).toRotationMatrix();
   }
 }
@@ -72,7 +72,7 @@ void read_packing(Section& in, Packing& packing) {
       (*type)->read(in, packing);
   if (in.reads(packing.type->turns))
     in.take("rotation", "of lattices, file, and a single body with a shape: rotation vector",
-            packing.rotation, any(number));
+            packing.rotation, any(dimension::angle));
   std::string shape;
   in.take("shape", "of the bodies, one of [shapes]; radius is that of the sphere around it", shape);
   in.take("shapes", "in place of shape: several, of which each body draws one",

@@ -23,7 +23,7 @@ void read_oscillation(Section& in, PrescribedMotion& motion) {
   in.need("amplitude", "of amplitude sin(2 pi t/period + phase), less that at t = 0",
           motion.amplitude, any(length));
   in.need("period", "", motion.period, positive(time));
-  in.take("phase", "", motion.phase, any(number));
+  in.take("phase", "", motion.phase, any(dimension::angle));
 }
 
 void read_table(Section& in, PrescribedMotion& motion) {
