@@ -325,6 +325,12 @@ SPALL_KERNEL(double, energy_of_pairs, (const World& world, Potential& engine), (
 
 namespace {
 
+/// Whether anything gives bodies energy. Pairs alone have no more than when the step was checked.
+bool is_driven(const World& world) {
+  return world.gravity.method != GravityMethod::none || !world.steady_gravity().isZero(0) ||
+         !world.motions.empty() || !world.own_forces.empty();
+}
+
 /// What `smooth_steps` asks of forces.
 class Motion {
  public:
@@ -333,7 +339,9 @@ class Motion {
         engine_(engine),
         damping_(damping_of(world, engine.law)),
         is_damped_(is_damped(engine.law)),
-        embeddings_(engine.law) {}
+        embeddings_(engine.law),
+        searches_(engine.near.searches),
+        is_driven_(is_driven(world)) {}
 
   void begin(double h) {
     h_ = h;
@@ -354,6 +362,8 @@ class Motion {
     prescribe_velocities();
     update_pairs(world_, engine_, is_damped_);
     if (embeddings_.any()) update_pushes(world_, engine_, embeddings_);
+    if (std::exchange(searches_, engine_.near.searches) != engine_.near.searches && is_driven_)
+      engine_.check_steps(world_, {h_, h_, "bodies have become faster"});
     velocities_ = kick_and_drift(world_, engine_, damping_, h, first, second);
     StageTimer timer(world_.stages, "motion");
     if (world_.walls().size() > 0) velocities_.add(Vec3(Vec3::Zero()));
@@ -389,6 +399,8 @@ class Motion {
   ByPair<double> damping_;
   bool is_damped_;
   Embeddings embeddings_;
+  std::int64_t searches_;  // after which the step was found short enough
+  bool is_driven_;
   double h_ = 0;
   RowBox velocities_;
 };

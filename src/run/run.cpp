@@ -316,6 +316,13 @@ class Run {
     if (snapshots_->last_step() != clock().step) snapshot();
     progress_.say(fmt::format("phase {} done at {}: {} steps", phase().name,
                               readable_time(clock().time), clock().step_in_phase));
+    const double rms = diagnose(world()).rms_speed;
+    if (phase().until == PhaseEnd::settled && !(rms < phase().settled_speed))
+      progress_.say(
+          fmt::format("WARNING: phase {} has not settled: its rms speed is {:.3g} m/s, and below "
+                      "{:.3g} m/s was "
+                      "asked for; a longer duration may settle it",
+                      phase().name, rms, phase().settled_speed));
     const std::string file = folder_.path() + "/after_" + phase().name + ".h5";
     simulation_->end_phase();
     keep();

@@ -61,17 +61,26 @@ std::string Verdict::impactor_added(const PhaseEvents& events, double restitutio
       100 * rigid_share(before_, restitution), struck_mass);
 }
 
+namespace {
+
+/// m^3/(kg s^2), by which pieces may be bound: 0 where bodies do not attract each other.
+double binding_constant(const World& world) {
+  return world.gravity.method == GravityMethod::none ? 0 : world.gravity.constant;
+}
+
+}  // namespace
+
 void Verdict::look_at_target(const World& world, const Engine& engine) {
   const LinkedBodies linked = engine.links(world);
   const Deflection d = measure_deflection(world.comm, linked.ghosts, linked.bodies, linked.links,
-                                          world.gravity.constant, before_, 0);
+                                          binding_constant(world), before_, 0);
   before_.stirred = d.clump.mass * d.dv_vector.norm();
 }
 
 std::string Verdict::read_out(const World& world, const Engine& engine, double since_impact) {
   const LinkedBodies linked = engine.links(world);
   const Deflection d = measure_deflection(world.comm, linked.ghosts, linked.bodies, linked.links,
-                                          world.gravity.constant, before_, since_impact);
+                                          binding_constant(world), before_, since_impact);
   rows_.push_back({.since_impact = since_impact,
                    .dv = d.dv,
                    .beta = d.beta,

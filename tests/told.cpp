@@ -1,0 +1,135 @@
+// What a run would else do wrong without a word: it ends, or says so.
+// SPDX-License-Identifier: BSD-3-Clause
+#include <toml++/toml.h>
+
+#include "output/files.hpp"
+#include "run_series.hpp"
+#include "scene/consistency.hpp"
+
+namespace spall {
+namespace {
+
+const std::string rock = "[materials.rock]\ndensity = 1600\n";
+
+std::string folder_of(const std::string& name) {
+  return std::filesystem::absolute(fmt::format("told_{}_{}", name, testing_world().size)).string();
+}
+/// What the run says.
+std::string said(const std::string& name, const std::string& text) {
+  return said_by([&] {
+    run_case(testing_world(), parse_case(text, "x.toml"), folder_of(name), Former::overwrite);
+  });
+}
+
+TEST(Told, a_phase_that_has_not_settled) {
+  const auto settling = [](const char* restitution) {
+    return said("settled", rock + "[contact]\nrestitution = " + restitution + R"(
+[[groups]]
+name = "a"
+material = "rock"
+volume = {radius = 1, center = [0, 0, 1.5]}
+[[groups]]
+name = "b"
+material = "rock"
+volume = {radius = 1, center = [9, 0, 1.5]}
+[[planes]]
+[gravity]
+uniform = [0, 0, -9.81]
+[[phases]]
+name = "settling"
+step = 0.01
+duration = 3
+until = "settled"
+settled_speed = 1e-3
+)");
+  };
+  const std::string bounces = settling("1"), rests = settling("0");
+  if (testing_world().rank > 0) return;  // the first one speaks
+  EXPECT_NE(bounces.find("WARNING: phase settling has not settled"), bounces.npos);
+  EXPECT_EQ(rests.find("has not settled"), rests.npos);
+}
+
+TEST(Told, that_pieces_fly_apart_where_nothing_attracts_them) {
+  const auto deflection = [](const std::string& gravity) {
+    said("apart", "read_out = [100]\n" + rock + gravity + R"([contact]
+restitution = 0.5
+[[groups]]
+name = "large"
+material = "rock"
+volume = {radius = 10}
+[[groups]]
+name = "small"
+material = "rock"
+volume = {radius = 1, center = [0, 20, 0]}
+[[phases]]
+name = "hit"
+step = 0.01
+duration = 100
+impactor = {mass = 1000, radius = 0.5, speed = 0.02, distance = 0.1, offset = [0, 20, 0]}
+)");
+    const auto results = toml::parse_file(folder_of("apart") + "/results.toml");
+    return std::pair(*results["ejecta"]["count"].value<std::int64_t>(),
+                     *results["deflection"]["dv"].value<double>());
+  };
+  EXPECT_EQ(deflection(""), std::pair(std::int64_t{1}, 0.0));
+  EXPECT_EQ(deflection("[gravity]\nmethod = \"direct\"\nconstant = 1e-30\n").first, 1);
+}
+
+TEST(Told, that_bodies_have_become_too_fast_for_their_law) {
+  const auto falling = [](double height) {
+    return complaint_of([&] {
+      said("falls", rock + fmt::format(R"([pair_potential]
+law = "morse"
+depth = 1e3
+distance = 2
+steepness = 4
+cutoff = 3
+[[groups]]
+name = "a"
+material = "rock"
+volume = {{radius = 1, center = [0, 0, {}]}}
+[[groups]]
+name = "b"
+material = "rock"
+volume = {{radius = 1, center = [90, 0, 3]}}
+[[planes]]
+[gravity]
+uniform = [0, 0, -9.81]
+[[phases]]
+name = "falls"
+method = "potential"
+step = 1e-2
+duration = 4
+)",
+                                       height));
+    });
+  };
+  EXPECT_EQ(falling(5), "");
+  EXPECT_EQ(falling(60).substr(0, 26), "bodies have become faster:");
+}
+
+TEST(Told, that_what_was_broken_in_a_file_would_be_whole_again) {
+  const std::string group = R"([[groups]]
+name = "a"
+material = "rock"
+volume = {radius = 9}
+packing = {kind = "file", file = "none.h5"}
+)";
+  const std::string phase = "[[phases]]\nname = \"p\"\nstep = 1e-6\nduration = 1e-5\n";
+  const std::string law =
+      "[pair_potential]\nlaw = \"morse\"\ndepth = 1\ndistance = 1\n"
+      "steepness = 4\nbreaking_strain = 0.1\n";
+  const auto complaint = [&](const std::string& text, double damage) {
+    Case scene = parse_case(rock + text, "x.toml");
+    scene.groups[0].packing.stored.resize(2);
+    scene.groups[0].packing.stored[1].damage = damage;
+    return complaint_of([&] { check_stored_damage(scene); });
+  };
+  const std::string bonded = law + group + phase + "method = \"potential\"\n";
+  EXPECT_EQ(complaint(bonded, 0), "");
+  EXPECT_EQ(complaint(group + phase, 0.5), "");  // contacts know no bonds
+  EXPECT_NE(complaint(bonded, 0.5).find("have damage, 0.25 on average"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace spall
