@@ -43,9 +43,9 @@ const std::string between_rock_and_ice =
     "depth = 2\ndistance = 2\ncutoff = 3\n";
 const std::string by_law = "method = \"potential\"\n";
 
-// Motions of group b, all at rest at the start: 6 km/s within a millisecond, after 5 s, after 15 s.
+// Motions of group b, all at rest at the start: 6 km/s within some steps, after 5 s, after 15 s.
 const std::string shaken =
-    "motion.oscillation = {amplitude = [\"1 m\", 0, 0], period = \"1 ms\", phase = 1.570796}\n";
+    "motion.oscillation = {amplitude = [\"10 m\", 0, 0], period = \"10 ms\", phase = 1.570796}\n";
 const std::string struck =
     "motion.table = {times = [5, 5.001], displacements = [[0, 0, 0], [0, 6, 0]]}\n";
 const std::string struck_later =
@@ -205,8 +205,28 @@ const std::vector<Refused> table = {
          "0]}\n"
          "packing = {kind = \"single\", shape = \"pair\"}\n",
      "x.toml:15:12: phases.only.impactor.coupling: the flow is handed to spheres alone"},
+    {bodies + phase +
+         "impactor = {mass = 1, radius = 0.1, speed = 10, distance = 1, coupling = {law = "
+         "\"point_source\", ground = \"sand\", density = 1601, hand_over = 1}}\n",
+     "x.toml:15:12: phases.only.impactor.coupling.density = 1601 kg/m^3 is that of the ground"},
     {bodies + "[materials.impactor]\ndensity = 5\n" + phase + impactor,
      "x.toml:17:12: phases.only.impactor: its mass and radius give 238.732 kg/m^3"},
+    // Motions that a step goes through straight on.
+    {bodies + "motion.oscillation = {amplitude = [0, 0, 1], period = 0.007}\n" + phase,
+     "x.toml:12:1: phases.only.step = 0.001 s is 0.143 of a turn or an oscillation"},
+    {bodies + "motion.rotation = {axis = [0, 0, 1], rate = \"150 rev/s\"}\n" + phase,
+     "x.toml:12:1: phases.only.step = 0.001 s is 0.15 of a turn or an oscillation"},
+    // Angles are no coefficients.
+    {bodies + "[contact]\nfriction = \"30 deg\"\n" + phase,
+     "x.toml:12:12: contact.friction = \"30 deg\" is an angle; a number such as 0.5 is wanted"},
+    {bodies + "[solver]\nprox = 1.5\n" + phase, "x.toml:12:8: solver.prox = 1.5"},
+    // A lattice without neighbours.
+    {bodies + law +
+         "cutoff = 3\n[[groups]]\nname = \"c\"\nmaterial = \"rock\"\nvolume = "
+         "{shape = \"box\", size = [9, 9, 9], center = [30, 0, 0]}\n"
+         "packing = {kind = \"fcc\", diameter = 4}\n" +
+         phase + by_law,
+     "x.toml:16:1: groups.c.packing: its lattice has a spacing of 4 m"},
     // Methods.
     {bodies + "[contact]\nfriction = 0.5\n[solver]\nmethod = \"bb\"\n" + phase,
      "x.toml:15:1: phases.only: solver.method = \"apgd\" and \"bb\" minimise"},

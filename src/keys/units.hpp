@@ -15,12 +15,12 @@ struct Dimension {
 };
 
 namespace dimension {
-inline constexpr Dimension number{}, angle{.angle = 1}, length{1, 0, 0}, mass{0, 1, 0}, time{0, 0, 1}, speed{1, 0, -1},
-    acceleration{1, 0, -2}, spin{.time = -1, .angle = 1}, density{-3, 1, 0}, force{1, 1, -2}, energy{2, 1, -2},
-    pressure{-1, 1, -2}, specific_energy{2, 0, -2}, gravitational_parameter{3, 0, -2},
-    gravitational_constant{3, -1, -2}, spring_constant{0, 1, -2}, temperature{0, 0, 0, 1},
-    specific_heat{2, 0, -2, -1}, number_density{-3, 0, 0}, per_pressure{1, -1, 2},
-    per_temperature{0, 0, 0, -1};
+inline constexpr Dimension number{}, angle{.angle = 1}, length{1, 0, 0}, mass{0, 1, 0},
+    time{0, 0, 1}, speed{1, 0, -1}, acceleration{1, 0, -2}, spin{.time = -1, .angle = 1},
+    density{-3, 1, 0}, force{1, 1, -2}, energy{2, 1, -2}, pressure{-1, 1, -2},
+    specific_energy{2, 0, -2}, gravitational_parameter{3, 0, -2}, gravitational_constant{3, -1, -2},
+    spring_constant{0, 1, -2}, temperature{0, 0, 0, 1}, specific_heat{2, 0, -2, -1},
+    number_density{-3, 0, 0}, per_pressure{1, -1, 2}, per_temperature{0, 0, 0, -1};
 }
 
 /// "6.7 km/s", "0.237 mm", "12 h", "1.2 GPa", "1600 kg/m^3", "9.5 MJ/kg", "30 deg/min", "8 kg m^2":

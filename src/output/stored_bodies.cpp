@@ -8,6 +8,7 @@
 
 #include "output/h5.hpp"
 #include "output/seal.hpp"
+#include "scene/consistency.hpp"
 #include "scene/shape.hpp"
 #include "spall/error.hpp"
 
@@ -49,6 +50,10 @@ std::vector<StoredBody> read_bodies(const std::string& path) {
   }
   std::vector<Vec3> spin(id.size(), Vec3::Zero());
   if (file.exists("/bodies/angular_velocity")) spin = file.read<Vec3>("/bodies/angular_velocity");
+  std::vector<double> damage(id.size(), 0.0);
+  if (file.exists("/bodies/damage")) damage = file.read<double>("/bodies/damage");
+  std::vector<std::int32_t> material(id.size(), 0);
+  if (file.exists("/bodies/material")) material = file.read<std::int32_t>("/bodies/material");
   check_bodies(id, position, velocity, spin, radius, mass);
   // Rows lie as they were distributed over ranks; ids are the same for any number of them.
   std::vector<std::size_t> order(id.size());
@@ -73,7 +78,9 @@ std::vector<StoredBody> read_bodies(const std::string& path) {
                       .mass = is_fixed(row) ? 0 : mass[row],
                       .velocity = velocity[row],
                       .spin = spin[row],
-                      .fixed = is_fixed(row)});
+                      .fixed = is_fixed(row),
+                      .damage = damage[row],
+                      .material = material[row]});
   return bodies;
 }
 
@@ -82,13 +89,14 @@ std::vector<double> rows_of(const std::vector<StoredBody>& bodies) {
   for (const StoredBody& body : bodies) {
     for (const Vec3* vector : {&body.position, &body.velocity, &body.spin})
       rows.insert(rows.end(), vector->data(), vector->data() + 3);
-    rows.insert(rows.end(), {body.radius, body.mass, body.fixed ? 1.0 : 0.0});
+    rows.insert(rows.end(), {body.radius, body.mass, body.fixed ? 1.0 : 0.0, body.damage,
+                             static_cast<double>(body.material)});
   }
   return rows;
 }
 
 std::vector<StoredBody> bodies_of(const std::vector<double>& rows) {
-  constexpr std::size_t width = 12;
+  constexpr std::size_t width = 14;
   std::vector<StoredBody> bodies;
   for (std::size_t at = 0; at < rows.size(); at += width) {
     const double* row = &rows[at];
@@ -97,7 +105,9 @@ std::vector<StoredBody> bodies_of(const std::vector<double>& rows) {
                       .mass = row[10],
                       .velocity = Vec3(row[3], row[4], row[5]),
                       .spin = Vec3(row[6], row[7], row[8]),
-                      .fixed = row[11] == 1});
+                      .fixed = row[11] == 1,
+                      .damage = row[12],
+                      .material = static_cast<int>(row[13])});
   }
   return bodies;
 }
@@ -117,6 +127,7 @@ Case with_stored_bodies(Case scene, const InputFiles& files) {
           group.place, packing.file, error.what()));
     }
   }
+  check_stored_damage(scene);
   for (const Group& group : scene.groups) {
     const bool has_fixed = std::ranges::any_of(group.packing.stored, &StoredBody::fixed);
     require(!has_fixed || (group.velocity.isZero(0) && group.spin.isZero(0)),

@@ -23,7 +23,7 @@ void read_solver(Section& in, SolverSettings& settings) {
   in.take("max_iterations", "a step", max_iterations, 1);
   settings.max_iterations = static_cast<int>(std::min<std::int64_t>(max_iterations, 1 << 30));
   in.take("prox", "eps of the proximal Coulomb problem; 0: none", settings.prox,
-          not_negative(number));
+          Quantity{number, 0, 1});
   in.take("relaxation", "of sor", settings.relaxation, Quantity{number, 0, 2, false});
 }
 

@@ -43,6 +43,8 @@ struct StoredBody {
   double mass = 0;      ///< kg
   Vec3 velocity, spin;  ///< m/s, rad/s
   bool fixed = false;   ///< never moves: it has no mass of its own
+  double damage = 0;    ///< as in the file; a packing does not take it over
+  int material = 0;     ///< the same
 };
 
 struct PackingType;  // scene/packing.hpp

@@ -74,6 +74,13 @@ void check_coupling(const Case& scene, const Phase& phase) {
           "{}: the flow is handed to spheres alone, not to bodies with [shapes]", place);
   const LaunchFlow flow(source, impactor.radius, impactor.mass / ball_volume(impactor.radius),
                         impactor.speed);
+  double densest = 0;
+  for (const Group& group : scene.groups)
+    densest = std::max(densest, scene.materials[group.material].density);
+  require(densest == 0 || source.density <= densest,
+          "{}.density = {:g} kg/m^3 is that of the ground with its voids, but its bodies are of "
+          "{:g} kg/m^3 at most",
+          place, source.density, densest);
   require(source.hand_over > flow.begin(),
           "{}.hand_over = {:g} m lies within {:.4g} m, n1 radii of the impactor, where nothing is "
           "launched",
@@ -90,6 +97,21 @@ void check_coupling(const Case& scene, const Phase& phase) {
   const std::string taker = taker_of_recoil(scene);
   require(taker.empty(), "{}: {} would take a part of the recoil, which is the free target's",
           place, taker);
+}
+
+/// Bodies that move as prescribed fly straight from where a step begins to where it ends.
+void check_motions(const Case& scene) {
+  constexpr double most = 1.0 / 8;  // of a turn or a period: 3 % of a speed
+  for (const Group& group : scene.groups) {
+    if (!group.motion) continue;
+    const double turns = std::max(std::abs(group.motion->rate) / (2 * pi),
+                                  group.motion->amplitude.isZero(0) ? 0 : 1 / group.motion->period);
+    for (const Phase& phase : scene.phases)
+      require(phase.step * turns <= most,
+              "{}.step = {:g} s is {:.3g} of a turn or an oscillation of {}.motion, which is gone "
+              "through straight on: an eighth, {:g} s, is the most",
+              phase.place, phase.step, phase.step * turns, group.place, most / turns);
+  }
 }
 
 void check_gravity(const Case& scene) {
@@ -194,11 +216,28 @@ std::vector<std::string> warnings_of(const Case& scene) {
   return told;
 }
 
+void check_stored_damage(const Case& scene) {
+  for (const Group& group : scene.groups) {
+    double damage = 0;
+    for (const StoredBody& body : group.packing.stored) damage += body.damage;
+    if (damage == 0) continue;
+    for (const Phase& phase : scene.phases)
+      require(
+          !keeps_damage(scene, phase),
+          "{}.packing.file = \"{}\": its bodies have damage, {:.3g} on average, which a packing "
+          "does not take over: in {}.method = \"{}\" what was broken would be whole again",
+          group.place, group.packing.file,
+          damage / static_cast<double>(group.packing.stored.size()), phase.place,
+          phase.engine->name);
+  }
+}
+
 void check_consistency(const Case& scene, Groups groups) {
   check_read_outs(scene, groups);
   check_gravity(scene);
   check_repeated_walls(scene);
   check_methods(scene);
+  check_motions(scene);
   check_grains(scene);
   for (const Phase& phase : scene.phases)
     if (phase.remove_drift) check_removal_of_drift(scene, phase);

@@ -10,6 +10,10 @@ namespace spall {
 /// together.
 void check_consistency(const Case& scene, Groups groups);
 
+/// The same of bodies of files, once they are read: a file brings places and motions, and what was
+/// broken would be bonded anew, and whole.
+void check_stored_damage(const Case& scene);
+
 /// What takes a part of an impact's recoil, which is that of a free target: "a wall"; "" without.
 std::string taker_of_recoil(const Case& scene);
 

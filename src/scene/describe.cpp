@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "gravity/field.hpp"
 #include "scene/consistency.hpp"
@@ -69,7 +70,8 @@ std::string describe_phase(const Phase& phase, double start) {
   return text + "\n";
 }
 
-/// Bodies of files bring their masses, whatever the density of their group's material is.
+/// Bodies of files bring their masses, whatever the density of their group's material is, and no
+/// material.
 std::vector<std::string> other_densities(const Case& scene) {
   std::vector<std::string> told;
   for (const Group& group : scene.groups) {
@@ -80,6 +82,20 @@ std::vector<std::string> other_densities(const Case& scene) {
       volume += ball_volume(body.radius);
     }
     const Material& material = scene.materials[group.material];
+    const bool broken = std::ranges::any_of(group.packing.stored,
+                                            [](const StoredBody& body) { return body.damage > 0; });
+    if (broken)
+      told.push_back(fmt::format(
+          "groups.{}: bodies of '{}' have damage, and go on without the bonds or stresses that are "
+          "left",
+          group.name, group.packing.file));
+    std::set<int> materials;
+    for (const StoredBody& body : group.packing.stored) materials.insert(body.material);
+    if (materials.size() > 1)
+      told.push_back(
+          fmt::format("groups.{}: bodies of '{}' are of {} materials, and all of "
+                      "materials.{} here",
+                      group.name, group.packing.file, materials.size(), material.name));
     constexpr double told_apart = 1e-3;
     if (group.held() || group.total_mass ||
         std::abs(mass - material.density * volume) <= told_apart * material.density * volume)
