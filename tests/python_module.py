@@ -106,6 +106,23 @@ class Module(unittest.TestCase):
         # To half a step, by which the one begins earlier than the other.
         np.testing.assert_allclose(fall(True), fall(False), atol=9.81 * 1e-3 * 0.3)
 
+    def test_own_forces_know_what_time_it_is(self):
+        smooth = [{"name": "smooth", "method": "penalty", "step": 1e-3, "duration": 1}]
+        sim = spall.Simulation(**ROCK, phases=smooth,
+                               penalty={"model": "hooke", "stiffness": 1e6})
+        for k in range(4):
+            sim.add("rock", 0.5, position=(2 * k, 0, 0))
+        times = []
+        sim.add_force(lambda bodies, forces: times.append(sim.time))
+        while sim.time < 0.0195:
+            sim.step(100)
+        self.assertEqual(len(set(times)), 20)
+
+    def test_each_is_called_after_whole_numbers_of_steps(self):
+        for steps in (0, 2.5, 0.3 / 0.1):
+            with self.assertRaisesRegex(ValueError, "a whole number is wanted"):
+                apart(1e-2).run_until(0.1, each=lambda sim: None, steps=steps)
+
     def test_a_force_that_is_returned_is_refused(self):
         sim = apart(1e-2)
         sim.add_force(lambda bodies, forces: np.ones(forces.shape))

@@ -113,6 +113,10 @@ for forget in "" --overwrite; do
 done
 [ "$before" = "$(stat -c %y out/fall-sweep/radius=1m_seed=1/results.toml)" ] || fail "commands have forgotten a run"
 refused "friktion" fall.toml --set contact.friktion=0.1,0.2 --out never --commands
+refused "2 has no unit" fall.toml --set contact.cohesion=1kN,2,3 --out never
+"$spall" sweep fall.toml --set seed=1..2 --out out/changed >out.txt || fail "two seeds: $(cat out.txt)"
+sed -i 's/^overrides = .*/overrides = "seed=7\\n"/' out/changed/seed=1/results.toml
+refused "holds a run with other keys: seed=1, seed=7" fall.toml --set seed=1..2 --out out/changed
 refused "a value is missing" fall.toml --set seed=1,,2
 refused "told twice" fall.toml --set seed=1 --set seed=2
 refused "larger than the last" fall.toml --set seed=5..1

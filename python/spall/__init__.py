@@ -233,9 +233,9 @@ class Simulation:
         after each `steps` steps. `over` tells whether the phases ended first."""
         if each is None and steps != 1:
             raise ValueError("run_until: steps tells how often to call each, which is not given")
-        if steps < 1:
+        if steps != int(steps) or steps < 1:
             raise ValueError(
-                f"run_until: each after {steps} steps is asked for; 1 or more are wanted")
+                f"run_until: each after {steps} steps is asked for; a whole number is wanted")
         left = steps
 
         def after_step():

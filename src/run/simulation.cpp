@@ -310,9 +310,18 @@ void Simulation::change_bodies(const std::function<void(Bodies&)>& change) {
     resize(world.bodies, world.bodies.owned);
     const Bodies former = world.bodies;
     try {
-      change(world.bodies);
-      require(world.bodies.id == former.id,
-              "change_bodies: ids and the number of bodies must stay");
+      std::exception_ptr refused;
+      try {
+        change(world.bodies);
+        require(world.bodies.id == former.id,
+                "change_bodies: ids and the number of bodies must stay");
+      } catch (...) {
+        refused = std::current_exception();
+      }
+      // What fails on one rank fails on all: they would wait for it in what comes.
+      const bool fails = world.comm.any(static_cast<bool>(refused));
+      if (refused) std::rethrow_exception(refused);
+      require(!fails, "change_bodies: it has failed on another rank");
       check_changed(world, former);
       check_held(world, "change_bodies");
     } catch (...) {  // what is refused has changed nothing
@@ -420,6 +429,7 @@ void Simulation::end_phase() {
 StepReport Simulation::advance(int most, bool energy) {
   const double h = phase().step;
   world().time = clock().time;
+  if (!world().own_forces.empty()) most = 1;  // they may ask what time it is
   const StepReport report =
       state_->engine->advance(world(), {.h = h, .most_steps = most, .energy = energy});
   for (int k = 0; k < report.steps; ++k) state_->tick(h);

@@ -73,6 +73,10 @@ def values_of(text):
     unit = re.fullmatch(rf"{NUMBER}\s*([^\d.\s].*)", parts[-1])
     if unit and not re.fullmatch(NUMBER, parts[-1]):
         parts = [part + unit[1] if re.fullmatch(NUMBER, part) else part for part in parts]
+    plain = [part for part in parts if re.fullmatch(NUMBER, part) and float(part) != 0]
+    if plain and any(re.fullmatch(rf"{NUMBER}\s*[A-Za-zµ°%].*", part) for part in parts):
+        sys.exit(f"spall sweep: {text}: {plain[0]} has no unit, and another value has one: a unit "
+                 "behind the last value is that of all")
     return parts
 
 
@@ -96,7 +100,16 @@ class Run:
 
     def state(self):
         """What its folder tells; a run that is under way waits, too."""
-        return "done" if (self.folder / "results.toml").is_file() else "waits"
+        path = self.folder / "results.toml"
+        if not path.is_file():
+            return "waits"
+        told = tomllib.loads(path.read_text()).get("provenance", {}).get("overrides")
+        own = {f"{key}={value}" for key, value in self.changes.items()}
+        if told is not None and set(told.splitlines()) != own:
+            sys.exit(f"spall sweep: {self.folder} holds a run with other keys: "
+                     f"{', '.join(sorted(set(told.splitlines()) ^ own))}; remove it, or --out "
+                     "names another folder")
+        return "done"
 
     def command(self, spall, case, ranks):
         """What begins this run, or goes on with it; None where it is done."""
