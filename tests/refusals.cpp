@@ -357,7 +357,7 @@ TEST(Refusals, are_of_changes_of_what_lies_behind_a_run_that_goes_on) {
   const std::string third = "[[phases]]\nname = \"rest\"\nstep = \"1 ms\"\nduration = \"9 s\"\n";
   state.case_text = "read_out = [0.25, 5]\n[contact]\ncohesion_range = 1\n" + bodies + phase +
                     second + impactor + third;
-  state.overrides = {"seed=5"};
+  state.overrides = {"seed=5", "phases.only.cohesion=1 N", "phases.only.cohesion=2 N"};
   state.clock = {.step = 12000,
                  .phase = 1,
                  .step_in_phase = 2000,
@@ -379,6 +379,7 @@ TEST(Refusals, are_of_changes_of_what_lies_behind_a_run_that_goes_on) {
            {"contact.cohesion=5", "cohesion is that of the phases so far"},
            {"phases.only.step=1 s", "phase only is over"},
            {"phases.0.duration=1 h", "phase only is over"},
+           {"phases.only.cohesion=1 N", "phase only is over"},  // it was told otherwise later
            {"phases.hit.cohesion=5 N", "phase hit has begun; cohesion is asked for when it begins"},
            {"phases.1.impactor.mass=5", "phase hit has begun; impactor is asked for"},
            {"phases.hit.remove_drift=true", "phase hit has begun; remove_drift is asked for"},
@@ -392,9 +393,9 @@ TEST(Refusals, are_of_changes_of_what_lies_behind_a_run_that_goes_on) {
                              "the impactor was added"))
       << told("read_out=[1, 5]");
   for (const char* change :
-       {"seed=5", "read_out=[0.25, 3]", "phases.hit.step=1 us", "phases.hit.duration=8 s",
-        "phases.rest.cohesion=5 N", "phases.rest.remove_drift=true", "contact.friction=1",
-        "materials.rock.youngs_modulus=1 GPa", "title=other"})
+       {"seed=5", "phases.only.cohesion=2 N", "read_out=[0.25, 3]", "phases.hit.step=1 us",
+        "phases.hit.duration=8 s", "phases.rest.cohesion=5 N", "phases.rest.remove_drift=true",
+        "contact.friction=1", "materials.rock.youngs_modulus=1 GPa", "title=other"})
     EXPECT_EQ(told(change), "") << change;
   state.clock = {};  // before the first step all phases can be told, and the impactor's density
   EXPECT_EQ(told("phases.only.remove_drift=true"), "");

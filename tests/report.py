@@ -271,7 +271,28 @@ class Verdicts(unittest.TestCase):
     def test_overlaps_of_rigid_bodies_tell_of_long_steps(self):
         self.check(self.of({}, overlap=0.02), "note", "overlapped by up to 2 %")
         self.check(self.of({}, overlap=0.001), "good", "short enough")
+        # Rows of the series are some of the steps alone.
+        self.check(self.of({"solver": {"steps": 9, "overlap_max": 0.3}}, overlap=0.001), "note",
+                   "overlapped by up to 30 %")
         self.check(self.of({}, overlap=0.02, method="penalty"), "good", "limits of the force laws")
+
+
+class UnderWay(unittest.TestCase):
+    """By the lock, unless its process was here and is gone."""
+
+    def test_a_run_that_was_killed_is_not_under_way(self):
+        gone = subprocess.Popen(["true"])
+        gone.wait()
+        folder = WORK / "killed"
+        folder.mkdir(exist_ok=True)
+        run = types.SimpleNamespace(folder=folder)
+        here = socket.gethostname()
+        for lock, expected in ((f"elsewhere {gone.pid}", True), (f"{here} {os.getpid()}", True),
+                               (f"{here} {gone.pid}", False), ("", True)):
+            (folder / "lock").write_text(lock)
+            self.assertEqual(Run.under_way.fget(run), expected, lock)
+        (folder / "lock").unlink()
+        self.assertFalse(Run.under_way.fget(run))
 
 
 class Watch(unittest.TestCase):

@@ -131,5 +131,33 @@ packing = {kind = "file", file = "none.h5"}
   EXPECT_NE(complaint(bonded, 0.5).find("have damage, 0.25 on average"), std::string::npos);
 }
 
+TEST(Told, that_the_bodies_of_a_file_were_broken) {
+  const auto torn = [](const std::string& groups) {
+    return rock + R"([pair_potential]
+law = "morse"
+depth = 1e6
+distance = 2
+steepness = 4
+breaking_strain = 0.1
+)" + groups +
+           "[[phases]]\nname = \"p\"\nmethod = \"potential\"\nstep = 1e-4\nduration = 0.1\n";
+  };
+  said("torn", torn(R"([[groups]]
+name = "two that spin"
+material = "rock"
+volume = {shape = "box", size = [4, 2, 2]}
+packing = {kind = "simple_cubic", radius = 1}
+spin = [0, 0, 200]
+)"));
+  const std::string again = R"([[groups]]
+name = "a"
+material = "rock"
+volume = {radius = 99}
+packing = {kind = "file", file = ")" +
+                            folder_of("torn") + "/after_p.h5\"}\n";
+  EXPECT_NE(complaint_of([&] { said("again", torn(again)); }).find("have damage, 1 on average"),
+            std::string::npos);
+}
+
 }  // namespace
 }  // namespace spall

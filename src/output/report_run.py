@@ -4,6 +4,7 @@ import functools
 import glob
 import os
 import re
+import socket
 import sys
 import tomllib
 
@@ -30,6 +31,18 @@ def readable_length(meters):
         if meters < limit * (1 - 1e-9):  # round-off: 1 mm is one
             return f"{meters / unit:.3g} {name}"
     return f"{meters / 1e3:.3g} km"
+
+
+def has_ended(process):
+    """Whether the process of this machine is gone, or was killed and nobody has asked how."""
+    try:
+        os.kill(process, 0)
+        with open(f"/proc/{process}/stat", encoding="utf-8") as file:
+            return file.read().rpartition(") ")[2].startswith("Z")
+    except ProcessLookupError:
+        return True
+    except OSError:
+        return False
 
 
 class Frame:
@@ -153,7 +166,13 @@ class Run:
 
     @property
     def under_way(self):
-        return os.path.exists(os.path.join(self.folder, "lock"))
+        """By the lock; what this machine's process left there, when it was killed, is none."""
+        try:
+            with open(os.path.join(self.folder, "lock"), encoding="utf-8") as file:
+                host, process = file.read().split()
+        except (OSError, ValueError):
+            return os.path.exists(os.path.join(self.folder, "lock"))
+        return host != socket.gethostname() or not has_ended(int(process))
 
     @functools.cached_property
     def frames(self):

@@ -64,8 +64,23 @@ void check_phases(const RestartState& state, const Case& before, const toml::nod
 
 }  // namespace
 
+namespace {
+
+/// Whether the state has this value of its key: what was told later of it counts.
+bool is_in_force(const RestartState& state, const std::string& change) {
+  const auto key_of = [](const std::string& text) { return text.substr(0, text.find('=')) + "."; };
+  const std::string key = key_of(change);
+  for (auto told = state.overrides.rbegin(); told != state.overrides.rend(); ++told) {
+    if (*told == change) return true;
+    if (key.starts_with(key_of(*told)) || key_of(*told).starts_with(key)) return false;
+  }
+  return false;
+}
+
+}  // namespace
+
 void check_change(const RestartState& state, const Case& before, const std::string& change) {
-  if (std::ranges::find(state.overrides, change) != state.overrides.end()) return;
+  if (is_in_force(state, change)) return;
   const std::string option = "--set " + change;
   const toml::table told = parse_override(change);
   for (const auto& [key, node] : told) {

@@ -57,6 +57,16 @@ void Record::book(const StepReport& report, bool solved) {
   unconverged_ += report.solver.converged ? 0 : 1;
   over_tolerance_ += report.solver.over_tolerance ? 1 : 0;
   relaxed_ += report.solver.relaxed ? 1 : 0;
+  overlap_ = std::max(overlap_, report.overlap);
+}
+
+void Record::save(Scalars& scalars) const {
+  save_scalars(*this, scalars);
+  scalars["record.overlap"] = overlap_;
+}
+void Record::load(const Scalars& scalars) {
+  load_scalars(*this, scalars);
+  if (scalars.contains("record.overlap")) overlap_ = find_scalar(scalars, "record.overlap");
 }
 
 std::vector<Column> Record::columns() {
@@ -84,6 +94,7 @@ void Record::add_to(ResultTable& table, std::int64_t steps, bool solves) const {
   const double count = std::max(solved_, 1.0);
   table.add("solver", "solved_steps", static_cast<std::int64_t>(solved_), "",
             "of them, by a method that solves for impulses");
+  table.add("solver", "overlap_max", overlap_, "", "of all steps, over the smaller radius");
   table.add("solver", "residual_max", residual_max_, "m/s", "largest of all contacts and steps");
   table.add("solver", "residual_rms", std::sqrt(squares_ / count), "m/s",
             "over contacts and solved steps");

@@ -6,9 +6,11 @@
 #include <vector>
 
 #include "engine/engine.hpp"
+#include "output/restart.hpp"
 #include "output/results.hpp"
 #include "output/series.hpp"
 #include "run/account.hpp"
+#include "spall/comm.hpp"
 
 namespace spall {
 
@@ -20,6 +22,11 @@ class Record {
   /// Called after every step, or several at once that solve for nothing.
   void book(const StepReport& report, bool solved);
   double relaxed() const { return relaxed_; }  ///< steps
+  /// Overlaps of steps are this rank's: brings them together. Collective.
+  void meet(const Comm& comm) { overlap_ = comm.max(overlap_); }
+  void save(Scalars& scalars) const;
+  /// What a file of an earlier version has not is left out.
+  void load(const Scalars& scalars);
 
   static std::vector<Column> columns();  ///< beside step and time
   /// The row of the instant at which the step began; `contacts` are those of all ranks.
@@ -47,6 +54,7 @@ class Record {
   double solved_ = 0;  // steps
   double products_ = 0, correction_products_ = 0, residual_max_ = 0, squares_ = 0;
   double worst_relative_ = 0, unconverged_ = 0, over_tolerance_ = 0, relaxed_ = 0;
+  double overlap_ = 0;  // largest over the smaller radius
 };
 
 }  // namespace spall

@@ -350,7 +350,8 @@ class Run {
     kept_ = {};  // the former one is as large
     kept_ = simulation_->save();
     save_scalars(*this, kept_.scalars);
-    save_scalars(record_, kept_.scalars);
+    record_.meet(comm_);
+    record_.save(kept_.scalars);
     verdict_.save(kept_.scalars);
     debris_.save(kept_.scalars);
     shields_.save(kept_.scalars);
@@ -373,7 +374,7 @@ class Run {
 
   void load(const Scalars& scalars) {
     load_scalars(*this, scalars);
-    load_scalars(record_, scalars);
+    record_.load(scalars);
     verdict_.load(scalars);
     debris_.load(scalars);
     shields_.load(scalars);
@@ -396,6 +397,7 @@ class Run {
     add_conservation(table, sums);
     const bool solves =
         std::ranges::any_of(scene_.phases, [](const Phase& one) { return one.engine->solves; });
+    record_.meet(comm_);
     record_.add_to(table, clock().step, solves);
     table.add("gravity", "evaluations", world().kick.evaluations);
     const double total = MPI_Wtime() - seconds_at_start_ + seconds_before_;
