@@ -100,8 +100,9 @@ constexpr struct {
 std::string name_of(Dimension dimension) {
   for (const auto& entry : named)
     if (entry.dimension == dimension) return std::string(entry.name);
-  return fmt::format("in m^{} kg^{} s^{} K^{} rad^{}", dimension.length, dimension.mass,
-                     dimension.time, dimension.temperature, dimension.angle);
+  const std::string angle = dimension.angle == 0 ? "" : fmt::format(" rad^{}", dimension.angle);
+  return fmt::format("in m^{} kg^{} s^{} K^{}{}", dimension.length, dimension.mass, dimension.time,
+                     dimension.temperature, angle);
 }
 
 std::optional<Unit> find_unit(std::string_view name) {

@@ -325,10 +325,13 @@ SPALL_KERNEL(double, energy_of_pairs, (const World& world, Potential& engine), (
 
 namespace {
 
-/// Whether anything gives bodies energy. Pairs alone have no more than when the step was checked.
+/// Whether anything gives bodies energy that may carry them through walls or what is moved. Pairs
+/// alone have no more than when the step was checked.
 bool is_driven(const World& world) {
-  return world.gravity.method != GravityMethod::none || !world.steady_gravity().isZero(0) ||
-         !world.motions.empty() || !world.own_forces.empty();
+  const bool meets = world.walls().size() > 0 || !world.motions.empty();
+  return meets &&
+         (world.gravity.method != GravityMethod::none || !world.steady_gravity().isZero(0) ||
+          !world.motions.empty() || !world.own_forces.empty());
 }
 
 /// What `smooth_steps` asks of forces.
