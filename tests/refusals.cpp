@@ -220,13 +220,6 @@ const std::vector<Refused> table = {
     {bodies + "[contact]\nfriction = \"30 deg\"\n" + phase,
      "x.toml:12:12: contact.friction = \"30 deg\" is an angle; a number such as 0.5 is wanted"},
     {bodies + "[solver]\nprox = 1.5\n" + phase, "x.toml:12:8: solver.prox = 1.5"},
-    // A lattice without neighbours.
-    {bodies + law +
-         "cutoff = 3\n[[groups]]\nname = \"c\"\nmaterial = \"rock\"\nvolume = "
-         "{shape = \"box\", size = [9, 9, 9], center = [30, 0, 0]}\n"
-         "packing = {kind = \"fcc\", diameter = 4}\n" +
-         phase + by_law,
-     "x.toml:16:1: groups.c.packing: its lattice has a spacing of 4 m"},
     // Methods.
     {bodies + "[contact]\nfriction = 0.5\n[solver]\nmethod = \"bb\"\n" + phase,
      "x.toml:15:1: phases.only: solver.method = \"apgd\" and \"bb\" minimise"},

@@ -255,14 +255,6 @@ void check(const Surroundings& around, std::span<const MaterialUse> uses,
                 "pair_potential.materials or in a [[pair_potential.between]]",
                 phase.place, names_of_pair(around, use.material, of_wall));
   }
-  for (const MaterialUse& use : uses) {
-    const PairPotential& own = potential->law(use.material, use.material);
-    require(!own.given() || !own.attracts() || own.law == PairLaw::program ||
-                use.lattice.distance < own.cutoff,
-            "{}.packing: its lattice has a spacing of {:g} m, and the law of {} ends at {:g} m: "
-            "none of its bodies is in reach of another",
-            use.place, use.lattice.distance, around.materials[use.material].name, own.cutoff);
-  }
   require(!phase.cohesion,
           "{}.cohesion is that of contacts: in method = \"potential\" pairs attract by their law",
           phase.place);
@@ -327,6 +319,12 @@ std::string describe_law(const PairPotential& p, const std::string& title, const
                         p.bonds_groups ? "; of different groups too" : "");
   if (p.damping > 0)
     text += fmt::format("    damped at {:g} of critical where nearer than that\n", p.damping);
+  if (lattice && p.attracts() && lattice->distance >= p.cutoff)
+    text += fmt::format(
+        "    its lattice has a spacing of {:g} m, and the law ends at {:g} m: no body is in reach "
+        "of "
+        "another\n",
+        lattice->distance, p.cutoff);
   // Constants are those of the lattice at rest: of another spacing they would be others.
   constexpr double same_spacing = 0.1;
   if (lattice && std::isfinite(mass) &&
