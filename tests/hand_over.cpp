@@ -242,13 +242,7 @@ TEST(HandOver, without_bodies_in_its_way_is_an_error) {
 }
 
 std::string folder_of(const std::string& name) {
-  return std::filesystem::absolute(fmt::format("hand_over_{}_{}", name, testing_world().size))
-      .string();
-}
-
-toml::table results_in(const std::string& folder) {
-  testing_world().any(false);  // rank 0 has written them
-  return toml::parse_file(folder + "/results.toml");
+  return folder_of_run("hand_over_" + name);
 }
 
 /// A ball of 200 boulders of 8 t; `coupling` follows the impactor's keys.

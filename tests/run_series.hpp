@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <toml++/toml.h>
+
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -27,13 +29,21 @@ std::string said_by(F&& f) {
   return ::testing::internal::GetCapturedStdout();
 }
 
+/// Where tests on so many ranks have a run of this name.
+inline std::string folder_of_run(const std::string& name) {
+  return std::filesystem::absolute(fmt::format("{}_{}", name, testing_world().size)).string();
+}
+/// Of a run that has just ended, on every rank. Collective.
+inline toml::table results_in(const std::string& folder) {
+  testing_world().any(false);  // rank 0 has written them
+  return toml::parse_file(folder + "/results.toml");
+}
+
 /// Runs the case in a folder of this test. Values by the names of their columns. Collective.
 inline std::vector<std::map<std::string, double>> series_of(const std::string& text) {
   const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
   const std::string folder =
-      std::filesystem::absolute(
-          fmt::format("{}_{}_{}", test->test_suite_name(), test->name(), testing_world().size))
-          .string();
+      folder_of_run(std::string(test->test_suite_name()) + "_" + test->name());
   said_by([&] {
     run_case(testing_world(), parse_case(text, std::string(test->name()) + ".toml"), folder,
              Former::overwrite);

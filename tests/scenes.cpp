@@ -12,7 +12,7 @@
 #include "output/restart.hpp"
 #include "output/stored_bodies.hpp"
 #include "run/plan.hpp"
-#include "run/run.hpp"
+#include "run_series.hpp"
 #include "scene/scene.hpp"
 #include "spall/error.hpp"
 #include "testing.hpp"
@@ -35,16 +35,14 @@ method = "direct"
 )";
 
 std::string folder_of(const std::string& name) {
-  return std::filesystem::absolute(fmt::format("scenes_{}_{}", name, testing_world().size))
-      .string();
+  return folder_of_run("scenes_" + name);
 }
 
 /// Runs a case and gives its results back, on every rank.
 toml::table results_of(const std::string& name, const std::string& text) {
   const std::string folder = folder_of(name);
   run_case(testing_world(), parse_case(text, name + ".toml"), folder, Former::overwrite);
-  testing_world().any(false);  // rank 0 has written them
-  return toml::parse_file(folder + "/results.toml");
+  return results_in(folder);
 }
 
 double value(const toml::table& results, const char* section, const char* key) {

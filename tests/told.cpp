@@ -1,8 +1,5 @@
 // What a run would else do wrong without a word: it ends, or says so.
 // SPDX-License-Identifier: BSD-3-Clause
-#include <toml++/toml.h>
-
-#include "output/files.hpp"
 #include "run_series.hpp"
 #include "scene/consistency.hpp"
 
@@ -12,7 +9,7 @@ namespace {
 const std::string rock = "[materials.rock]\ndensity = 1600\n";
 
 std::string folder_of(const std::string& name) {
-  return std::filesystem::absolute(fmt::format("told_{}_{}", name, testing_world().size)).string();
+  return folder_of_run("told_" + name);
 }
 /// What the run says.
 std::string said(const std::string& name, const std::string& text) {
@@ -67,7 +64,7 @@ step = 0.01
 duration = 100
 impactor = {mass = 1000, radius = 0.5, speed = 0.02, distance = 0.1, offset = [0, 20, 0]}
 )");
-    const auto results = toml::parse_file(folder_of("apart") + "/results.toml");
+    const toml::table results = results_in(folder_of("apart"));
     return std::pair(*results["ejecta"]["count"].value<std::int64_t>(),
                      *results["deflection"]["dv"].value<double>());
   };
