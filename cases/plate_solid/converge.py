@@ -128,6 +128,20 @@ def table(rows):
     return "\n".join(lines)
 
 
+def halvings(rows):
+    """What the last halving of the bodies, 12 to 24 across, changed."""
+    lines = ["| shot | front | hole | radial speed |", "|---|--:|--:|--:|"]
+    for name in UNTIL:
+        def mean(key, across):
+            return statistics.mean(float(row[key]) for row in rows
+                                   if row["shot"] == name and float(row["across"]) == across)
+
+        changed = [100 * (mean(key, 24) / mean(key, 12) - 1)
+                   for key in ("front_over_speed", "hole_over_diameter", "radial_over_speed")]
+        lines.append(f"| {name} | " + " | ".join(f"{share:+.1f} %" for share in changed) + " |")
+    return "\n".join(lines)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--across", type=float, nargs="+", default=[8, 12])
@@ -157,6 +171,8 @@ def main():
                         writer.writeheader()
                         writer.writerows(rows)
     replace_section(HERE / "README.md", "convergence", table(known()))
+    if {(name, "24") for name in UNTIL} <= {(row["shot"], row["across"]) for row in known()}:
+        replace_section(HERE / "README.md", "halvings", halvings(known()))
 
 
 if __name__ == "__main__":
