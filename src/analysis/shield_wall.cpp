@@ -25,9 +25,6 @@ constexpr double smallest_spall = 4;  // bodies: pi d^2 of a close-packed layer 
 constexpr double gap_of_pieces = 1, gap_of_singles = 2;
 constexpr double plate_like = 0.5;   // thickness over width, at most
 constexpr double nearly = 1 - 1e-9;  // of a sum of masses on many ranks
-/// Of its mass: what a wall may have too much or too little, as the equations of shields are steep
-/// in its thickness.
-constexpr double most_unfilled = 0.05;
 
 /// A point as the wall sees it.
 struct Seen {
@@ -352,9 +349,8 @@ ShieldWall lay_wall(const Comm& comm, const Case& scene, const Shield& shield) {
         wall.spacing, 2 * (1 + seen_beyond) * wall.half_width[k] * pixels_a_spacing / most_pixels);
   }
   for (std::size_t g = 0; g < scene.groups.size(); ++g) {
-    for (const Vec3& way : {wall.start.normal, Vec3(-wall.start.normal)})
-      if (const double speed = speed_of_flight(group, scene.groups[g], way); speed > 0)
-        wall.approaches.push_back({static_cast<std::int32_t>(g), speed});
+    const double speed = speed_from_either_side(group, scene.groups[g], wall.start.normal);
+    if (speed > 0) wall.approaches.push_back({static_cast<std::int32_t>(g), speed});
   }
 
   // The recipe alone: every rank runs through it, and draws its share.
@@ -372,8 +368,7 @@ ShieldWall lay_wall(const Comm& comm, const Case& scene, const Shield& shield) {
                                      draw(grid, wall.spacing, see(wall.start, sphere.center), maps);
                                  }});
   sum_over_ranks(comm, maps);
-  const double filled =
-      static_cast<double>(count) * lattice_of(group.packing).volume() / volume_of(group.volume);
+  const double filled = filled_by(group, count);
   require(group.total_mass || std::abs(filled - 1) <= most_unfilled,
           "{}.wall = \"{}\": its bodies have {:.3g} of the mass of such a wall, as a lattice of "
           "whole spheres along its faces has: packing.orientation = \"random\" fills it",

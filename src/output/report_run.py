@@ -170,8 +170,10 @@ class Run:
         try:
             with open(os.path.join(self.folder, "lock"), encoding="utf-8") as file:
                 host, process = file.read().split()
+        except FileNotFoundError:
+            return False
         except (OSError, ValueError):
-            return os.path.exists(os.path.join(self.folder, "lock"))
+            return True
         return host != socket.gethostname() or not has_ended(int(process))
 
     @functools.cached_property

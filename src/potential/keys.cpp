@@ -322,8 +322,7 @@ std::string describe_law(const PairPotential& p, const std::string& title, const
   if (lattice && p.attracts() && lattice->distance >= p.cutoff)
     text += fmt::format(
         "    its lattice has a spacing of {:g} m, and the law ends at {:g} m: no body is in reach "
-        "of "
-        "another\n",
+        "of another\n",
         lattice->distance, p.cutoff);
   // Constants are those of the lattice at rest: of another spacing they would be others.
   constexpr double same_spacing = 0.1;

@@ -328,10 +328,9 @@ namespace {
 /// Whether anything gives bodies energy that may carry them through walls or what is moved. Pairs
 /// alone have no more than when the step was checked.
 bool is_driven(const World& world) {
-  const bool meets = world.walls().size() > 0 || !world.motions.empty();
-  return meets &&
-         (world.gravity.method != GravityMethod::none || !world.steady_gravity().isZero(0) ||
-          !world.motions.empty() || !world.own_forces.empty());
+  const bool pulled = world.gravity.method != GravityMethod::none ||
+                      !world.steady_gravity().isZero(0) || !world.own_forces.empty();
+  return !world.motions.empty() || (world.walls().size() > 0 && pulled);
 }
 
 /// What `smooth_steps` asks of forces.

@@ -62,10 +62,6 @@ void check_phases(const RestartState& state, const Case& before, const toml::nod
   }
 }
 
-}  // namespace
-
-namespace {
-
 /// Whether the state has this value of its key: what was told later of it counts.
 bool is_in_force(const RestartState& state, const std::string& change) {
   const auto key_of = [](const std::string& text) { return text.substr(0, text.find('=')) + "."; };

@@ -184,7 +184,7 @@ class Search:
             doubts.append("opened as far as its edge: the wall may be too small")
         if not abs(found["energy_unexplained"]) <= DOUBTED:
             doubts.append(f"not to be believed: {found['energy_unexplained']:.2g} of what was "
-                          "dissipated came out of nothing")
+                          "dissipated is explained by no entry")
         return doubts
 
     def changes(self):

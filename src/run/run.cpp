@@ -312,17 +312,19 @@ class Run {
       progress_.say(fmt::format("at {}: {}", readable_time(clock().time), line));
   }
 
+  void say_if_unsettled(double rms_speed) {
+    if (rms_speed < phase().settled_speed) return;
+    progress_.say(fmt::format(
+        "WARNING: phase {} has not settled: its rms speed is {:.3g} m/s, and below {:.3g} m/s was "
+        "asked for; a longer duration may settle it",
+        phase().name, rms_speed, phase().settled_speed));
+  }
+
   void end_phase() {
     if (snapshots_->last_step() != clock().step) snapshot();
     progress_.say(fmt::format("phase {} done at {}: {} steps", phase().name,
                               readable_time(clock().time), clock().step_in_phase));
-    const double rms = diagnose(world()).rms_speed;
-    if (phase().until == PhaseEnd::settled && !(rms < phase().settled_speed))
-      progress_.say(
-          fmt::format("WARNING: phase {} has not settled: its rms speed is {:.3g} m/s, and below "
-                      "{:.3g} m/s was "
-                      "asked for; a longer duration may settle it",
-                      phase().name, rms, phase().settled_speed));
+    if (phase().until == PhaseEnd::settled) say_if_unsettled(diagnose(world()).rms_speed);
     const std::string file = folder_.path() + "/after_" + phase().name + ".h5";
     simulation_->end_phase();
     keep();

@@ -70,27 +70,27 @@ std::string describe_phase(const Phase& phase, double start) {
   return text + "\n";
 }
 
-/// Bodies of files bring their masses, whatever the density of their group's material is, and no
-/// material.
-std::vector<std::string> other_densities(const Case& scene) {
+/// Bodies of files bring their masses, whatever the density of their group's material is, and
+/// neither damage nor material.
+std::vector<std::string> told_of_files(const Case& scene) {
   std::vector<std::string> told;
   for (const Group& group : scene.groups) {
     double mass = 0, volume = 0;
+    bool broken = false;
+    std::set<int> materials;
     for (const StoredBody& body : group.packing.stored) {
+      broken |= body.damage > 0;
+      materials.insert(body.material);
       if (body.fixed) continue;
       mass += body.mass;
       volume += ball_volume(body.radius);
     }
     const Material& material = scene.materials[group.material];
-    const bool broken = std::ranges::any_of(group.packing.stored,
-                                            [](const StoredBody& body) { return body.damage > 0; });
     if (broken)
       told.push_back(fmt::format(
           "groups.{}: bodies of '{}' have damage, and go on without the bonds or stresses that are "
           "left",
           group.name, group.packing.file));
-    std::set<int> materials;
-    for (const StoredBody& body : group.packing.stored) materials.insert(body.material);
     if (materials.size() > 1)
       told.push_back(
           fmt::format("groups.{}: bodies of '{}' are of {} materials, and all of "
@@ -108,19 +108,17 @@ std::vector<std::string> other_densities(const Case& scene) {
   return told;
 }
 
-/// Spheres of a lattice stand for their cells: few layers of whole ones leave much of a volume out.
 std::vector<std::string> unfilled_lattices(const Case& scene,
                                            const std::vector<GroupContent>& contents) {
   std::vector<std::string> told;
   for (std::size_t g = 0; g < scene.groups.size(); ++g) {
     const Group& group = scene.groups[g];
     const Material& material = scene.materials[group.material];
-    const Lattice lattice = lattice_of(group.packing);
-    if (group.held() || group.total_mass || !material.solid || lattice.neighbours == 0) continue;
-    const double filled =
-        static_cast<double>(contents[g].count) * lattice.volume() / volume_of(group.volume);
-    constexpr double told_apart = 0.05;
-    if (std::abs(filled - 1) <= told_apart) continue;
+    if (group.held() || group.total_mass || !material.solid ||
+        lattice_of(group.packing).neighbours == 0)
+      continue;
+    const double filled = filled_by(group, contents[g].count);
+    if (std::abs(filled - 1) <= most_unfilled) continue;
     told.push_back(fmt::format(
         "groups.{}: its lattice has {:.3g} of the mass that its volume has at the density of "
         "materials.{}; {}",
@@ -218,7 +216,7 @@ std::string describe_phases(const Case& scene, const std::vector<GroupContent>& 
     }
   for (const std::string& table : scene.unused) text += "\n  " + table + "\n";
   for (const std::string& told : warnings_of(scene)) text += "\n  " + told + "\n";
-  for (const std::string& told : other_densities(scene)) text += "\n  " + told + "\n";
+  for (const std::string& told : told_of_files(scene)) text += "\n  " + told + "\n";
   for (const std::string& told : unfilled_lattices(scene, contents)) text += "\n  " + told + "\n";
   return text;
 }

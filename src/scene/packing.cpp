@@ -189,6 +189,11 @@ Lattice lattice_of(const Packing& packing) {
   return {0, pi / 6, 2 * packing.radius};
 }
 
+double filled_by(const Group& group, std::int64_t spheres) {
+  return static_cast<double>(spheres) * lattice_of(group.packing).volume() /
+         volume_of(group.volume);
+}
+
 /// Shoemake 1992, "Uniform random rotations": a quaternion with two random angles.
 Vec3 random_rotation(std::uint64_t seed) {
   std::mt19937_64 engine(seed);

@@ -105,6 +105,13 @@ double spacing_of(const Packing& packing);
 /// The lattice of a packing's spheres; a sphere's cell where the packing is none is the sphere.
 Lattice lattice_of(const Packing& packing);
 
+/// Of the mass that a group's volume has at the density of its solid, what so many spheres of its
+/// lattice have, which stand for their cells. In few layers along its faces much is left out.
+double filled_by(const Group& group, std::int64_t spheres);
+/// What it may be off by before that is told, or a wall is refused: equations of shields are steep
+/// in the thickness.
+inline constexpr double most_unfilled = 0.05;
+
 /// A turn, as a rotation vector, of which any is as likely as any other; the same on every machine.
 Vec3 random_rotation(std::uint64_t seed);
 

@@ -68,6 +68,10 @@ double speed_of_flight(const Group& wall, const Group& other, const Vec3& normal
   return miss_of_line(wall.volume, other.volume.center, velocity) > radius ? 0 : speed;
 }
 
+double speed_from_either_side(const Group& wall, const Group& other, const Vec3& normal) {
+  return std::max(speed_of_flight(wall, other, normal), speed_of_flight(wall, other, -normal));
+}
+
 namespace {
 
 /// The way along `normal` of the groups that fly at the wall; 0 where they come from both sides.
@@ -89,8 +93,7 @@ double way_of_flight(const Case& scene, const Group& wall, const Vec3& normal,
 void check_rim(const Case& scene, const Group& wall, const Vec3& normal, const std::string& told) {
   const double spacing = lattice_of(wall.packing).distance;
   for (const Group& group : scene.groups) {
-    if (speed_of_flight(wall, group, normal) == 0 && speed_of_flight(wall, group, -normal) == 0)
-      continue;
+    if (speed_from_either_side(wall, group, normal) == 0) continue;
     const double beyond =
         miss_of_line(wall.volume, group.volume.center, group.velocity - wall.velocity, spacing);
     require(beyond <= 0,

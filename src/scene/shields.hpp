@@ -26,6 +26,9 @@ double rim_of(double half_width, double spacing);
 /// meets it; else 0.
 double speed_of_flight(const Group& wall, const Group& other, const Vec3& normal);
 
+/// The same along `normal` or against it.
+double speed_from_either_side(const Group& wall, const Group& other, const Vec3& normal);
+
 /// Its own axis that leads through a plate; -1 of a volume that is none.
 int axis_through(const Volume& volume);
 
