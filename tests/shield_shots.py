@@ -87,8 +87,8 @@ def the_order_is_drawn_and_no_outcome_enters_it():
 
 def plates_are_as_far_apart_as_the_table_says():
     for shot in (run.chosen(shots)[0], next(s for s in cheap if s.angle == 45)):
-        setting = run.set_up(shot, 12, 6)
-        case = tomllib.loads(run.case_of(shot, setting, 1))
+        setting = run.set_up(shot, run.FINE)
+        case = tomllib.loads(run.case_of(shot, setting, run.FINE))
         wall, bumper, ball = (group["volume"] for group in case["groups"])
 
         def height(volume):
@@ -142,7 +142,7 @@ def what_is_done_is_kept_and_what_is_missing_goes_on():
         # The ball is as heavy as that of the shot, however many sites of the lattice are in it.
         row = run.known()[0]
         shot = shots[int(row["row"]) - 1]
-        case = tomllib.loads((folder / f"out/{row['row']}-12-6-1/shot.toml").read_text())
+        case = tomllib.loads((folder / f"out/{row['row']}-12-6-1-1/shot.toml").read_text())
         grown = case["groups"][2]["volume"]["diameter"] / (shot.diameter / 100)
         assert isclose(4.45637e-05 * grown**3, run.ball_of(shot), rel_tol=1e-6)
         assert isclose(float(row["energy_unexplained"]),
@@ -152,8 +152,7 @@ def what_is_done_is_kept_and_what_is_missing_goes_on():
                     "--out", str(folder / "out")]
         run.main()
         assert run.known()[-1]["verdict"] == "failed"
-        options = Namespace(across=run.FINE_ACROSS, wall_across=run.WALL_ACROSS, seed=1,
-                            results=run.RESULTS)
+        options = Namespace(**vars(run.FINE), results=run.RESULTS)
         some, without, planned = score.counted(shots, options)
         assert (len(some), without, planned) == (5, 1, len(wanted))
         text = score.table(some, without, planned, options)

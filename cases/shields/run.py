@@ -45,8 +45,11 @@ STAND_IN = "aluminium_6061_t6"
 # Of 7075-T651 it is not known here: it has that of 6061-T6.
 LACKING = {"aluminium_7075_t651": 'solid = {spall_strength = "1.2 GPa"}'}
 
-ACROSS = 6  # bodies across the ball; what that costs decides which shots are run, and when
-FINE_ACROSS, WALL_ACROSS = 12, 6  # with which they are run, unless others are asked for
+# What tells runs of the same shot apart: bodies across the ball, and of the wall on the ball's
+# diameter, at least; the seed of the crystals' orientations; and the end, of the duration that
+# FLIGHT and RINGING give. What RULE costs decides which shots are run, and when.
+RULE = argparse.Namespace(across=6.0, wall_across=6.0, seed=1, end=1.0)
+FINE = argparse.Namespace(**vars(RULE) | {"across": 12.0})  # unless others are asked for
 BUMPER_LAYERS, WALL_LAYERS = 2, 3  # at least
 BUMPER_WIDTH = 4  # ball diameters
 WALL_RIM = 1.5  # ball diameters that the wall is wider than the cloud's core, on each side
@@ -80,16 +83,16 @@ class Setting:
         return self.bodies * self.steps
 
 
-def set_up(shot, across, wall_across):
-    """Bodies across the ball, as large as the bumper's at most, and as large as the wall's."""
+def set_up(shot, options):
+    """`options`: as RULE has them. The ball's bodies are as large as the bumper's at most."""
     d, t, s, w, v = (shot.diameter / 100, shot.bumper / 100, shot.standoff / 100, shot.wall / 100,
                      1000 * shot.speed)
     angle = math.radians(shot.angle)
-    ball = d / across
-    bumper, wall = min(ball, t / BUMPER_LAYERS), min(d / wall_across, w / WALL_LAYERS)
+    ball = d / options.across
+    bumper, wall = min(ball, t / BUMPER_LAYERS), min(d / options.wall_across, w / WALL_LAYERS)
     width = 2 * (WALL_RIM * d + CLOUD * s)
     sideways = s * math.tan(angle)
-    duration = 2 * d / v + FLIGHT * s / (v * math.cos(angle)) + RINGING * w / SOUND
+    duration = options.end * (2 * d / v + FLIGHT * s / (v * math.cos(angle)) + RINGING * w / SOUND)
     per_volume = math.sqrt(2)  # spheres of fcc in a cube of their spacing
     disc = 1 if angle else math.pi / 4
     bodies = per_volume * (math.pi / 6 * d**3 / ball**3
@@ -107,7 +110,7 @@ def class_of(setting):
 
 def rule(shot):
     """The setting by whose cost shots are chosen and put into their order."""
-    return set_up(shot, ACROSS, ACROSS)
+    return set_up(shot, RULE)
 
 
 def chosen(shots):
@@ -129,7 +132,7 @@ def volume(shape, length, width, height, middle, z):
     return f'{{shape = "box", size = [{length:.9g}, {width:.9g}, {height:.9g}], {where}}}'
 
 
-def case_of(shot, setting, seed, grown=1):
+def case_of(shot, setting, options, grown=1):
     """`grown`: times which the ball and its spacing are as large, for its mass."""
     d, t, s, w, v = (shot.diameter / 100, shot.bumper / 100, shot.standoff / 100, shot.wall / 100,
                      1000 * shot.speed)
@@ -150,7 +153,7 @@ def case_of(shot, setting, seed, grown=1):
          [v * math.sin(angle), 0, -v * math.cos(angle)])]
     text = [f'title = "{shot.source} {shot.name}: {shot.diameter:g} cm at {shot.speed:g} km/s and '
             f'{shot.angle:g} degrees, {shot.metals[0]} on {shot.metals[1]} and {shot.metals[2]}"',
-            f"seed = {1000 * seed + shot.row}"]
+            f"seed = {1000 * options.seed + shot.row}"]
     for part, library in zip(("ball", "bumper", "wall"), libraries):
         text += ["", f"[materials.{part}]", f'library = "{library}"', LACKING.get(library, "")]
     text += ["", "[solid]", f"courant = {COURANT}"]
@@ -167,10 +170,9 @@ def case_of(shot, setting, seed, grown=1):
     return "\n".join(text)
 
 
-COLUMNS = ["row", "shot", "across", "wall_across", "seed", "verdict", "margin", "margin_before",
+COLUMNS = ["row", "shot", *vars(RULE), "verdict", "margin", "margin_before",
            "still_coming", "opening_at_edge", "hole_mm", "spall_mg", "ball_mg",
            "energy_unexplained", "bodies", "seconds", "commit"]
-KEY = ["row", "across", "wall_across", "seed"]
 
 
 def ball_of(shot):
@@ -183,21 +185,27 @@ def mass_of_ball(told):
     return float(re.search(r"^  ball +\d+ +\S+ +\S+ +(\S+)", told, re.M)[1])
 
 
-def run(options, shot, seed):
+def is_of(line, options):
+    """Whether a line of results.csv is of this setting."""
+    return all(float(line[key]) == getattr(options, key) for key in vars(RULE))
+
+
+def run(options, shot):
     """A line of results.csv. A run that fails or takes too long has no verdict, and says so in its
     place."""
-    setting = set_up(shot, options.across, options.wall_across)
-    folder = options.out / f"{shot.row}-{options.across:g}-{options.wall_across:g}-{seed}"
+    setting = set_up(shot, options)
+    chosen_by = {key: f"{getattr(options, key):g}" for key in vars(RULE)}
+    folder = options.out / "-".join([str(shot.row), *chosen_by.values()])
     folder.mkdir(parents=True, exist_ok=True)
     case = folder / "shot.toml"
-    case.write_text(case_of(shot, setting, seed))
-    line = {"row": shot.row, "shot": shot.name, "across": f"{options.across:g}",
-            "wall_across": f"{options.wall_across:g}", "seed": seed}
+    case.write_text(case_of(shot, setting, options))
+    line = {"row": shot.row, "shot": shot.name, **chosen_by}
     checked = subprocess.run([options.program, "check", case], capture_output=True, text=True)
     if checked.returncode != 0:
+        print(checked.stderr, end="", file=sys.stderr)
         return line | {"verdict": "failed", "seconds": "0"}
     grown = (ball_of(shot) / mass_of_ball(checked.stdout))**(1 / 3)
-    case.write_text(case_of(shot, setting, seed, grown))
+    case.write_text(case_of(shot, setting, options, grown))
     begin = time.monotonic()
     with open(folder / "log.txt", "w") as log:
         command = [*options.before, options.program, "run", case, "--out", folder / "run",
@@ -244,10 +252,13 @@ def keep(line, lock):
 
 def ask_for_setting(parser):
     """Adds the options that tell runs of the same shot apart."""
-    parser.add_argument("--across", type=float, default=FINE_ACROSS, help="bodies across the ball")
-    parser.add_argument("--wall-across", type=float, default=WALL_ACROSS,
-                        help="bodies of the wall on the ball's diameter, at least")
-    parser.add_argument("--seed", type=int, default=1, help="of the crystals' orientations")
+    for key, told in (("across", "bodies across the ball"),
+                      ("wall_across", "bodies of the wall on the ball's diameter, at least"),
+                      ("seed", "of the crystals' orientations"),
+                      ("end", "of the duration that the rule has")):
+        value = getattr(FINE, key)
+        parser.add_argument("--" + key.replace("_", "-"), type=type(value), default=value,
+                            help=told)
 
 
 def main():
@@ -272,10 +283,10 @@ def main():
     wanted = chosen(shots)
     if options.plan:
         for shot in wanted:
-            setting = set_up(shot, options.across, options.wall_across)
+            setting = set_up(shot, options)
             print(f"{class_of(rule(shot))} {shot.row:4} {shot.source:20} {shot.name:18} "
                   f"{setting.bodies:8.0f} bodies, {setting.cost:8.2g} body-steps at most")
-        cost = sum(set_up(shot, options.across, options.wall_across).cost for shot in wanted)
+        cost = sum(set_up(shot, options).cost for shot in wanted)
         print(f"{len(wanted)} shots, {cost:.3g} body-steps")
         return
     if options.trial:
@@ -283,16 +294,14 @@ def main():
         for row in options.trial:
             if row in counted:
                 sys.exit(f"shot {row} counts: the machinery is tried on others")
-            print(run(options, shots[row - 1], options.seed), flush=True)
+            print(run(options, shots[row - 1]), flush=True)
         return
     end = math.inf
     if options.until:
         hour, minute = map(int, options.until.split(":"))
         end = datetime.datetime.now().replace(hour=hour, minute=minute, second=0).timestamp()
-    done = {tuple(row[key] for key in KEY) for row in known()}
-    left = [shot for shot in wanted
-            if (str(shot.row), f"{options.across:g}", f"{options.wall_across:g}",
-                str(options.seed)) not in done]
+    done = {int(line["row"]) for line in known() if is_of(line, options)}
+    left = [shot for shot in wanted if shot.row not in done]
     if options.rows:
         left = [shot for shot in left if shot.row in options.rows]
     left = left[:min(len(left), options.most)]
@@ -305,7 +314,7 @@ def main():
             if allowed <= 0:
                 return
             limited = argparse.Namespace(**{**vars(options), "limit": allowed})
-            line = run(limited, shot, options.seed)
+            line = run(limited, shot)
             if line["verdict"] == "too long" and time.time() >= end:
                 return  # given up for the clock's sake: it is run again
             keep(line, lock)

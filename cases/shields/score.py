@@ -12,7 +12,7 @@ from math import comb, sqrt
 from pathlib import Path
 
 from equations import EQUATIONS, SWAPPED, is_right, mended, read_shots
-from run import ACROSS, RESULTS, ask_for_setting, chosen
+from run import RESULTS, RULE, ask_for_setting, chosen, is_of
 
 HERE = Path(__file__).parent
 FORMER = HERE / "results_until_8330739.csv"  # by the law until this commit
@@ -85,23 +85,20 @@ def counted(shots, options):
     none, and how many the rule has."""
     by_row = {shot.row: shot for shot in chosen(shots)}
     lines = [line for line in csv.DictReader(options.results.open()) if int(line["row"]) in by_row
-             and float(line["across"]) == options.across
-             and float(line["wall_across"]) == options.wall_across
-             and int(line["seed"]) == options.seed]
+             and is_of(line, options)]
     good = [line for line in lines if has_verdict(line)]
     return [(by_row[int(line["row"])], line) for line in good], len(lines) - len(good), len(by_row)
 
 
 def coarse_calls(some, options):
     """{name: calls} of the rule's own setting, where that is another and has called all of them."""
-    rule = argparse.Namespace(across=ACROSS, wall_across=ACROSS, seed=options.seed,
-                              results=options.results)
+    rule = argparse.Namespace(**vars(RULE) | {"seed": options.seed, "results": options.results})
     if (options.across, options.wall_across) == (rule.across, rule.wall_across):
         return {}
     verdicts = {shot.row: line["verdict"] for shot, line in counted(read_shots(), rule)[0]}
     if not all(shot.row in verdicts for shot, _ in some):
         return {}
-    return {f"Spall, {ACROSS} across": [FAILED[verdicts[shot.row]] == shot.perforated
+    return {f"Spall, {RULE.across:g} across": [FAILED[verdicts[shot.row]] == shot.perforated
                                         for shot, _ in some]}
 
 
@@ -112,8 +109,7 @@ def of_other_seeds(some, options):
     seeds = {int(line["seed"]) for line in csv.DictReader(options.results.open())} - {options.seed}
     again = [(shot.row, FAILED[line["verdict"]], line["commit"]) for seed in sorted(seeds)
              for shot, line in counted(read_shots(), argparse.Namespace(
-                 across=options.across, wall_across=options.wall_across, seed=seed,
-                 results=options.results))[0]
+                 **vars(options) | {"seed": seed}))[0]
              if shot.row in fails]
     if not again:
         return ""

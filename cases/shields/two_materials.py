@@ -51,18 +51,18 @@ def table(shots):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--across", type=float, default=run.ACROSS)
+    parser.add_argument("--across", type=float, default=run.RULE.across)
     parser.add_argument("--only-table", action="store_true", help="run nothing")
     parser.add_argument("--program", default=run.ROOT / "build/release/spall")
     parser.add_argument("--out", type=Path, default=run.ROOT / "out/shields_two")
-    options = parser.parse_args()
-    options.before, options.limit, options.wall_across = [], math.inf, WALL_ACROSS
+    options = argparse.Namespace(**vars(run.RULE) | {
+        "wall_across": WALL_ACROSS, "before": [], "limit": math.inf} | vars(parser.parse_args()))
     run.RESULTS = HERE / "two_materials_results.csv"
     shots = read_shots(HERE / "two_materials.csv")
     done = {row["row"] for row in run.known()}
     for shot in shots:
         if not options.only_table and str(shot.row) not in done:
-            run.keep(run.run(options, shot, 1), threading.Lock())
+            run.keep(run.run(options, shot), threading.Lock())
     replace_section(HERE / "README.md", "two_materials", table(shots))
 
 
