@@ -258,6 +258,9 @@ class Verdicts(unittest.TestCase):
         self.check(wall("perforated", opening_at_edge=True), "note", "reaches its edge")
         self.check(wall("held", spacing=2e-3), "note", "2.4 spacings")
         self.check(wall("held", rim_mass=5e-6), "note", "which is not judged, has lost 0.005 g")
+        self.check(wall("held", largest_met=2.0, largest_passed=3.0), "note",
+                   "too narrow: a piece of 3 J flew past")
+        self.assertEqual(len(wall("held", largest_met=3.0, largest_passed=2.0)), len(wall("held")))
         self.check(wall("held", wall="wall"), "good", "The wall has held")
         # Three layers, which in binary are below three by round-off alone.
         three = wall("held", thickness=1.2e-3, spacing=0.4e-3)

@@ -105,7 +105,9 @@ struct Scenery {
       return std::hypot(p.x - x, p.y - y) < (diameter + d) / 2 ? fate : Fate::stays;
     });
   }
-  WallVerdict judge() const { return judge_wall(world.comm, engine->links(world), wall); }
+  WallVerdict judge(double soon = 0) const {
+    return judge_wall(world.comm, engine->links(world), wall, soon);
+  }
 };
 
 const std::vector<Asked> turned = {
@@ -360,12 +362,67 @@ velocity = [0, 0, 9]
   EXPECT_NEAR(Scenery(testing_world(), {.of_wall = past}).judge().still_coming, 1, 1e-12);
 }
 
+/// kg
+double mass_of(const Scenery& shot, const char* name) {
+  const auto group = std::ranges::find(shot.scene.groups, name, &Group::name);
+  double mass = 0;
+  for (Index b = 0; b < shot.world.bodies.owned; ++b)
+    if (shot.world.bodies.group[b] == group - shot.scene.groups.begin())
+      mass += shot.world.bodies.mass[b];
+  return shot.world.comm.sum(mass);
+}
+
+TEST(Shields, the_largest_piece_that_meets_the_wall_and_the_largest_that_flies_past_are_told) {
+  // One flies past, one behind the wall away, one aside of the wall at it. The wall's half width is
+  // 14 mm, of which 2 are not judged; faces are 7 mm from what starts at -10 mm.
+  const std::string others = R"(
+[[groups]]
+name = "past"
+material = "al"
+volume = {shape = "sphere", diameter = "6 mm", center = [60e-3, 0, -10e-3]}
+packing = {kind = "fcc", diameter = "1 mm"}
+velocity = [0, 0, 2]
+[[groups]]
+name = "away"
+material = "al"
+volume = {shape = "sphere", diameter = "4 mm", center = [0, 0, 20e-3]}
+packing = {kind = "fcc", diameter = "1 mm"}
+velocity = [0, 0, 9]
+[[groups]]
+name = "aside"
+material = "al"
+volume = {shape = "sphere", diameter = "4 mm", center = [-80e-3, 0, -10e-3]}
+packing = {kind = "fcc", diameter = "1 mm"}
+velocity = [45, 0, 4]
+)";
+  Scenery shot(testing_world(), {.of_wall = others});
+  const double past = 2 * mass_of(shot, "past"), aside = 8 * mass_of(shot, "aside");  // J
+  const auto close = [](double a, double b) { return std::abs(a - b) <= 1e-9 * std::abs(b); };
+  const WallVerdict now = shot.judge(), next = shot.judge(2e-3), later = shot.judge(4e-3);
+  EXPECT_EQ(now.largest_met, 0);
+  EXPECT_EQ(now.largest_passed, 0);
+  EXPECT_TRUE(close(next.largest_met, aside)) << next.largest_met;  // in 1.75 ms, at -1.25 mm
+  EXPECT_EQ(next.largest_passed, 0);
+  EXPECT_TRUE(close(later.largest_passed, past)) << later.largest_passed;  // in 3.5 ms
+  EXPECT_EQ(later.largest_met, next.largest_met);
+  EXPECT_EQ(sentence_of(shot.wall, later).find("too narrow"), std::string::npos);
+
+  // It meets the rim, which is not judged.
+  Bodies& bodies = shot.world.bodies;
+  for (Index b = 0; b < bodies.owned; ++b)
+    if (bodies.velocity[b].x() != 0) bodies.velocity[b].x() = 53;  // to 12.75 mm
+  const WallVerdict rim = shot.judge(4e-3);
+  EXPECT_EQ(rim.largest_met, 0);
+  EXPECT_TRUE(close(rim.largest_passed, std::max(aside, past))) << rim.largest_passed;
+  EXPECT_NE(sentence_of(shot.wall, rim).find("too narrow"), std::string::npos);
+}
+
 TEST(Shields, verdicts_are_the_same_on_any_number_of_ranks) {
   const auto hit = [](const Comm& comm) {
     Scenery shot(comm, turned[2]);
     shot.drill(-4 * d, 0, 4 * d);
     throw_flake(shot, 5 * d, 3 * d, 70);
-    return shot.judge();
+    return shot.judge(1);
   };
   const WallVerdict many = hit(testing_world()), one = hit(alone());
   EXPECT_EQ(many.outcome, one.outcome);
@@ -377,6 +434,8 @@ TEST(Shields, verdicts_are_the_same_on_any_number_of_ranks) {
   EXPECT_NEAR(many.spall_mass, one.spall_mass, 1e-12 * one.spall_mass);
   EXPECT_NEAR(many.spall_speed, one.spall_speed, 1e-9);
   EXPECT_NEAR(many.still_coming, one.still_coming, 1e-12);
+  EXPECT_GT(one.largest_met, 0);
+  EXPECT_NEAR(many.largest_met, one.largest_met, 1e-12 * one.largest_met);
 }
 
 TEST(Shields, margins_survive_a_restart_and_are_told_with_the_verdict) {
@@ -433,7 +492,7 @@ wall = "wall"
   const ShieldWall wall = lay_wall(comm, *scene, scene->shields[0]);
   Simulation run(comm, Scene(scene));
   run.run_until(1);
-  return judge_wall(comm, run.engine().links(run.world()), wall);
+  return judge_wall(comm, run.engine().links(run.world()), wall, 0);
 }
 
 TEST(Shields, a_thin_wall_holds_a_slow_ball_and_is_perforated_by_a_fast_one) {

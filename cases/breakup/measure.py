@@ -1,11 +1,12 @@
 """Shoots balls through bumpers, and pieces at walls, and puts what becomes of them beside what is
 known. Writes the tables of README.md.
 
-    /usr/bin/python3 cases/breakup/measure.py onset pieces wall
+    /usr/bin/python3 cases/breakup/measure.py onset pieces landing wall
 
 SPDX-License-Identifier: BSD-3-Clause
 """
 import argparse
+import re
 import sys
 from dataclasses import dataclass
 from pathlib import Path
@@ -45,6 +46,10 @@ SHOTS = [Shot("4-1715", 0.026, 4.6, False), Shot("4-1428", 0.049, 3.77, False),
 DIAMETER = 9.53e-3  # m
 SMALL = 3.18e-3  # m, of most balls of the shields
 SMALL_BUMPER, SMALL_SPEED = 0.25, 4.2  # of its diameter; km/s
+PIECE = 0.9e-3  # m, diameter of a ball as heavy as a piece that hits a wall
+# For the finest wall, which costs 30 times as much otherwise.
+NARROW = ("groups.wall.volume.diameter=7e-3", "phases.impact.duration=8e-6",
+          "output.series_every=8e-7", "output.snapshot_every=8e-7")
 
 
 def run(options, case, folder, changes):
@@ -68,17 +73,23 @@ def through_a_bumper(options, folder, d, bumper, speed, across=ACROSS, more=()):
         f"output.series_every={duration / 10}", f"output.snapshot_every={duration / 5}", *more])
 
 
-def pieces(folder):
-    """Of what the ball has become: the share of its bodies that have failed, and the shares of its
-    mass of the four largest pieces that hang together; 0 where there are fewer."""
+def pieces(folder, count=4):
+    """Of what the ball has become: the share of its bodies that have failed, and of the largest
+    pieces that hang together their shares of its mass, and their velocities (m/s); 0 where there
+    are fewer."""
     with h5py.File(folder / "trajectory.h5") as file:
         bodies = file["particles/all"]
         ball = bodies["group"][:] == 1
         whole = bodies["damage/value"][-1][ball] < 1
-        position, radius = bodies["position/value"][-1][ball][whole], bodies["radius"][:][ball]
+        position, velocity = (bodies[f"{field}/value"][-1][ball][whole]
+                              for field in ("position", "velocity"))
+        radius = bodies["radius"][:][ball]
     name = clump_names(position, radius[whole], 2 * GAP * radius[0])
-    largest = np.sort(np.append(np.bincount(name), [0] * 4))[:-5:-1]
-    return 1 - whole.mean(), largest / len(whole)
+    sizes = np.append(np.bincount(name), [0] * count)
+    largest = np.argsort(-sizes, kind="stable")[:count]
+    motions = [velocity[name == piece].mean(axis=0) if sizes[piece] else np.zeros(3)
+               for piece in largest]
+    return 1 - whole.mean(), sizes[largest] / len(whole), np.array(motions)
 
 
 def onset(options):
@@ -87,7 +98,7 @@ def onset(options):
     folders = []
     for shot in SHOTS:
         folder = through_a_bumper(options, f"onset-{shot.name}", DIAMETER, shot.bumper, shot.speed)
-        failed, shares = pieces(folder)
+        failed, shares, _ = pieces(folder)
         called = "broken" if shares[1] > SEEN else "in one piece"
         text.append(f"| {shot.name} | {shot.bumper:g} | {shot.speed:g} "
                     f"| {'broken' if shot.breaks else 'in one piece'} | {called} "
@@ -104,7 +115,7 @@ def finer(options):
         for across in (12, 18, 24):
             folder = through_a_bumper(options, f"pieces-{fails}-{across}", SMALL, SMALL_BUMPER,
                                       SMALL_SPEED, across, more)
-            failed, shares = pieces(folder)
+            failed, shares, _ = pieces(folder)
             bodies = shares[0] * np.pi / 6 * np.sqrt(2) * across**3
             text.append(f"| {fails} | {across} | {failed:.2f} "
                         f"| {', '.join(f'{share:.3f}' for share in shares)} | {bodies:.0f} |")
@@ -112,23 +123,59 @@ def finer(options):
     return text, folders
 
 
+def landing(options):
+    text = ["| km/s | across | failed | largest pieces, of the ball | their speed, km/s "
+            "| sideways, of that, of the ten largest |\n|--:|--:|--:|---|---|---|"]
+    folders = []
+    for speed, across in ((4.2, 24), (5.5, 24), (6.4, 12), (6.4, 18), (6.4, 24), (7.2, 24)):
+        folder = through_a_bumper(options, f"landing-{speed}-{across}", SMALL, SMALL_BUMPER, speed,
+                                  across)
+        failed, shares, motions = pieces(folder, 10)
+        motions = motions[shares > 0]
+        along = -motions[:, 2]
+        sideways = np.hypot(motions[:, 0], motions[:, 1]) / along
+        text.append(f"| {speed} | {across} | {failed:.3f} "
+                    f"| {', '.join(f'{share:.4f}' for share in shares[:4])} "
+                    f"| {', '.join(f'{one / 1e3:.2f}' for one in along[:4])} "
+                    f"| {sideways.min():.2f} to {sideways.max():.2f} |")
+        folders.append(folder)
+    return text, folders
+
+
+def grown_piece(options, spacing):
+    """m: the diameter of a piece of bodies of this spacing (m), that is as heavy as a ball of
+    PIECE, and their diameter: a lattice has its own number of sites in a sphere."""
+    told = spall("check", HERE / "wall.toml", program=options.program, changes=[
+        f"groups.piece.volume.diameter={PIECE}", f"groups.piece.packing.diameter={spacing}",
+        f"groups.piece.volume.center=[0,0,{PIECE}]"])
+    filled = float(re.search(r"^  piece .* (\S+)$", told, re.M)[1])
+    grown = (np.pi / np.sqrt(18) / filled)**(1 / 3)  # spheres of fcc fill pi / sqrt(18)
+    return PIECE * grown, spacing * grown
+
+
 def wall(options):
-    text = ["| wall, mm | its bodies, mm | verdict | margin | hole, mm |\n|--:|--:|---|--:|--:|"]
+    text = ["| wall, mm | its bodies, mm | the piece's, mm | verdict | margin | hole, mm |",
+            "|--:|--:|--:|---|--:|--:|"]
     folders = []
     for thick in (1.6, 2.0, 2.4):
-        for spacing in (0.53, 0.265):
+        for spacing, of_piece in ((0.53, 0.265), (0.265, 0.265), (0.12, 0.12)):
+            diameter, its_spacing = grown_piece(options, 1e-3 * of_piece)
             folder = run(options, "wall.toml", f"wall-{thick}-{spacing}", [
+                *(NARROW if spacing < 0.2 else ()),
                 f"groups.wall.volume.height={1e-3 * thick}",
                 f"groups.wall.volume.center=[0,0,{-5e-4 * thick}]",
-                f"groups.wall.packing.diameter={1e-3 * spacing}"])
+                f"groups.wall.packing.diameter={1e-3 * spacing}",
+                f"groups.piece.volume.diameter={diameter}",
+                f"groups.piece.packing.diameter={its_spacing}",
+                f"groups.piece.volume.center=[0,0,{diameter / 2 + 1.05e-3 * spacing}]"])
             told = results(folder)["shield_wall"]
-            text.append(f"| {thick} | {spacing} | {told['verdict']} | {told['margin']:.2f} "
-                        f"| {1e3 * told['hole']:.2f} |")
+            text.append(f"| {thick} | {spacing} | {of_piece} | {told['verdict']} "
+                        f"| {told['margin']:.2f} | {1e3 * told['hole']:.2f} |")
             folders.append(folder)
     return text, folders
 
 
-TABLES = {"onset": onset, "pieces": finer, "wall": wall}
+TABLES = {"onset": onset, "pieces": finer, "landing": landing, "wall": wall}
 
 
 def main():

@@ -46,14 +46,15 @@ STAND_IN = "aluminium_6061_t6"
 LACKING = {"aluminium_7075_t651": 'solid = {spall_strength = "1.2 GPa"}'}
 
 # What tells runs of the same shot apart: bodies across the ball, and of the wall on the ball's
-# diameter, at least; the seed of the crystals' orientations; and the end, of the duration that
-# FLIGHT and RINGING give. What RULE costs decides which shots are run, and when.
-RULE = argparse.Namespace(across=6.0, wall_across=6.0, seed=1, end=1.0)
-FINE = argparse.Namespace(**vars(RULE) | {"across": 12.0})  # unless others are asked for
+# diameter, at least; the seed of the crystals' orientations; the end, of the duration that FLIGHT
+# and RINGING give; and how far the cloud that the wall must cover spreads, over the stand-off.
+# What RULE costs decides which shots are run, and when.
+RULE = argparse.Namespace(across=6.0, wall_across=6.0, seed=1, end=1.0, spread=0.2)
+# Unless others are asked for.
+FINE = argparse.Namespace(**vars(RULE) | {"across": 18.0, "end": 0.7, "spread": 0.35})
 BUMPER_LAYERS, WALL_LAYERS = 2, 3  # at least
 BUMPER_WIDTH = 4  # ball diameters
-WALL_RIM = 1.5  # ball diameters that the wall is wider than the cloud's core, on each side
-CLOUD = 0.2  # radius of the core at the wall over the stand-off
+WALL_RIM = 1.5  # ball diameters that the wall is wider than that, on each side
 FLIGHT = 2.5  # times that which the ball would need at its speed from the bumper to the wall
 RINGING = 40  # times that which sound needs through the wall
 COURANT = 0.2  # steps are parted by it
@@ -90,7 +91,7 @@ def set_up(shot, options):
     angle = math.radians(shot.angle)
     ball = d / options.across
     bumper, wall = min(ball, t / BUMPER_LAYERS), min(d / options.wall_across, w / WALL_LAYERS)
-    width = 2 * (WALL_RIM * d + CLOUD * s)
+    width = 2 * (WALL_RIM * d + options.spread * s)
     sideways = s * math.tan(angle)
     duration = options.end * (2 * d / v + FLIGHT * s / (v * math.cos(angle)) + RINGING * w / SOUND)
     per_volume = math.sqrt(2)  # spheres of fcc in a cube of their spacing
@@ -172,7 +173,7 @@ def case_of(shot, setting, options, grown=1):
 
 COLUMNS = ["row", "shot", *vars(RULE), "verdict", "margin", "margin_before",
            "still_coming", "opening_at_edge", "hole_mm", "spall_mg", "ball_mg",
-           "energy_unexplained", "bodies", "seconds", "commit"]
+           "largest_met_j", "largest_passed_j", "energy_unexplained", "bodies", "seconds", "commit"]
 
 
 def ball_of(shot):
@@ -229,6 +230,8 @@ def run(options, shot):
         "still_coming": f"{wall['still_coming']:.3g}", "opening_at_edge": wall["opening_at_edge"],
         "hole_mm": f"{1e3 * wall['hole']:.4g}", "spall_mg": f"{1e6 * wall['spall_mass']:.4g}",
         "ball_mg": f"{1e6 * mass_of_ball(told):.4g}",
+        "largest_met_j": f"{wall['largest_met']:.3g}",
+        "largest_passed_j": f"{wall['largest_passed']:.3g}",
         "energy_unexplained": f"{unexplained / struck:.2e}",
         "bodies": re.search(r"(\d+) bodies, ", told)[1],
         "commit": results["provenance"]["commit"]}
@@ -255,7 +258,8 @@ def ask_for_setting(parser):
     for key, told in (("across", "bodies across the ball"),
                       ("wall_across", "bodies of the wall on the ball's diameter, at least"),
                       ("seed", "of the crystals' orientations"),
-                      ("end", "of the duration that the rule has")):
+                      ("end", "of the duration that the rule has"),
+                      ("spread", "of the cloud, over the stand-off, that the wall covers")):
         value = getattr(FINE, key)
         parser.add_argument("--" + key.replace("_", "-"), type=type(value), default=value,
                             help=told)

@@ -1,6 +1,6 @@
 """Scores Spall and five equations on the same shots: table and plot of README.md, from results.csv.
 
-    python3 cases/shields/score.py [--across 12] [--wall-across 6] [--seed 1]
+    python3 cases/shields/score.py [--across 18] [--wall-across 6] [--seed 1] ...
     python3 cases/shields/score.py --former     by the law until commit 8330739
 
 SPDX-License-Identifier: BSD-3-Clause
@@ -207,13 +207,18 @@ def table(some, without, planned, options):
     commits = sorted({line["commit"] for _, line in some})
     late = sum(float(line["still_coming"]) > MOST_COMING for _, line in some)
     edge = sum(line["opening_at_edge"] == "True" for _, line in some)
+    narrow = ""
+    if all(line["largest_met_j"] for _, line in some):  # former runs did not tell
+        past = sum(float(line["largest_passed_j"]) > float(line["largest_met_j"])
+                   for _, line in some)
+        narrow = f"in {past} a larger piece flew past the wall than any that met it, "
     if some:
         worst = max(float(line["energy_unexplained"]) for _, line in some)
         hours = sum(float(line["seconds"]) for _, line in some) / 3600
         text += ["", f"In {late} of these runs more than a hundredth of the energy had not met the "
-                 f"wall in the end, in {edge} an opening reached the wall's rim. Energy that no "
-                 f"entry explains: at most {100 * worst:.2g} % of the impact's. {hours:.1f} hours, "
-                 f"one rank each. Commits: {', '.join(commits)}.", "",
+                 f"wall in the end, {narrow}in {edge} an opening reached the wall's rim. Energy "
+                 f"that no entry explains: at most {100 * worst:.2g} % of the impact's. "
+                 f"{hours:.1f} hours, one rank each. Commits: {', '.join(commits)}.", "",
                  of_other_seeds(some, options)]
     return "\n".join(text).rstrip("\n")
 

@@ -6,6 +6,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "analysis/clumps.hpp"
 #include "scene/packing.hpp"
@@ -244,16 +245,22 @@ WallFrame frame_of(const Comm& comm, const Bodies& bodies, const std::vector<Bod
   return frame;
 }
 
-/// Links within the wall alone.
-Links links_of_group(const LinkedBodies& linked, std::int32_t group) {
+/// The pieces of those bodies that `counts` of their groups, as find_clumps() names them; -1 of
+/// others.
+template <class F>
+std::vector<BodyId> pieces_of(const Comm& comm, const LinkedBodies& linked, const F& counts) {
+  const Bodies& bodies = linked.bodies;
   Links own;
   for (std::size_t k = 0; k < linked.links.i.size(); ++k) {
     const Index i = linked.links.i[k], j = linked.links.j[k];
-    if (linked.bodies.group[i] != group || linked.bodies.group[j] != group) continue;
+    if (!counts(bodies.group[i]) || !counts(bodies.group[j])) continue;
     own.i.push_back(i);
     own.j.push_back(j);
   }
-  return own;
+  std::vector<BodyId> name = find_clumps(comm, linked.ghosts, bodies, own);
+  for (Index b = 0; b < bodies.size(); ++b)
+    if (!counts(bodies.group[b])) name[b] = -1;
+  return name;
 }
 
 /// Adds up the pieces that have left the rear; `name` are those of the other pieces alone.
@@ -292,6 +299,27 @@ void weigh_spall(const Comm& comm, const Bodies& bodies, const std::vector<BodyI
   verdict.rim_mass = sums[3];
 }
 
+/// When and where something that flies freely comes to the face of the wall before it.
+struct Arrival {
+  double left;   ///< s
+  double x, y;   ///< m
+  double speed;  ///< m/s, along the normal
+};
+
+/// None of what is in the wall or flies away from it. `motion` (m/s): against the wall.
+std::optional<Arrival> arrival_of(const WallFrame& frame, double thickness, const Vec3& position,
+                                  const Vec3& motion) {
+  const Seen at = see(frame, position);
+  const double speed = (at.depth < 0 ? 1 : -1) * motion.dot(frame.normal);
+  const double gap = std::abs(at.depth) - thickness / 2;
+  if (gap <= 0 || speed <= 0) return {};
+  const double left = gap / speed;
+  return Arrival{.left = left,
+                 .x = at.x + left * motion.dot(frame.across[0]),
+                 .y = at.y + left * motion.dot(frame.across[1]),
+                 .speed = speed};
+}
+
 /// Share of the energy that flew at the wall, from either side, of what will still meet it.
 double share_still_coming(const Comm& comm, const Bodies& bodies, const ShieldWall& wall,
                           const Clump& main, const WallFrame& frame) {
@@ -301,19 +329,32 @@ double share_still_coming(const Comm& comm, const Bodies& bodies, const ShieldWa
     if (bodies.group[b] == wall.group || !std::isfinite(m)) continue;
     for (const auto& [group, speed] : wall.approaches)
       if (bodies.group[b] == group) energy[1] += m / 2 * speed * speed;
-    const Seen at = see(frame, bodies.position[b]);
-    const Vec3 motion = bodies.velocity[b] - main.velocity;
-    const double speed = (at.depth < 0 ? 1 : -1) * motion.dot(frame.normal);
-    const double gap = std::abs(at.depth) - wall.thickness / 2;
-    if (gap <= 0 || speed <= 0) continue;
-    const double left = gap / speed;  // s
-    const double x = at.x + left * motion.dot(frame.across[0]);
-    const double y = at.y + left * motion.dot(frame.across[1]);
-    if (std::abs(x) <= wall.half_width[0] && std::abs(y) <= wall.half_width[1])
-      energy[0] += m / 2 * speed * speed;
+    const auto meets =
+        arrival_of(frame, wall.thickness, bodies.position[b], bodies.velocity[b] - main.velocity);
+    if (meets && std::abs(meets->x) <= wall.half_width[0] &&
+        std::abs(meets->y) <= wall.half_width[1])
+      energy[0] += m / 2 * meets->speed * meets->speed;
   }
   comm.sum(energy);
   return energy[1] > 0 ? energy[0] / energy[1] : 0;
+}
+
+/// Takes down the largest of the pieces that come to the wall within `soon` (s).
+void weigh_arrivals(const Comm& comm, const LinkedBodies& linked, const ShieldWall& wall,
+                    const Clump& main, const WallFrame& frame, const Window& window, double soon,
+                    WallVerdict& verdict) {
+  const auto name =
+      pieces_of(comm, linked, [&](std::int32_t group) { return group != wall.group; });
+  for (const Clump& piece : share_of_clumps(comm, linked.bodies, name)) {
+    const auto arrival =
+        arrival_of(frame, wall.thickness, piece.position, piece.velocity - main.velocity);
+    if (!arrival || arrival->left > soon) continue;
+    double& most =
+        window.contains(arrival->x, arrival->y) ? verdict.largest_met : verdict.largest_passed;
+    most = std::max(most, piece.mass / 2 * arrival->speed * arrival->speed);
+  }
+  verdict.largest_met = comm.max(verdict.largest_met);
+  verdict.largest_passed = comm.max(verdict.largest_passed);
 }
 
 }  // namespace
@@ -390,18 +431,16 @@ ShieldWall lay_wall(const Comm& comm, const Case& scene, const Shield& shield) {
   return wall;
 }
 
-WallVerdict judge_wall(const Comm& comm, const LinkedBodies& linked, const ShieldWall& wall) {
+WallVerdict judge_wall(const Comm& comm, const LinkedBodies& linked, const ShieldWall& wall,
+                       double soon) {
   const Bodies& bodies = linked.bodies;
   std::vector<BodyId> name =
-      find_clumps(comm, linked.ghosts, bodies, links_of_group(linked, wall.group));
+      pieces_of(comm, linked, [&](std::int32_t group) { return group == wall.group; });
   std::array<double, 2> all{};  // bodies of the wall, and their mass
-  for (Index b = 0; b < bodies.size(); ++b) {
-    if (bodies.group[b] != wall.group) {
-      name[b] = -1;
-    } else if (b < bodies.owned) {
-      all[0] += 1;
-      all[1] += bodies.mass[b];
-    }
+  for (Index b = 0; b < bodies.owned; ++b) {
+    if (bodies.group[b] != wall.group) continue;
+    all[0] += 1;
+    all[1] += bodies.mass[b];
   }
   comm.sum(all);
   const ClumpList pieces = weigh_clumps(comm, bodies, name, 1);
@@ -432,6 +471,7 @@ WallVerdict judge_wall(const Comm& comm, const LinkedBodies& linked, const Shiel
   weigh_spall(comm, bodies, name, wall, main, frame, grid, maps, window, verdict);
   verdict.least_spall = nearly * smallest_spall * all[1] / all[0];
   verdict.still_coming = share_still_coming(comm, bodies, wall, main, frame);
+  weigh_arrivals(comm, linked, wall, main, frame, window, soon, verdict);
 
   if (verdict.openings > 0) {
     verdict.outcome = Outcome::perforated;

@@ -67,8 +67,13 @@ struct WallVerdict {
   double least_spall = 0;                    ///< kg, from which on it counts
   double spall_speed = 0;                    ///< m/s, against the main piece, mean by mass
   double still_coming = 0;  ///< share of the energy that flew at it of what is yet to meet it
+  /// J, of motion along the normal: of the piece that has most, of those that come to the wall
+  /// `soon`. It meets what is judged, or flies past that.
+  double largest_met = 0, largest_passed = 0;
 };
-/// Velocities and positions must belong to the same instant. Collective.
-WallVerdict judge_wall(const Comm& comm, const LinkedBodies& linked, const ShieldWall& wall);
+/// `soon` (s): the time until the wall is judged next. Velocities and positions must belong to the
+/// same instant. Collective.
+WallVerdict judge_wall(const Comm& comm, const LinkedBodies& linked, const ShieldWall& wall,
+                       double soon);
 
 }  // namespace spall

@@ -70,6 +70,10 @@ def shields(results):
         if wall["opening_at_edge"]:
             yield NOTE, (f"An opening of the {name} reaches its edge: a wider wall may give "
                          "another verdict.")
+        if found == "held" and wall.get("largest_passed", 0) > wall.get("largest_met", 0):
+            yield NOTE, (f"The {name} is too narrow: a piece of {wall['largest_passed']:.3g} J flew"
+                         f" past what is judged, and none that met it had more than "
+                         f"{wall['largest_met']:.3g} J.")
         if found == "held" and wall["rim_mass"] >= wall.get("least_spall", float("inf")):
             yield NOTE, (f"The rim of the {name}, which is not judged, has lost "
                          f"{1e3 * wall['rim_mass']:.2g} g: a wider wall may give another verdict.")

@@ -182,6 +182,10 @@ class Search:
                           " at it has not met it")
         if found["opening_at_edge"]:
             doubts.append("opened as far as its edge: the wall may be too small")
+        met, passed = (found.get(f"largest_{way}", 0) for way in ("met", "passed"))  # 0: older runs
+        if self.holds(part) and passed > met:
+            doubts.append(f"too narrow: a piece of {passed:.3g} J flew past what is judged, which "
+                          f"no piece of more than {met:.3g} J has met")
         if not abs(found["energy_unexplained"]) <= DOUBTED:
             doubts.append(f"not to be believed: {found['energy_unexplained']:.2g} of what was "
                           "dissipated is explained by no entry")

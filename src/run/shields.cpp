@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "scene/shape.hpp"
 
 namespace spall {
@@ -62,6 +64,9 @@ void add(const ShieldWall& wall, const WallVerdict& v, ResultTable& table) {
   table.add(section, "spall_speed", v.spall_speed, "m/s", "against the wall, mean by mass");
   table.add(section, "still_coming", v.still_coming, "",
             "of the energy that flew at it: has not met it yet");
+  table.add(section, "largest_met", v.largest_met, "J",
+            "along the normal, of the piece with most of those that met what is judged");
+  table.add(section, "largest_passed", v.largest_passed, "J", "the same, of those that flew past");
   table.add(section, "spacing", wall.spacing, "m", "of its bodies: narrower openings are not seen");
 }
 
@@ -86,6 +91,11 @@ std::string sentence_of(const ShieldWall& wall, const WallVerdict& v) {
   }
   if (v.rim_mass >= v.least_spall && v.outcome == Outcome::held)
     text += fmt::format("; its rim, which is not judged, has lost {:.3g} kg", v.rim_mass);
+  if (v.largest_passed > v.largest_met && v.outcome == Outcome::held)
+    text += fmt::format(
+        "; too narrow: a piece of {:.3g} J flew past what is judged, which no piece of more than "
+        "{:.3g} J has met",
+        v.largest_passed, v.largest_met);
   constexpr double little = 0.01;
   if (v.still_coming > little)
     text += fmt::format("; not final: {:.2g} % of the energy that flies at it has not met it",
@@ -98,7 +108,11 @@ std::vector<std::string> Shields::read_out(const World& world, const Engine& eng
   if (walls_.empty()) return lines;
   const LinkedBodies linked = engine.links(world);
   for (Judged& judged : walls_) {
-    judged.last = judge_wall(world.comm, linked, judged.wall);
+    const double since = time - (judged.times.empty() ? 0 : judged.times.back());
+    const WallVerdict before = judged.last;  // what came until now
+    judged.last = judge_wall(world.comm, linked, judged.wall, since);
+    judged.last.largest_met = std::max(judged.last.largest_met, before.largest_met);
+    judged.last.largest_passed = std::max(judged.last.largest_passed, before.largest_passed);
     judged.times.push_back(time);
     judged.margins.push_back(judged.last.margin);
     lines.push_back(sentence_of(judged.wall, judged.last));
@@ -131,20 +145,29 @@ std::string entry(const ShieldWall& wall, std::size_t row, const char* what) {
 }  // namespace
 
 void Shields::save(Scalars& scalars) const {
-  for (const Judged& judged : walls_)
+  for (const Judged& judged : walls_) {
+    scalars[judged.wall.section + ".largest_met"] = judged.last.largest_met;
+    scalars[judged.wall.section + ".largest_passed"] = judged.last.largest_passed;
     for (std::size_t r = 0; r < judged.times.size(); ++r) {
       scalars[entry(judged.wall, r, "time")] = judged.times[r];
       scalars[entry(judged.wall, r, "margin")] = judged.margins[r];
     }
+  }
 }
 
 /// A wall that is named from here on has none.
 void Shields::load(const Scalars& scalars) {
-  for (Judged& judged : walls_)
+  for (Judged& judged : walls_) {
+    const std::string& section = judged.wall.section;
+    if (scalars.contains(section + ".largest_met")) {
+      judged.last.largest_met = find_scalar(scalars, section + ".largest_met");
+      judged.last.largest_passed = find_scalar(scalars, section + ".largest_passed");
+    }
     for (std::size_t r = 0; scalars.contains(entry(judged.wall, r, "time")); ++r) {
       judged.times.push_back(find_scalar(scalars, entry(judged.wall, r, "time")));
       judged.margins.push_back(find_scalar(scalars, entry(judged.wall, r, "margin")));
     }
+  }
 }
 
 }  // namespace spall
