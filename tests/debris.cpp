@@ -119,6 +119,42 @@ TEST(Debris, hole_is_as_wide_as_it_was_made) {
   }
 }
 
+TEST(Debris, a_hole_that_reaches_the_rim_has_no_spread) {
+  const Comm comm = testing_world();
+  const Target t = target_of(scene());
+  const auto spread = [&](double hole, const Vec3& middle) {
+    return measure_cloud(comm, bodies_of(comm, plate(t, hole, middle)), t, 0).hole_spread;
+  };
+  EXPECT_FALSE(std::isnan(spread(40, Vec3::Zero())));
+  EXPECT_TRUE(std::isnan(spread(48, Vec3::Zero())));
+  EXPECT_FALSE(std::isnan(spread(30, {5, 0, 0})));
+  EXPECT_TRUE(std::isnan(spread(30, {9, 0, 0})));  // on one side alone
+}
+
+TEST(Debris, a_melt_energy_that_only_melts_is_refused) {
+  const auto complaint = [](const char* melt_energy) {
+    return complaint_of([&] {
+      parse_case(std::string("[materials.al.solid]\ndensity = 2700\nspecific_heat = 900\n"
+                             "melting_point = 900\nmelt_energy = ") +
+                     melt_energy + "\n",
+                 "x.toml");
+    });
+  };
+  EXPECT_NE(complaint("397e3").find("latent heat alone"), std::string::npos);
+  EXPECT_EQ(complaint("1e6").find("latent heat alone"), std::string::npos);
+}
+
+TEST(Debris, a_rod_is_as_wide_as_it_is_seen_along_its_flight) {
+  Case rod = scene();
+  Volume& volume = rod.groups[1].volume;
+  volume.shape = Shape::cylinder;
+  volume.radius = 1;
+  volume.extents = {2, 2, 16};
+  EXPECT_DOUBLE_EQ(target_of(rod).diameter, 2);
+  volume.axes = Eigen::AngleAxisd(pi / 2, Vec3::UnitX()).toRotationMatrix();  // flies across
+  EXPECT_DOUBLE_EQ(target_of(rod).diameter, 16);
+}
+
 TEST(Debris, whole_plate_of_coarse_bodies_has_no_hole) {
   // Between bodies that are farther apart than rings are wide a whole plate looks open.
   const Comm comm = testing_world();
@@ -225,7 +261,10 @@ TEST(Debris, of_a_cloud_without_bodies_are_zeros) {
   const Target t = target_of(scene());
   const Cloud cloud = measure_cloud(testing_world(), {}, t, 0);
   for_each_column(cloud, [&](const std::string& name, double value, auto&&...) {
-    EXPECT_EQ(value, name == "hole" ? cloud.hole : 0) << name;
+    if (name == "hole_spread")
+      EXPECT_TRUE(std::isnan(value));  // nothing is left of the plate
+    else
+      EXPECT_EQ(value, name == "hole" ? cloud.hole : 0) << name;
   });
 }
 

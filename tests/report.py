@@ -260,6 +260,11 @@ class Verdicts(unittest.TestCase):
         self.check(wall("held", rim_mass=5e-6), "note", "which is not judged, has lost 0.005 g")
         self.check(wall("held", largest_met=2.0, largest_passed=3.0), "note",
                    "too narrow: a piece of 3 J flew past")
+        self.check(self.of({"penalty": {"overlap_max": 0.02}}, method="penalty"), "note",
+                   "overlapped by up to 2 % of the smaller radius")
+        self.check(self.of({"settling": {"warning": "phase a has not settled"}}), "note",
+                   "Phase a has not settled")
+        self.assertEqual(len(wall("perforated", still_coming=0.3)), len(wall("perforated")))
         self.assertEqual(len(wall("held", largest_met=3.0, largest_passed=2.0)), len(wall("held")))
         self.check(wall("held", wall="wall"), "good", "The wall has held")
         # Three layers, which in binary are below three by round-off alone.

@@ -105,9 +105,8 @@ struct Scenery {
       return std::hypot(p.x - x, p.y - y) < (diameter + d) / 2 ? fate : Fate::stays;
     });
   }
-  WallVerdict judge(double soon = 0) const {
-    return judge_wall(world.comm, engine->links(world), wall, soon);
-  }
+  WallVerdict judge() const { return judge_wall(world.comm, engine->links(world), wall); }
+  Coming coming() const { return look_at_what_comes(world.comm, engine->links(world), wall); }
 };
 
 const std::vector<Asked> turned = {
@@ -244,8 +243,9 @@ TEST(Shields, what_is_blown_off_the_edges_is_no_spall_and_what_flies_aside_is) {
     blow(far, infinity, 100 * normal - 20 * aside);
     EXPECT_EQ(shot.judge().spall_pieces, 0);
     EXPECT_EQ(shot.judge().outcome, Outcome::held);
-    EXPECT_NE(sentence_of(shot.wall, shot.judge()).find("its rim, which is not judged, has lost"),
-              std::string::npos);
+    EXPECT_NE(
+        sentence_of(shot.wall, shot.judge(), {}).find("its rim, which is not judged, has lost"),
+        std::string::npos);
     // From the middle, so far aside that it is beyond the edge by now.
     blow(-2 * d, 2 * d, 200 * normal + 500 * aside);
     const WallVerdict v = shot.judge();
@@ -320,7 +320,7 @@ TEST(Shields, half_a_wall_is_open_as_far_as_its_edge) {
 TEST(Shields, what_has_not_arrived_is_told) {
   Scenery shot(testing_world(), {});
   EXPECT_NEAR(shot.judge().still_coming, 1, 1e-12);
-  EXPECT_NE(sentence_of(shot.wall, shot.judge()).find("not final: 1e+02 %"), std::string::npos);
+  EXPECT_NE(sentence_of(shot.wall, shot.judge(), {}).find("not final: 1e+02 %"), std::string::npos);
   Bodies& bodies = shot.world.bodies;
   for (Index b = 0; b < bodies.owned; ++b)
     if (bodies.group[b] == 1 && bodies.position[b].x() > 0) bodies.velocity[b] *= 0.5;
@@ -373,48 +373,75 @@ double mass_of(const Scenery& shot, const char* name) {
 }
 
 TEST(Shields, the_largest_piece_that_meets_the_wall_and_the_largest_that_flies_past_are_told) {
-  // One flies past, one behind the wall away, one aside of the wall at it. The wall's half width is
-  // 14 mm, of which 2 are not judged; faces are 7 mm from what starts at -10 mm.
-  const std::string others = R"(
+  // Its half width is 14 mm, of which 2 are not judged; its face is 7 mm from where the ball is.
+  Scenery shot(testing_world(), {});
+  const double mass = mass_of(shot, "ball");
+  const auto close = [](double a, double b) { return std::abs(a - b) <= 1e-9 * std::abs(b); };
+  const auto turn = [&](double across, double along) {
+    Bodies& bodies = shot.world.bodies;
+    for (Index b = 0; b < bodies.owned; ++b)
+      if (bodies.group[b] != shot.wall.group) bodies.velocity[b] = Vec3(across, 0, along);
+    return shot.coming();
+  };
+  const Coming straight = turn(0, 1), aside = turn(6.8, 4), rim = turn(7.2, 4), back = turn(0, -1);
+  EXPECT_TRUE(close(straight.meets, mass / 2)) << straight.meets;
+  EXPECT_EQ(straight.passes, 0);
+  EXPECT_TRUE(close(aside.meets, 8 * mass)) << aside.meets;  // at 11.9 mm
+  EXPECT_EQ(aside.passes, 0);
+  EXPECT_EQ(rim.meets, 0);
+  EXPECT_TRUE(close(rim.passes, 8 * mass)) << rim.passes;  // at 12.6 mm
+  EXPECT_EQ(back.meets, 0);
+  EXPECT_EQ(back.passes, 0);
+
+  WallVerdict held;
+  EXPECT_NE(sentence_of(shot.wall, held, {1, 2}).find("too narrow"), std::string::npos);
+  for (const Coming& fine : {Coming{2, 1}, Coming{0, 1}})
+    EXPECT_EQ(sentence_of(shot.wall, held, fine).find("too narrow"), std::string::npos);
+  held.outcome = Outcome::perforated;
+  EXPECT_EQ(sentence_of(shot.wall, held, {1, 2}).find("too narrow"), std::string::npos);
+}
+
+TEST(Shields, what_has_a_bumper_before_it_and_what_flies_at_another_wall_is_no_piece_yet) {
+  const auto coming = [](const std::string& more) {
+    return Scenery(testing_world(), {.from = "[0, 0, -30e-3]", .of_wall = more}).coming();
+  };
+  const std::string bumper = R"(
 [[groups]]
-name = "past"
+name = "bumper"
 material = "al"
-volume = {shape = "sphere", diameter = "6 mm", center = [60e-3, 0, -10e-3]}
-packing = {kind = "fcc", diameter = "1 mm"}
-velocity = [0, 0, 2]
+volume = {shape = "box", size = ["28 mm", "28 mm", "1 mm"], center = [0, 0, "-Z mm"]}
+packing = {kind = "fcc", diameter = "1 mm", orientation = "random"}
+)",
+                    elsewhere = R"(
 [[groups]]
-name = "away"
+name = "other"
 material = "al"
-volume = {shape = "sphere", diameter = "4 mm", center = [0, 0, 20e-3]}
+volume = {shape = "sphere", diameter = "4 mm", center = [80e-3, 0, -10e-3]}
 packing = {kind = "fcc", diameter = "1 mm"}
 velocity = [0, 0, 9]
-[[groups]]
-name = "aside"
-material = "al"
-volume = {shape = "sphere", diameter = "4 mm", center = [-80e-3, 0, -10e-3]}
-packing = {kind = "fcc", diameter = "1 mm"}
-velocity = [45, 0, 4]
 )";
-  Scenery shot(testing_world(), {.of_wall = others});
-  const double past = 2 * mass_of(shot, "past"), aside = 8 * mass_of(shot, "aside");  // J
-  const auto close = [](double a, double b) { return std::abs(a - b) <= 1e-9 * std::abs(b); };
-  const WallVerdict now = shot.judge(), next = shot.judge(2e-3), later = shot.judge(4e-3);
-  EXPECT_EQ(now.largest_met, 0);
-  EXPECT_EQ(now.largest_passed, 0);
-  EXPECT_TRUE(close(next.largest_met, aside)) << next.largest_met;  // in 1.75 ms, at -1.25 mm
-  EXPECT_EQ(next.largest_passed, 0);
-  EXPECT_TRUE(close(later.largest_passed, past)) << later.largest_passed;  // in 3.5 ms
-  EXPECT_EQ(later.largest_met, next.largest_met);
-  EXPECT_EQ(sentence_of(shot.wall, later).find("too narrow"), std::string::npos);
+  const auto at = [&](const char* z) {
+    return std::string(bumper).replace(bumper.find('Z'), 1, z);
+  };
+  const double alone = coming("").meets;
+  EXPECT_GT(alone, 0);
+  EXPECT_EQ(coming(at("20")).meets, 0);      // before the ball
+  EXPECT_EQ(coming(at("40")).meets, alone);  // behind it
+  const Coming two = coming(elsewhere);
+  EXPECT_EQ(two.meets, alone);
+  EXPECT_EQ(two.passes, 0);
+}
 
-  // It meets the rim, which is not judged.
+TEST(Shields, a_wall_has_not_held_yet_while_the_ball_is_in_it) {
+  Scenery shot(testing_world(), {});
+  EXPECT_NEAR(shot.judge().still_coming, 1, 1e-12);
   Bodies& bodies = shot.world.bodies;
   for (Index b = 0; b < bodies.owned; ++b)
-    if (bodies.velocity[b].x() != 0) bodies.velocity[b].x() = 53;  // to 12.75 mm
-  const WallVerdict rim = shot.judge(4e-3);
-  EXPECT_EQ(rim.largest_met, 0);
-  EXPECT_TRUE(close(rim.largest_passed, std::max(aside, past))) << rim.largest_passed;
-  EXPECT_NE(sentence_of(shot.wall, rim).find("too narrow"), std::string::npos);
+    if (bodies.group[b] != shot.wall.group) {
+      bodies.position[b].z() = 0.3 * thickness;
+      bodies.velocity[b].z() = 0.2;
+    }
+  EXPECT_NEAR(shot.judge().still_coming, 0.04, 1e-12);
 }
 
 TEST(Shields, verdicts_are_the_same_on_any_number_of_ranks) {
@@ -422,9 +449,10 @@ TEST(Shields, verdicts_are_the_same_on_any_number_of_ranks) {
     Scenery shot(comm, turned[2]);
     shot.drill(-4 * d, 0, 4 * d);
     throw_flake(shot, 5 * d, 3 * d, 70);
-    return shot.judge(1);
+    return std::pair(shot.judge(), shot.coming().meets);
   };
-  const WallVerdict many = hit(testing_world()), one = hit(alone());
+  const auto [many, met] = hit(testing_world());
+  const auto [one, met_alone] = hit(alone());
   EXPECT_EQ(many.outcome, one.outcome);
   EXPECT_EQ(many.openings, one.openings);
   EXPECT_EQ(many.hole, one.hole);
@@ -434,8 +462,8 @@ TEST(Shields, verdicts_are_the_same_on_any_number_of_ranks) {
   EXPECT_NEAR(many.spall_mass, one.spall_mass, 1e-12 * one.spall_mass);
   EXPECT_NEAR(many.spall_speed, one.spall_speed, 1e-9);
   EXPECT_NEAR(many.still_coming, one.still_coming, 1e-12);
-  EXPECT_GT(one.largest_met, 0);
-  EXPECT_NEAR(many.largest_met, one.largest_met, 1e-12 * one.largest_met);
+  EXPECT_GT(met, 0);
+  EXPECT_NEAR(met, met_alone, 1e-12 * met);
 }
 
 TEST(Shields, margins_survive_a_restart_and_are_told_with_the_verdict) {
@@ -492,7 +520,7 @@ wall = "wall"
   const ShieldWall wall = lay_wall(comm, *scene, scene->shields[0]);
   Simulation run(comm, Scene(scene));
   run.run_until(1);
-  return judge_wall(comm, run.engine().links(run.world()), wall, 0);
+  return judge_wall(comm, run.engine().links(run.world()), wall);
 }
 
 TEST(Shields, a_thin_wall_holds_a_slow_ball_and_is_perforated_by_a_fast_one) {

@@ -157,6 +157,22 @@ TEST(Tearing, moduli_that_are_far_apart_are_a_slip_of_units) {
   }
 }
 
+TEST(Tearing, slips_that_no_other_constant_contradicts_are_refused_and_the_library_is_not) {
+  const Solid copper = *material_of_library("copper").solid;
+  const auto told = [&](auto&& slip) {
+    Solid solid = copper;
+    slip(solid);
+    return complaint_of([&] { solid_law(solid, true, "x"); });
+  };
+  EXPECT_EQ(told([](Solid& s) { s.johnson_cook.a *= 1e3; }).substr(0, 35),
+            "x: johnson_cook_a + johnson_cook_b ");
+  EXPECT_EQ(told([](Solid& s) { s.spall_strength *= 1e3; }).substr(0, 17), "x: spall_strength");
+  EXPECT_EQ(told([](Solid& s) { s.specific_heat *= 1e3; }).substr(0, 16), "x: specific_heat");
+  EXPECT_EQ(told([](Solid& s) { s.specific_heat *= 1e-3; }).substr(0, 16), "x: specific_heat");
+  EXPECT_EQ(told([](Solid& s) { s.gruneisen = 19.7; }).substr(0, 12), "x: gruneisen");
+  EXPECT_EQ(told([](Solid&) {}), "");
+}
+
 TEST(Tearing, fracture_energy_needs_what_it_goes_with) {
   Solid solid = *material_of_library("copper").solid;
   solid.fracture_energy = 1e4;

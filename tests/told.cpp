@@ -40,10 +40,115 @@ until = "settled"
 settled_speed = 1e-3
 )");
   };
-  const std::string bounces = settling("1"), rests = settling("0");
+  const auto kept = [] {
+    return results_in(folder_of("settled"))["settling"]["warning"].value_or(std::string());
+  };
+  const std::string bounces = settling("1"), told = kept();
+  const std::string rests = settling("0");
+  EXPECT_EQ(told.substr(0, 35), "phase settling has not settled: its");
+  EXPECT_EQ(kept(), "");
   if (testing_world().rank > 0) return;  // the first one speaks
   EXPECT_NE(bounces.find("WARNING: phase settling has not settled"), bounces.npos);
   EXPECT_EQ(rests.find("has not settled"), rests.npos);
+}
+
+const std::string lone_bodies = R"(
+[[groups]]
+name = "a"
+material = "rock"
+volume = {radius = 1, center = [0, 0, 0]}
+[[groups]]
+name = "b"
+material = "rock"
+volume = {radius = 1, center = [9, 0, 0]}
+[[groups]]
+name = "c"
+material = "rock"
+volume = {radius = 1, center = [-9, 0, 0]}
+)";
+
+TEST(Told, that_a_phase_before_has_not_settled_where_a_run_goes_on) {
+  const std::string text = rock + lone_bodies + R"(
+[[phases]]
+name = "settling"
+step = 1
+duration = 2
+until = "settled"
+settled_speed = 1e-3
+[[phases]]
+name = "on"
+step = 1
+duration = 2
+)";
+  const std::string folder = folder_of("goes_on"), other = folder_of("goes_on_elsewhere");
+  said_by([&] {
+    run_case(testing_world(), parse_case(text, "y.toml", {"groups.a.velocity=[0,0,1]"}), folder,
+             Former::overwrite);
+  });
+  const std::string file = folder + "/after_settling.h5";
+  ResumeOptions how{.folder = other, .former = Former::overwrite, .overrides = {}};
+  said_by([&] { resume_case(testing_world(), file, how); });
+  const auto told = results_in(other)["settling"]["warning"].value_or(std::string());
+  EXPECT_EQ(told.substr(0, 35), "phase settling has not settled: its");
+
+  // In the folder of the run that has ended it would take the place of what was found.
+  how = {};
+  const std::string refused = complaint_of([&] { resume_case(testing_world(), file, how); });
+  EXPECT_NE(refused.find("holds a run that has ended"), refused.npos) << refused;
+  how.former = Former::overwrite;
+  said_by([&] { resume_case(testing_world(), file, how); });
+}
+
+TEST(Told, that_a_target_is_shattered) {
+  const std::string text = "read_out = [1]\n" + rock + lone_bodies + R"(
+[[phases]]
+name = "hit"
+step = 0.01
+duration = 1
+impactor = {mass = 1000, radius = 0.5, speed = 20, distance = 0.1}
+)";
+  said("shattered", text);
+  const toml::table results = results_in(folder_of("shattered"));
+  const auto told = results["deflection"]["warning"].value_or(std::string());
+  EXPECT_EQ(told.substr(0, 70),
+            "WARNING: the target is shattered: its largest clump has 0.33 of its ma");
+}
+
+TEST(Told, how_deep_springs_let_bodies_go) {
+  // v sqrt(m / k) without losses, over the smaller radius.
+  const double k = 1e8, v = 0.2, a = 1, b = 0.5;
+  const auto mass = [](double r) { return 1600 * 4 / 3.0 * pi * r * r * r; };
+  const auto deepest = [&](const std::string& more) {
+    said("soft", rock + fmt::format(R"(youngs_modulus = 1e9
+poisson_ratio = 0.3
+[contact]
+restitution = 1
+[penalty]
+model = "hooke"
+stiffness = {}
+[[groups]]
+name = "a"
+material = "rock"
+volume = {{radius = {}, center = [0, 0, 1.01]}}
+velocity = [0, 0, {}]
+{}
+[[phases]]
+name = "hit"
+method = "penalty"
+step = 1e-4
+duration = 0.12
+)",
+                                    k, a, -v, more));
+    return results_in(folder_of("soft"))["penalty"]["overlap_max"].value_or(0.0);
+  };
+  const double reduced = mass(a) * mass(b) / (mass(a) + mass(b));
+  const double pair = v * std::sqrt(reduced / k) / b, wall = v * std::sqrt(mass(a) / k) / a;
+  EXPECT_NEAR(deepest("[[groups]]\nname = \"b\"\nmaterial = \"rock\"\n"
+                      "volume = {radius = 0.5, center = [0, 0, -0.5]}\n"),
+              pair, 1e-3 * pair);
+  EXPECT_NEAR(deepest("[[groups]]\nname = \"b\"\nmaterial = \"rock\"\n"
+                      "volume = {radius = 0.5, center = [9, 0, 0.6]}\n[[planes]]\n"),
+              wall, 1e-3 * wall);
 }
 
 TEST(Told, that_pieces_fly_apart_where_nothing_attracts_them) {

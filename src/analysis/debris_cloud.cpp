@@ -186,6 +186,7 @@ void measure_hole(const Comm& comm, const Bodies& bodies, const Target& target, 
   });
   comm.sum(part);
   double sum = 0, squares = 0;
+  bool ends = true;  // before the plate does
   for (int s = 0; s < sectors; ++s) {
     const double* f = &part[static_cast<std::size_t>(s * rings)];
     int edge = 0;
@@ -194,7 +195,9 @@ void measure_hole(const Comm& comm, const Bodies& bodies, const Target& target, 
       for (int k = edge; k < edge + count; ++k) m += f[k] / count;
       return m;
     };
-    while (edge + ahead < rings && (f[edge] < 0.5 || mean(ahead) < 0.5)) ++edge;
+    const auto open = [&] { return f[edge] < 0.5 || mean(ahead) < 0.5; };
+    while (edge + ahead < rings && open()) ++edge;
+    ends &= edge + ahead < rings || rings < ahead || !open();
     // The ring before may hold the rest of what ends in this one.
     const double filled = std::min(f[edge], 1.0) + (edge > 0 ? std::min(f[edge - 1], 0.5) : 0);
     const double hole = 2 * std::max(0.0, width * (edge + 1 - filled));
@@ -203,7 +206,7 @@ void measure_hole(const Comm& comm, const Bodies& bodies, const Target& target, 
   }
   if (sum < 6 * comm.max(largest)) return;
   cloud.hole = sum;
-  cloud.hole_spread = std::sqrt(std::max(0.0, squares - sum * sum));
+  cloud.hole_spread = ends ? std::sqrt(std::max(0.0, squares - sum * sum)) : std::nan("");
 }
 
 /// m along the normal: how far the plate has gone, by its bodies that are no farther than it is
@@ -221,6 +224,20 @@ double way_of_plate(const Comm& comm, const Bodies& bodies, const Target& target
 
 }  // namespace
 
+namespace {
+
+/// m: the largest of a volume's widths along its axes, as seen along `flight`.
+double width_across(const Volume& volume, const Vec3& flight) {
+  const Vec3 half = half_widths(volume);
+  if (half.maxCoeff() == half.minCoeff()) return 2 * half[0];
+  double widest = 0;
+  for (int k = 0; k < 3; ++k)
+    widest = std::max(widest, 2 * half[k] * volume.axes.col(k).cross(flight).norm());
+  return widest;
+}
+
+}  // namespace
+
 Target find_target(const Case& scene, const DebrisPlate& measured) {
   Target t;
   t.projectile = scene.debris->projectile;
@@ -230,7 +247,7 @@ Target find_target(const Case& scene, const DebrisPlate& measured) {
   const int thin = thin_axis(plate.volume);
   const Vec3 normal = plate.volume.axes.col(thin);
   t.normal = ball.velocity.dot(normal) < 0 ? Vec3(-normal) : normal;
-  t.diameter = 2 * half_widths(ball.volume).maxCoeff();
+  t.diameter = width_across(ball.volume, ball.velocity.normalized());
   t.speed = ball.velocity.norm();
   t.thickness = plate.volume.extents[thin];
   const double volume = volume_of(plate.volume);

@@ -53,7 +53,8 @@ struct Cloud {
   double projectile_vapour = 0, plate_vapour = 0;      ///< the same
   double ejecta_mass = 0, ejecta_momentum = 0;  ///< more than D/4 before the plate, flying back
   double hole = 0, hole_spread = 0;  ///< m: where the plate has half of its areal density, mean and
-                                     ///< standard deviation over twelve sectors
+                                     ///< standard deviation over twelve sectors; NaN: the hole
+                                     ///< reaches the plate's rim, and may be wider
   double plate_speed = 0;            ///< m/s along the normal, mean of the plate's other bodies
   double plate_moved = 0;            ///< m along it, what is left of the plate
 };
@@ -84,7 +85,8 @@ void for_each_column(CloudLike& c, F&& f) {
   f("ejecta_mass", c.ejecta_mass, "kg", "before the plate, flying back");
   f("ejecta_momentum", c.ejecta_momentum, "kg m/s", "");
   f("hole", c.hole, "m", "diameter at half of the areal density");
-  f("hole_spread", c.hole_spread, "m", "standard deviation over twelve sectors");
+  f("hole_spread", c.hole_spread, "m",
+    "standard deviation over twelve sectors; nan: it reaches the rim");
   f("plate_speed", c.plate_speed, "m/s", "mean of what is left of the plate");
   f("plate_moved", c.plate_moved, "m",
     "beyond D/4 the plate counts as debris, and hole is not to be believed");

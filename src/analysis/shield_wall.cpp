@@ -320,17 +320,25 @@ std::optional<Arrival> arrival_of(const WallFrame& frame, double thickness, cons
                  .speed = speed};
 }
 
-/// Share of the energy that flew at the wall, from either side, of what will still meet it.
+/// Share of the energy that flew at the wall, from either side, of what will still meet it, or is
+/// on its way through it.
 double share_still_coming(const Comm& comm, const Bodies& bodies, const ShieldWall& wall,
                           const Clump& main, const WallFrame& frame) {
   std::array<double, 2> energy{};  // still coming, at the start
   for (Index b = 0; b < bodies.owned; ++b) {
     const double m = bodies.mass[b];
     if (bodies.group[b] == wall.group || !std::isfinite(m)) continue;
-    for (const auto& [group, speed] : wall.approaches)
-      if (bodies.group[b] == group) energy[1] += m / 2 * speed * speed;
-    const auto meets =
-        arrival_of(frame, wall.thickness, bodies.position[b], bodies.velocity[b] - main.velocity);
+    const Vec3 motion = bodies.velocity[b] - main.velocity;
+    const Seen at = see(frame, bodies.position[b]);
+    for (const auto& approach : wall.approaches) {
+      if (bodies.group[b] != approach.group) continue;
+      energy[1] += m / 2 * approach.speed * approach.speed;
+      const double along = motion.dot(frame.normal);
+      if (std::abs(at.depth) <= wall.thickness / 2 && std::abs(at.x) <= wall.half_width[0] &&
+          std::abs(at.y) <= wall.half_width[1])
+        energy[0] += m / 2 * along * along;
+    }
+    const auto meets = arrival_of(frame, wall.thickness, bodies.position[b], motion);
     if (meets && std::abs(meets->x) <= wall.half_width[0] &&
         std::abs(meets->y) <= wall.half_width[1])
       energy[0] += m / 2 * meets->speed * meets->speed;
@@ -339,22 +347,33 @@ double share_still_coming(const Comm& comm, const Bodies& bodies, const ShieldWa
   return energy[1] > 0 ? energy[0] / energy[1] : 0;
 }
 
-/// Takes down the largest of the pieces that come to the wall within `soon` (s).
-void weigh_arrivals(const Comm& comm, const LinkedBodies& linked, const ShieldWall& wall,
-                    const Clump& main, const WallFrame& frame, const Window& window, double soon,
-                    WallVerdict& verdict) {
-  const auto name =
-      pieces_of(comm, linked, [&](std::int32_t group) { return group != wall.group; });
-  for (const Clump& piece : share_of_clumps(comm, linked.bodies, name)) {
-    const auto arrival =
-        arrival_of(frame, wall.thickness, piece.position, piece.velocity - main.velocity);
-    if (!arrival || arrival->left > soon) continue;
-    double& most =
-        window.contains(arrival->x, arrival->y) ? verdict.largest_met : verdict.largest_passed;
-    most = std::max(most, piece.mass / 2 * arrival->speed * arrival->speed);
+/// m from the wall's middle: nearer to it, what flew at it has left behind, by its own width, the
+/// plates that stand before it.
+double where_clear(const Case& scene, const ShieldWall& wall, const Group& flying) {
+  const double from = see(wall.start, flying.volume.center).depth;
+  const double width = 2 * half_widths(flying.volume).maxCoeff();
+  double clear = infinity;
+  for (const Group& plate : scene.groups) {
+    const int thin = axis_through(plate.volume);
+    const double depth = see(wall.start, plate.volume.center).depth;
+    const bool between = depth * from > 0 && std::abs(depth) < std::abs(from);
+    if (thin < 0 || !between || plate.name == wall.name) continue;
+    clear = std::min(clear, std::abs(depth) - plate.volume.extents[thin] / 2 - 2 * width);
   }
-  verdict.largest_met = comm.max(verdict.largest_met);
-  verdict.largest_passed = comm.max(verdict.largest_passed);
+  return clear;
+}
+
+/// The heaviest piece of the wall. `name`: its bodies' pieces.
+Clump main_piece(const Comm& comm, const Bodies& bodies, const std::vector<BodyId>& name,
+                 const ShieldWall& wall) {
+  const ClumpList pieces = weigh_clumps(comm, bodies, name, 1);
+  require(!pieces.largest.empty(), "the wall \"{}\" has no bodies", wall.name);
+  return pieces.largest.front();
+}
+
+std::vector<BodyId> pieces_of_group(const Comm& comm, const LinkedBodies& linked,
+                                    std::int32_t group) {
+  return pieces_of(comm, linked, [&](std::int32_t g) { return g == group; });
 }
 
 }  // namespace
@@ -391,7 +410,10 @@ ShieldWall lay_wall(const Comm& comm, const Case& scene, const Shield& shield) {
   }
   for (std::size_t g = 0; g < scene.groups.size(); ++g) {
     const double speed = speed_from_either_side(group, scene.groups[g], wall.start.normal);
-    if (speed > 0) wall.approaches.push_back({static_cast<std::int32_t>(g), speed});
+    if (speed > 0)
+      wall.approaches.push_back({.group = static_cast<std::int32_t>(g),
+                                 .speed = speed,
+                                 .clear = where_clear(scene, wall, scene.groups[g])});
   }
 
   // The recipe alone: every rank runs through it, and draws its share.
@@ -431,11 +453,30 @@ ShieldWall lay_wall(const Comm& comm, const Case& scene, const Shield& shield) {
   return wall;
 }
 
-WallVerdict judge_wall(const Comm& comm, const LinkedBodies& linked, const ShieldWall& wall,
-                       double soon) {
+Coming look_at_what_comes(const Comm& comm, const LinkedBodies& linked, const ShieldWall& wall) {
   const Bodies& bodies = linked.bodies;
-  std::vector<BodyId> name =
-      pieces_of(comm, linked, [&](std::int32_t group) { return group == wall.group; });
+  const std::vector<BodyId> own = pieces_of_group(comm, linked, wall.group);
+  const Clump main = main_piece(comm, bodies, own, wall);
+  const WallFrame frame = frame_of(comm, bodies, own, main, wall);
+  const Window window(wall, {0, 0});
+  Coming coming;
+  for (const ShieldWall::Approach& approach : wall.approaches) {
+    const std::vector<BodyId> name = pieces_of_group(comm, linked, approach.group);
+    for (const Clump& piece : share_of_clumps(comm, bodies, name)) {
+      if (std::abs(see(frame, piece.position).depth) > approach.clear) continue;
+      const auto arrival =
+          arrival_of(frame, wall.thickness, piece.position, piece.velocity - main.velocity);
+      if (!arrival) continue;
+      double& most = window.contains(arrival->x, arrival->y) ? coming.meets : coming.passes;
+      most = std::max(most, piece.mass / 2 * arrival->speed * arrival->speed);
+    }
+  }
+  return {.meets = comm.max(coming.meets), .passes = comm.max(coming.passes)};
+}
+
+WallVerdict judge_wall(const Comm& comm, const LinkedBodies& linked, const ShieldWall& wall) {
+  const Bodies& bodies = linked.bodies;
+  std::vector<BodyId> name = pieces_of_group(comm, linked, wall.group);
   std::array<double, 2> all{};  // bodies of the wall, and their mass
   for (Index b = 0; b < bodies.owned; ++b) {
     if (bodies.group[b] != wall.group) continue;
@@ -443,10 +484,7 @@ WallVerdict judge_wall(const Comm& comm, const LinkedBodies& linked, const Shiel
     all[1] += bodies.mass[b];
   }
   comm.sum(all);
-  const ClumpList pieces = weigh_clumps(comm, bodies, name, 1);
-  require(!pieces.largest.empty(), "the wall \"{}\" has no bodies", wall.name);
-  const Clump& main = pieces.largest.front();
-
+  const Clump main = main_piece(comm, bodies, name, wall);
   const WallFrame frame = frame_of(comm, bodies, name, main, wall);
   const Grid2 grid(wall);
   Maps maps(grid.size());
@@ -471,7 +509,6 @@ WallVerdict judge_wall(const Comm& comm, const LinkedBodies& linked, const Shiel
   weigh_spall(comm, bodies, name, wall, main, frame, grid, maps, window, verdict);
   verdict.least_spall = nearly * smallest_spall * all[1] / all[0];
   verdict.still_coming = share_still_coming(comm, bodies, wall, main, frame);
-  weigh_arrivals(comm, linked, wall, main, frame, window, soon, verdict);
 
   if (verdict.openings > 0) {
     verdict.outcome = Outcome::perforated;

@@ -34,6 +34,7 @@ struct ShieldWall {
   struct Approach {
     std::int32_t group;
     double speed;  ///< m/s at the start, towards the wall
+    double clear;  ///< m from the wall's middle, from which on nothing stands before it
   };
   std::vector<Approach> approaches;  ///< what flies at it
 };
@@ -67,13 +68,16 @@ struct WallVerdict {
   double least_spall = 0;                    ///< kg, from which on it counts
   double spall_speed = 0;                    ///< m/s, against the main piece, mean by mass
   double still_coming = 0;  ///< share of the energy that flew at it of what is yet to meet it
-  /// J, of motion along the normal: of the piece that has most, of those that come to the wall
-  /// `soon`. It meets what is judged, or flies past that.
-  double largest_met = 0, largest_passed = 0;
 };
-/// `soon` (s): the time until the wall is judged next. Velocities and positions must belong to the
-/// same instant. Collective.
-WallVerdict judge_wall(const Comm& comm, const LinkedBodies& linked, const ShieldWall& wall,
-                       double soon);
+/// Velocities and positions must belong to the same instant. Collective.
+WallVerdict judge_wall(const Comm& comm, const LinkedBodies& linked, const ShieldWall& wall);
+
+/// J, of motion along the normal: of the piece that has most, of what flies at the wall and has no
+/// other plate before it. It will meet what is judged, or fly past that.
+struct Coming {
+  double meets = 0, passes = 0;
+};
+/// The same holds. Collective.
+Coming look_at_what_comes(const Comm& comm, const LinkedBodies& linked, const ShieldWall& wall);
 
 }  // namespace spall

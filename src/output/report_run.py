@@ -21,7 +21,7 @@ def readable_time(seconds):
         return "0 s"
     for limit, unit, name in ((1e-3, 1e-6, "µs"), (1, 1e-3, "ms"), (120, 1, "s"),
                               (7200, 60, "min")):
-        if abs(seconds) < limit:
+        if abs(seconds) < limit * (1 - 1e-9):  # round-off: 1 s is one
             return f"{seconds / unit:.3g} {name}"
     return f"{seconds / 3600:.3g} h"
 

@@ -15,6 +15,7 @@ YET_TO_COME = 0.01  # of the energy that flies at a wall, beyond which its verdi
 STILL_FAILING = 0.05  # of the margin between the last two snapshots
 FEW_LAYERS = 3  # of bodies in a wall, fewer than which tell little of it
 LARGE_OVERLAP = 0.01  # of the smaller radius: rigid bodies should have none
+SOFT_OVERLAP = 0.01  # the same: until there a low stiffness changes little
 
 
 def verdicts(run):
@@ -22,8 +23,8 @@ def verdicts(run):
     results = run.results
     found = [ended(run)]
     if results:
-        found += [*shields(results), converged(results), *books(results), *beta(results),
-                  rising(results)]
+        found += [*shields(results), converged(results), *books(results),
+                  *told_by_the_run(results), *beta(results), rising(results)]
     found.append(overlaps(run))
     return [one for one in found if one]
 
@@ -56,7 +57,7 @@ def shields(results):
             yield NOTE, (f"Spall has detached from the {name}: {1e3 * wall['spall_mass']:.2g} g "
                          f"in {wall['spall_pieces']} pieces leave its rear at "
                          f"{wall['spall_speed']:.3g} m/s.")
-        if wall["still_coming"] > YET_TO_COME:
+        if wall["still_coming"] > YET_TO_COME and found != "perforated":
             yield NOTE, (f"The verdict on the {name} is not final: {percent(wall['still_coming'])} "
                          "of the energy that flies at it has not met it yet. A longer run may give "
                          "another.")
@@ -194,6 +195,13 @@ def beta(results):
                     f"momentum.")
 
 
+def told_by_the_run(results):
+    """Phases that were to settle and have not; lattices that lack mass."""
+    for section in ("settling", "lattices"):
+        if (told := results.get(section, {}).get("warning")) is not None:
+            yield NOTE, f"{told[0].upper()}{told[1:]}."
+
+
 def rising(results):
     read = results.get("read_out", {})
     times, dv = read.get("since_impact", []), read.get("dv", [])
@@ -211,6 +219,10 @@ def overlaps(run):
     """Rigid bodies show by overlaps that a step was long. Smooth methods refuse a step beyond their
     limit."""
     methods = {phase.get("method", "nonsmooth") for phase in run.case.get("phases", [])}
+    soft = run.results.get("penalty", {}).get("overlap_max", 0)
+    if soft > SOFT_OVERLAP:
+        return NOTE, (f"Contacts are soft: bodies overlapped by up to {percent(soft)} of the "
+                      "smaller radius. A larger stiffness would tell whether that matters.")
     if "nonsmooth" not in methods:
         return GOOD, "Steps are within the limits of the force laws: a longer one is refused."
     # Rows of the series are some of the steps; results of earlier versions have no other.

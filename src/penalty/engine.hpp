@@ -15,6 +15,7 @@ struct Penalty final : Engine {
   Members members;
   TouchPairs touch;             ///< of what meets: bodies, or members
   std::vector<ForceRow> loads;  ///< of what meets, while steps go on
+  double overlap = 0;  ///< largest over the smaller radius, of the last steps, on this rank
 
   explicit Penalty(const ByPair<PenaltySettings>& of_case) : settings(of_case) {}
 

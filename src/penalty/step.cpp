@@ -158,11 +158,13 @@ RowBox kick_and_drift(World& world, Penalty& engine, const ByPair<PenaltyLaw>& l
   ForceRow* const rows = engine.loads.data();
   with_contact_model(laws, h, [&](const auto& model) {
     TouchPairs& touch = engine.touch;
-    sweep_walls(met, world.walls(), model, h, touch.walls, rows, world.reactions.of_walls);
-    sweep_contacts(met, model, touch.gap, touch.windows, touch.equal, touch.springs, rows,
-                   [&](Index b) {
-                     if (!clumps) finish(b, rows[b]);
-                   });
+    const double at_walls =
+        sweep_walls(met, world.walls(), model, h, touch.walls, rows, world.reactions.of_walls);
+    const double of_pairs = sweep_contacts(met, model, touch.gap, touch.windows, touch.equal,
+                                           touch.springs, rows, [&](Index b) {
+                                             if (!clumps) finish(b, rows[b]);
+                                           });
+    engine.overlap = std::max({engine.overlap, at_walls, of_pairs});
   });
   if (clumps) {
     add_up_loads(world, engine.loads, engine.members);
@@ -294,7 +296,9 @@ void Penalty::check_steps(const World& world, const PlannedSteps& steps) const {
 }
 
 StepReport Penalty::advance(World& world, const StepRequest& request) {
+  overlap = 0;
   StepReport report = penalty_steps(world, *this, request);
+  report.overlap = overlap;
   report.contacts = count_touching(meeting(world, members), touch);
   return report;
 }

@@ -228,6 +228,7 @@ struct ActingPairs {
   std::vector<Index> place;          ///< 8 slot + lane
   std::size_t count = 0;
   SpringList sliding, rolling;  ///< of those that touch now
+  double deepest = 0;           ///< largest overlap so far, over the smaller radius
 
   void begin(std::size_t most, bool rolls) {
     count = 0;
@@ -330,6 +331,10 @@ template <bool equal, class Model>
     const LaneMask touching = law.touches(c.overlap, c.radius, before) & (c.inverse_mass > 0.0);
     const ContactForce f = law(c, touching, before, spring);
     const unsigned now = bits_of_mask(touching);
+    const Lanes smaller = select(ri < rj, ri, rj);
+    if (any_lane(touching & (c.overlap > acting.deepest * smaller)))
+      for (std::size_t l = 0; l < lane_count; ++l)
+        if (touching[l]) acting.deepest = std::max(acting.deepest, c.overlap[l] / smaller[l]);
     if (now != before) toggle_touched(now ^ before, &acting.place[k], kept);
     add_lanes(f.force, 0.5 * f.power, other, forces);
     add_lanes(spread(-1) * f.force, 0.5 * f.power, own, forces);
@@ -357,11 +362,12 @@ template <bool equal, class Model>
 /// The same for all windows; calls `finish(body)` for each body of a window once nothing will be
 /// added to its row and none of its fields will be asked for again. The forces of ghosts mean
 /// nothing. `equal`: of each window, whether its bodies and their partners have one size, mass and
-/// material.
+/// material. Returns the largest overlap over the smaller radius.
 template <class Model, class Finish>
-void sweep_contacts(const Bodies& bodies, const Model& model, double gap,
-                    const std::vector<NearWindow>& windows, const std::vector<std::uint8_t>& equal,
-                    std::vector<WindowSprings>& springs, ForceRow* rows, Finish&& finish) {
+double sweep_contacts(const Bodies& bodies, const Model& model, double gap,
+                      const std::vector<NearWindow>& windows,
+                      const std::vector<std::uint8_t>& equal, std::vector<WindowSprings>& springs,
+                      ForceRow* rows, Finish&& finish) {
   ActingPairs acting;
   for (std::size_t w = 0; w < windows.size(); ++w) {
     const NearWindow& window = windows[w];
@@ -380,6 +386,7 @@ void sweep_contacts(const Bodies& bodies, const Model& model, double gap,
       finish(window.rows[r] / doubles_a_row);
     }
   }
+  return acting.deepest;
 }
 
 /// J, elastic, of all pairs; those with a ghost count half, as both ranks have them. Two bodies

@@ -57,11 +57,13 @@ inline auto materials_at_walls(const Bodies& bodies, const Walls& walls,
 }
 
 /// Adds the forces of walls to the rows and steps their springs. `received`, by wall, grows by what
-/// they exert over `h` (s).
+/// they exert over `h` (s). Returns the largest overlap over the radius.
 template <class Model>
-void sweep_walls(const Bodies& bodies, const Walls& walls, const Model& model, double h,
-                 std::vector<WallTouch>& touches, ForceRow* rows, std::vector<Reaction>& received) {
+double sweep_walls(const Bodies& bodies, const Walls& walls, const Model& model, double h,
+                   std::vector<WallTouch>& touches, ForceRow* rows,
+                   std::vector<Reaction>& received) {
   const std::span<WallTouch> all(touches);
+  double deepest = 0;
   for (std::size_t first = 0; first < all.size(); first += lane_count) {
     const auto part = all.subspan(first, std::min(lane_count, all.size() - first));
     WallLanes eight(bodies, walls, part);
@@ -83,10 +85,12 @@ void sweep_walls(const Bodies& bodies, const Walls& walls, const Model& model, d
             .add(bodies.position[part[l].row], h * push,
                  Model::frictional ? Vec3(-h * WallLanes::get(torque, l)) : Vec3(Vec3::Zero()));
       part[l].touching = touching[l] != 0;
+      if (part[l].touching) deepest = std::max(deepest, c.overlap[l] / c.radius[l]);
       if constexpr (Model::frictional) part[l].sliding = WallLanes::get(eight.spring.sliding, l);
       if constexpr (Model::rolling) part[l].rolling = WallLanes::get(eight.spring.rolling, l);
     }
   }
+  return deepest;
 }
 
 /// J, elastic.

@@ -23,6 +23,25 @@ void DebrisLog::weigh(std::span<const GroupContent> groups) {
     plate.target.areal_density = groups[plate.laid.group].mass / plate.target.area;
 }
 
+namespace {
+
+/// What speaks against numbers of a plate; empty where nothing does.
+std::string doubt_of(const DebrisPlate& laid, const Target& target, const Cloud& cloud) {
+  std::string text;
+  if (std::abs(cloud.plate_moved) > target.clearance())
+    text = fmt::format(
+        "{} has moved by {:.4g} m, more than a quarter of the projectile: bodies of it count as "
+        "debris, and the hole is not to be believed; make it wider, or the run shorter",
+        laid.name, cloud.plate_moved);
+  if (std::isnan(cloud.hole_spread))
+    text += fmt::format(
+        "{}the hole of {} reaches its rim, and may be wider than {:.4g} m; make it wider",
+        text.empty() ? "" : "; ", laid.name, cloud.hole);
+  return text;
+}
+
+}  // namespace
+
 std::vector<std::string> DebrisLog::read_out(const World& world, double time) {
   std::vector<std::string> lines;
   for (auto& [laid, t, rows] : plates_) {
@@ -34,24 +53,29 @@ std::vector<std::string> DebrisLog::read_out(const World& world, double time) {
         laid.section.empty() ? "" : " behind " + laid.name, time, c.front / t.speed,
         c.centre / t.speed, c.rear / t.speed, c.radial / t.speed, c.hole / t.diameter,
         c.hole_spread / t.diameter));
-    if (std::abs(c.plate_moved) > t.clearance())
-      lines.push_back(fmt::format(
-          "warning: {} has moved by {:.4g} m, more than a quarter of the projectile: bodies of it "
-          "count as debris, and the hole is not to be believed; make it wider, or the run shorter",
-          laid.name, c.plate_moved));
+    if (const std::string doubt = doubt_of(laid, t, c); !doubt.empty())
+      lines.push_back("WARNING: " + doubt);
   }
   return lines;
 }
 
-void DebrisLog::conclude(const World& world, const Engine& engine, bool bonded, double time,
-                         ResultTable& table) {
-  if (plates_.empty()) return;
+std::vector<std::string> DebrisLog::conclude(const World& world, const Engine& engine, bool bonded,
+                                             double time, ResultTable& table) {
+  std::vector<std::string> lines;
+  if (plates_.empty()) return lines;
   for (auto& [laid, t, rows] : plates_)
     if (rows.empty() || rows.back().time < time)
       rows.push_back(measure_cloud(world.comm, world.bodies, t, time));
   std::optional<LinkedBodies> linked;
   if (bonded) linked.emplace(engine.links(world));
-  for (const Plate& plate : plates_) conclude(plate, world, linked ? &*linked : nullptr, table);
+  for (const Plate& plate : plates_) {
+    conclude(plate, world, linked ? &*linked : nullptr, table);
+    const std::string doubt = doubt_of(plate.laid, plate.target, plate.rows.back());
+    if (doubt.empty()) continue;
+    table.add("debris" + plate.laid.section, "warning", doubt);
+    lines.push_back("WARNING: " + doubt);
+  }
+  return lines;
 }
 
 void DebrisLog::conclude(const Plate& plate, const World& world, const LinkedBodies* linked,

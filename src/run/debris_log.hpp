@@ -28,9 +28,10 @@ class DebrisLog {
   /// Collective.
   std::vector<std::string> read_out(const World& world, double time);
   /// Adds [debris], what they are now, [fragments] where bodies have bonds, [wall] where the case
-  /// asks for one, and [cloud], all read-outs. Collective.
-  void conclude(const World& world, const Engine& engine, bool bonded, double time,
-                ResultTable& table);
+  /// asks for one, and [cloud], all read-outs. Returns what speaks against them, to show.
+  /// Collective.
+  std::vector<std::string> conclude(const World& world, const Engine& engine, bool bonded,
+                                    double time, ResultTable& table);
 
   void save(Scalars& scalars) const;
   void load(const Scalars& scalars);

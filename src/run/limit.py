@@ -16,6 +16,7 @@ limit.json holds the bracket.
 import argparse
 import csv
 import json
+import math
 import os
 import re
 import subprocess
@@ -112,7 +113,8 @@ class Search:
         if not found:
             leave(f"{path} has no verdict on the wall \"{self.wall}\"")
         lost = results["conservation"]["energy_unexplained"]
-        return {**found[0], "energy_unexplained": lost}
+        return {**found[0], "energy_unexplained": lost,
+                "lattices": results.get("lattices", {}).get("warning", "")}
 
     def recall(self):
         """What earlier calls found, whatever their range was."""
@@ -189,6 +191,8 @@ class Search:
         if not abs(found["energy_unexplained"]) <= DOUBTED:
             doubts.append(f"not to be believed: {found['energy_unexplained']:.2g} of what was "
                           "dissipated is explained by no entry")
+        if found["lattices"]:
+            doubts.append(found["lattices"])
         return doubts
 
     def changes(self):
@@ -206,9 +210,9 @@ def between(a, b, count):
 
 
 def share(text):
-    """"5%" or "0.05"."""
+    """"5%" or "0.05"; 5 alone is hardly 500 %."""
     value = float(text[:-1]) / 100 if text.endswith("%") else float(text)
-    if not value > 0:
+    if not 0 < value < (math.inf if text.endswith("%") else 1):
         raise ValueError
     return value
 

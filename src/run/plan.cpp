@@ -60,7 +60,9 @@ OneRank try_one_rank(Simulation& simulation, double seconds) {
   simulation.advance(1, false);
   std::optional<FoundPairs> found = simulation.engine().found_pairs(world);
   require(found.has_value(),
-          "{}.method = \"{}\": a plan shares out pairs of bodies, and this method finds none",
+          "{}.method = \"{}\": a plan shares out pairs of bodies, which this method does not list; "
+          "`spall "
+          "check --time` on the ranks that there are measures it",
           simulation.phase().place, simulation.phase().engine->name);
   const Search& search = *found->search;
   one.state = shared_state(world, *std::move(found));

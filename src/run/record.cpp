@@ -57,16 +57,22 @@ void Record::book(const StepReport& report, bool solved) {
   unconverged_ += report.solver.converged ? 0 : 1;
   over_tolerance_ += report.solver.over_tolerance ? 1 : 0;
   relaxed_ += report.solver.relaxed ? 1 : 0;
-  overlap_ = std::max(overlap_, report.overlap);
+  double& overlap = solved ? overlap_ : soft_overlap_;
+  overlap = std::max(overlap, report.overlap);
 }
 
 void Record::save(Scalars& scalars) const {
   save_scalars(*this, scalars);
   scalars["record.overlap"] = overlap_;
+  scalars["record.soft_overlap"] = soft_overlap_;
 }
 void Record::load(const Scalars& scalars) {
   load_scalars(*this, scalars);
-  if (scalars.contains("record.overlap")) overlap_ = find_scalar(scalars, "record.overlap");
+  const auto take = [&](const char* name, double& value) {
+    if (scalars.contains(name)) value = find_scalar(scalars, name);  // files of before have none
+  };
+  take("record.overlap", overlap_);
+  take("record.soft_overlap", soft_overlap_);
 }
 
 std::vector<Column> Record::columns() {
@@ -90,6 +96,8 @@ std::vector<double> Record::row(std::int64_t phase, std::int64_t contacts, const
 
 void Record::add_to(ResultTable& table, std::int64_t steps, bool solves) const {
   table.add("solver", "steps", steps);
+  if (soft_overlap_ > 0)
+    table.add("penalty", "overlap_max", soft_overlap_, "", "of all steps, over the smaller radius");
   if (!solves) return;
   const double count = std::max(solved_, 1.0);
   table.add("solver", "solved_steps", static_cast<std::int64_t>(solved_), "",

@@ -23,7 +23,10 @@ class Record {
   void book(const StepReport& report, bool solved);
   double relaxed() const { return relaxed_; }  ///< steps
   /// Overlaps of steps are this rank's: brings them together. Collective.
-  void meet(const Comm& comm) { overlap_ = comm.max(overlap_); }
+  void meet(const Comm& comm) {
+    overlap_ = comm.max(overlap_);
+    soft_overlap_ = comm.max(soft_overlap_);
+  }
   void save(Scalars& scalars) const;
   /// What a file of an earlier version has not is left out.
   void load(const Scalars& scalars);
@@ -54,7 +57,7 @@ class Record {
   double solved_ = 0;  // steps
   double products_ = 0, correction_products_ = 0, residual_max_ = 0, squares_ = 0;
   double worst_relative_ = 0, unconverged_ = 0, over_tolerance_ = 0, relaxed_ = 0;
-  double overlap_ = 0;  // largest over the smaller radius
+  double overlap_ = 0, soft_overlap_ = 0;  // largest over the smaller radius, rigid or by springs
 };
 
 }  // namespace spall

@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <new>
 
 #include "base/first_rank.hpp"
@@ -71,6 +72,8 @@ class Run {
     SignalGuard signals;
     const std::vector<GroupContent> contents = measure_bodies(comm_, scene_, world().bodies);
     debris_.weigh(contents);
+    for (const std::string& told : unfilled_lattices(scene_, contents))
+      unfilled_ += (unfilled_.empty() ? "" : "; ") + told;
     progress_.say(describe_phases(scene_, contents) + shields_.describe());
     say_what_is_over();
     if (begins_phase()) begin_phase();
@@ -261,7 +264,10 @@ class Run {
     if (passed(scene_.output.snapshot_every)) {
       snapshot();
       judge_walls();
+    } else if (scene_.output.snapshot_every == 0 && passed(phase().duration / judgements)) {
+      judge_walls();
     }
+    if (passed(phase().duration / looks)) watch_walls();
     if (passed(debris_.every())) {
       StageTimer timer(world().stages, "analysis");
       for (const std::string& line : debris_.read_out(world(), clock().time)) progress_.say(line);
@@ -305,19 +311,39 @@ class Run {
     snapshots_->write(world().bodies, clock().step, clock().time);
   }
 
-  /// Beside the snapshots of bodies on their way.
+  void watch_walls() {
+    StageTimer timer(world().stages, "analysis");
+    shields_.watch(world(), simulation_->engine());
+  }
+
+  /// Beside the snapshots of bodies on their way; where there are none, as often in a phase.
+  static constexpr double judgements = 10, looks = 50;
   void judge_walls() {
     StageTimer timer(world().stages, "analysis");
     for (const std::string& line : shields_.read_out(world(), simulation_->engine(), clock().time))
       progress_.say(fmt::format("at {}: {}", readable_time(clock().time), line));
   }
 
+  /// Of a phase that was to settle and has not.
+  std::string words_of_unsettled(const Phase& one, double rms_speed) const {
+    return fmt::format(
+        "phase {} has not settled: its rms speed was {:.3g} m/s, and below {:.3g} m/s was asked "
+        "for; a longer duration may settle it, unless whole groups move or spin, which counts",
+        one.name, rms_speed, one.settled_speed);
+  }
+  /// Of all phases until now, one after another; empty where there are none.
+  std::string all_unsettled() const {
+    std::string text;
+    for (std::size_t k = 0; k < scene_.phases.size(); ++k)
+      if (const auto found = unsettled_.find(k); found != unsettled_.end())
+        text += (text.empty() ? "" : "; ") + words_of_unsettled(scene_.phases[k], found->second);
+    return text;
+  }
+
   void say_if_unsettled(double rms_speed) {
     if (rms_speed < phase().settled_speed) return;
-    progress_.say(fmt::format(
-        "WARNING: phase {} has not settled: its rms speed is {:.3g} m/s, and below {:.3g} m/s was "
-        "asked for; a longer duration may settle it",
-        phase().name, rms_speed, phase().settled_speed));
+    unsettled_[static_cast<std::size_t>(clock().phase)] = rms_speed;
+    progress_.say("WARNING: " + words_of_unsettled(phase(), rms_speed));
   }
 
   void end_phase() {
@@ -358,7 +384,11 @@ class Run {
     debris_.save(kept_.scalars);
     shields_.save(kept_.scalars);
     reactions_.save(kept_.scalars);
+    for (const auto& [k, rms_speed] : unsettled_) kept_.scalars[name_of_unsettled(k)] = rms_speed;
     simulation_->go_on(kept_);
+  }
+  static std::string name_of_unsettled(std::size_t phase) {
+    return fmt::format("run.unsettled.{}", phase);
   }
 
   void write(const std::string& file) {
@@ -381,6 +411,9 @@ class Run {
     debris_.load(scalars);
     shields_.load(scalars);
     reactions_.load(scalars);
+    for (std::size_t k = 0; k < scene_.phases.size(); ++k)
+      if (scalars.contains(name_of_unsettled(k)))
+        unsettled_[k] = find_scalar(scalars, name_of_unsettled(k));
   }
 
   void finish() {
@@ -392,8 +425,12 @@ class Run {
     if (!verdict_.has_impact()) verdict_.look_at_pile(world());
     ResultTable table;
     add_case(table);
+    if (const std::string told = all_unsettled(); !told.empty())
+      table.add("settling", "warning", told);
+    if (!unfilled_.empty()) table.add("lattices", "warning", unfilled_);
     verdict_.add_to(table, scene_.binary);
-    debris_.conclude(world(), simulation_->engine(), !phase().engine->solves, clock().time, table);
+    const std::vector<std::string> doubts = debris_.conclude(
+        world(), simulation_->engine(), !phase().engine->solves, clock().time, table);
     const std::vector<std::string> judged =
         shields_.conclude(world(), simulation_->engine(), clock().time, table);
     add_conservation(table, sums);
@@ -411,6 +448,7 @@ class Run {
     add_communication(world(), ghosts_, clock().step - std::max<std::int64_t>(resumes_at_, 0),
                       table);
     progress_.say("\n" + table.text());
+    if (const std::string told = all_unsettled(); !told.empty()) progress_.say("WARNING: " + told);
     if (const std::string warning = verdict_.warning(); !warning.empty()) progress_.say(warning);
     if (const std::string open = simulation_->account().warning(sums); !open.empty())
       progress_.say("WARNING: " + open);
@@ -425,6 +463,7 @@ class Run {
           "restitution with friction may do so where a hit is eccentric, and without restitution "
           "nothing is gained",
           sums.gained, sums.kinetic));
+    for (const std::string& line : doubts) progress_.say(line);
     for (const std::string& line : judged) progress_.say(line);
     snapshots_->write_index();
     series_->write_hdf5();
@@ -484,7 +523,9 @@ class Run {
   std::int64_t restart_holds_ = -1;  // the step of the state that this run wrote into it last
   SeriesRows rows_;                  // that the folder has of this run
   std::int64_t snapshots_written_ = 0;
-  bool row_ = false;  // whether the series has one of this instant
+  bool row_ = false;                         // whether the series has one of this instant
+  std::string unfilled_;                     // which lattices lack mass, or have too much
+  std::map<std::size_t, double> unsettled_;  // phase -> m/s, rms, of those that were to settle
   double seconds_before_ = 0, seconds_at_start_, last_restart_;
 };
 
@@ -579,6 +620,15 @@ bool resume_case(const Comm& comm, const std::string& file, const ResumeOptions&
   if (!files.exists(scene.reference)) scene.reference = files.exists(copy) ? copy : "";
   const std::string folder = options.folder.empty() ? own : options.folder;
   const bool same = fs::exists(folder) && fs::equivalent(folder, own);
+  // From the newest state a run only grows longer; from another one what was found would be lost.
+  on_first_rank(comm, [&] {
+    require(!same || options.former == Former::overwrite ||
+                fs::path(file).filename().string().starts_with("restart") ||
+                !fs::exists(folder + "/results.toml"),
+            "'{}' holds a run that has ended, and '{}' is of before its end: choose another folder "
+            "with --out, or --overwrite it",
+            folder, file);
+  });
   const RunFolder held(comm, folder, same ? Former::go_on : options.former);
   return within_memory(comm, scene, [&] {
     return Run(comm, Scene(std::make_shared<Case>(scene)), held, &state).go();

@@ -12,8 +12,11 @@ namespace spall {
 
 Shields::Shields(const Comm& comm, const Case& scene) {
   for (const Shield& shield : scene.shields)
-    walls_.push_back(
-        {.wall = lay_wall(comm, scene, shield), .last = {}, .times = {}, .margins = {}});
+    walls_.push_back({.wall = lay_wall(comm, scene, shield),
+                      .last = {},
+                      .largest = {},
+                      .times = {},
+                      .margins = {}});
 }
 
 std::string Shields::describe() const {
@@ -45,7 +48,7 @@ const char* meaning_of_margin(Outcome outcome) {
   return "";
 }
 
-void add(const ShieldWall& wall, const WallVerdict& v, ResultTable& table) {
+void add(const ShieldWall& wall, const WallVerdict& v, const Coming& largest, ResultTable& table) {
   const std::string& section = wall.section;
   table.add(section, "wall", wall.name);
   table.add(section, "verdict", std::string(name_of(v.outcome)), "",
@@ -64,15 +67,15 @@ void add(const ShieldWall& wall, const WallVerdict& v, ResultTable& table) {
   table.add(section, "spall_speed", v.spall_speed, "m/s", "against the wall, mean by mass");
   table.add(section, "still_coming", v.still_coming, "",
             "of the energy that flew at it: has not met it yet");
-  table.add(section, "largest_met", v.largest_met, "J",
-            "along the normal, of the piece with most of those that met what is judged");
-  table.add(section, "largest_passed", v.largest_passed, "J", "the same, of those that flew past");
+  table.add(section, "largest_met", largest.meets, "J",
+            "along the normal, of the piece with most of those that flew at what is judged");
+  table.add(section, "largest_passed", largest.passes, "J", "the same, of those that flew past it");
   table.add(section, "spacing", wall.spacing, "m", "of its bodies: narrower openings are not seen");
 }
 
 }  // namespace
 
-std::string sentence_of(const ShieldWall& wall, const WallVerdict& v) {
+std::string sentence_of(const ShieldWall& wall, const WallVerdict& v, const Coming& largest) {
   std::string text =
       fmt::format("wall {}: {}, margin {:.3g}: ", wall.name, name_of(v.outcome), v.margin);
   switch (v.outcome) {
@@ -91,16 +94,28 @@ std::string sentence_of(const ShieldWall& wall, const WallVerdict& v) {
   }
   if (v.rim_mass >= v.least_spall && v.outcome == Outcome::held)
     text += fmt::format("; its rim, which is not judged, has lost {:.3g} kg", v.rim_mass);
-  if (v.largest_passed > v.largest_met && v.outcome == Outcome::held)
+  // Where nothing was seen to meet it, nothing was looked at in time.
+  if (largest.meets > 0 && largest.passes > largest.meets && v.outcome == Outcome::held)
     text += fmt::format(
-        "; too narrow: a piece of {:.3g} J flew past what is judged, which no piece of more than "
-        "{:.3g} J has met",
-        v.largest_passed, v.largest_met);
+        "; too narrow: a piece of {:.3g} J flew past what is judged, at which no piece of more "
+        "than "
+        "{:.3g} J flew",
+        largest.passes, largest.meets);
   constexpr double little = 0.01;
-  if (v.still_coming > little)
+  if (v.still_coming > little && v.outcome != Outcome::perforated)
     text += fmt::format("; not final: {:.2g} % of the energy that flies at it has not met it",
                         100 * v.still_coming);
   return text;
+}
+
+void Shields::watch(const World& world, const Engine& engine) {
+  if (walls_.empty()) return;
+  const LinkedBodies linked = engine.links(world);
+  for (Judged& judged : walls_) {
+    const Coming now = look_at_what_comes(world.comm, linked, judged.wall);
+    judged.largest.meets = std::max(judged.largest.meets, now.meets);
+    judged.largest.passes = std::max(judged.largest.passes, now.passes);
+  }
 }
 
 std::vector<std::string> Shields::read_out(const World& world, const Engine& engine, double time) {
@@ -108,14 +123,10 @@ std::vector<std::string> Shields::read_out(const World& world, const Engine& eng
   if (walls_.empty()) return lines;
   const LinkedBodies linked = engine.links(world);
   for (Judged& judged : walls_) {
-    const double since = time - (judged.times.empty() ? 0 : judged.times.back());
-    const WallVerdict before = judged.last;  // what came until now
-    judged.last = judge_wall(world.comm, linked, judged.wall, since);
-    judged.last.largest_met = std::max(judged.last.largest_met, before.largest_met);
-    judged.last.largest_passed = std::max(judged.last.largest_passed, before.largest_passed);
+    judged.last = judge_wall(world.comm, linked, judged.wall);
     judged.times.push_back(time);
     judged.margins.push_back(judged.last.margin);
-    lines.push_back(sentence_of(judged.wall, judged.last));
+    lines.push_back(sentence_of(judged.wall, judged.last, judged.largest));
   }
   return lines;
 }
@@ -129,7 +140,7 @@ std::vector<std::string> Shields::conclude(const World& world, const Engine& eng
     }
   const std::vector<std::string> lines = read_out(world, engine, time);
   for (const Judged& judged : walls_) {
-    add(judged.wall, judged.last, table);
+    add(judged.wall, judged.last, judged.largest, table);
     table.add(judged.wall.section, "times", judged.times, "s", "of snapshots");
     table.add(judged.wall.section, "margins", judged.margins, "", "at these times");
   }
@@ -146,8 +157,8 @@ std::string entry(const ShieldWall& wall, std::size_t row, const char* what) {
 
 void Shields::save(Scalars& scalars) const {
   for (const Judged& judged : walls_) {
-    scalars[judged.wall.section + ".largest_met"] = judged.last.largest_met;
-    scalars[judged.wall.section + ".largest_passed"] = judged.last.largest_passed;
+    scalars[judged.wall.section + ".largest_met"] = judged.largest.meets;
+    scalars[judged.wall.section + ".largest_passed"] = judged.largest.passes;
     for (std::size_t r = 0; r < judged.times.size(); ++r) {
       scalars[entry(judged.wall, r, "time")] = judged.times[r];
       scalars[entry(judged.wall, r, "margin")] = judged.margins[r];
@@ -160,8 +171,8 @@ void Shields::load(const Scalars& scalars) {
   for (Judged& judged : walls_) {
     const std::string& section = judged.wall.section;
     if (scalars.contains(section + ".largest_met")) {
-      judged.last.largest_met = find_scalar(scalars, section + ".largest_met");
-      judged.last.largest_passed = find_scalar(scalars, section + ".largest_passed");
+      judged.largest.meets = find_scalar(scalars, section + ".largest_met");
+      judged.largest.passes = find_scalar(scalars, section + ".largest_passed");
     }
     for (std::size_t r = 0; scalars.contains(entry(judged.wall, r, "time")); ++r) {
       judged.times.push_back(find_scalar(scalars, entry(judged.wall, r, "time")));

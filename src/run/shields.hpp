@@ -19,6 +19,9 @@ class Shields {
   Shields(const Comm& comm, const Case& scene);
   /// A line a wall: how it is judged.
   std::string describe() const;
+  /// Looks at what flies at the walls; velocities and positions must belong to the same instant.
+  /// Collective.
+  void watch(const World& world, const Engine& engine);
   /// Judges the walls as they are; velocities and positions must belong to the same instant.
   /// Returns a line a wall to show. Collective.
   std::vector<std::string> read_out(const World& world, const Engine& engine, double time);
@@ -34,12 +37,13 @@ class Shields {
   struct Judged {
     ShieldWall wall;
     WallVerdict last;
+    Coming largest;                      ///< of all times that were looked at
     std::vector<double> times, margins;  ///< s; of the thickness
   };
   std::vector<Judged> walls_;
 };
 
-/// What a verdict is, in words.
-std::string sentence_of(const ShieldWall& wall, const WallVerdict& verdict);
+/// What a verdict is, in words. `largest`: of what came until now.
+std::string sentence_of(const ShieldWall& wall, const WallVerdict& verdict, const Coming& largest);
 
 }  // namespace spall

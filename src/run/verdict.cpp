@@ -110,6 +110,7 @@ std::string Verdict::read_out(const World& world, const Engine& engine, double s
 namespace {
 
 constexpr double resolved = 0.02;  // of m U: less is not looked at
+constexpr double shattered = 0.5;  // of the mass: the usual bound of catastrophic disruption
 
 }  // namespace
 
@@ -126,8 +127,14 @@ std::string Verdict::foreign_motion() const {
 
 std::string Verdict::warning() const {
   if (const std::string told = foreign_motion(); !told.empty()) return "WARNING: " + told;
-  if (rows_.empty() || flow_ || before_.struck_mass == 0) return "";
+  if (rows_.empty()) return "";
   const Row& last = rows_.back();
+  if (last.clump_mass < shattered * before_.target_mass)
+    return fmt::format(
+        "WARNING: the target is shattered: its largest clump has {:.2g} of its mass. dv, beta and "
+        "an orbit are those of this remnant, which say nothing of the target as a whole",
+        last.clump_mass / before_.target_mass);
+  if (flow_ || before_.struck_mass == 0) return "";
   if (last.dv_ejecta > resolved * last.dv_impactor) return "";
   return fmt::format(
       "WARNING: beta {:.4g} is that of a bounce alone, 1 + e at most: ejecta brought {:.2g} of m "

@@ -108,6 +108,14 @@ std::vector<std::string> told_of_files(const Case& scene) {
   return told;
 }
 
+std::int64_t count_bodies(const Case& scene, const std::vector<GroupContent>& contents) {
+  std::int64_t all = std::ssize(scene.spheres);
+  for (const GroupContent& content : contents) all += content.count;
+  return all;
+}
+
+}  // namespace
+
 std::vector<std::string> unfilled_lattices(const Case& scene,
                                            const std::vector<GroupContent>& contents) {
   std::vector<std::string> told;
@@ -128,14 +136,6 @@ std::vector<std::string> unfilled_lattices(const Case& scene,
   }
   return told;
 }
-
-std::int64_t count_bodies(const Case& scene, const std::vector<GroupContent>& contents) {
-  std::int64_t all = std::ssize(scene.spheres);
-  for (const GroupContent& content : contents) all += content.count;
-  return all;
-}
-
-}  // namespace
 
 double bytes_of_a_rank(const Case& scene, const std::vector<GroupContent>& contents, int ranks,
                        double bytes_of_program) {

@@ -40,6 +40,12 @@ void read_solid(Section& in, Solid& solid) {
           positive(specific_energy));
   in.take("sublimation_energy", "its enthalpy: debris with more heat is vapour",
           solid.sublimation_energy, positive(specific_energy));
+  // The latent heat alone, which handbooks list, is less than what warms a solid to melting.
+  const double warms = solid.specific_heat * (solid.melting_point - room_temperature);  // J/kg
+  in.check("melt_energy", solid.melt_energy == 0 || solid.melt_energy >= warms,
+           fmt::format("is less than the {:.3g} J/kg that warm it to its melting point; it counts "
+                       "from room temperature to liquid, not the latent heat alone",
+                       warms));
   in.check("sublimation_energy",
            solid.sublimation_energy == 0 || solid.melt_energy < solid.sublimation_energy,
            fmt::format("must be more than melt_energy = {:g} J/kg", solid.melt_energy));

@@ -68,6 +68,9 @@ double bytes_of_a_rank(const Case& scene, const std::vector<GroupContent>& conte
 /// What a case will make: bodies, masses, packings, and the memory that a rank of so many needs,
 /// on top of what the program takes before it has bodies.
 std::string describe_bodies(const Case& scene, int ranks, double bytes_of_program);
+/// A sentence for each lattice whose mass is more than 5 % off that of its volume.
+std::vector<std::string> unfilled_lattices(const Case& scene,
+                                           const std::vector<GroupContent>& contents);
 /// What a case will run: what is switched off, phases and their step limits.
 std::string describe_phases(const Case& scene, const std::vector<GroupContent>& contents);
 

@@ -83,6 +83,29 @@ void check_rock(const SolidLaw& law, const Solid& solid, const std::string& plac
           law.rock.limit, law.rock.cohesion);
 }
 
+/// Slips of units that no other constant contradicts: bounds that no solid comes near.
+void check_magnitudes(const Solid& solid, const std::string& place) {
+  const auto below = [&](double value, const char* key, double bound, const char* of) {
+    require(value <= bound, "{}: {} = {:.3g} is more than {:.3g}, {}: a slip of units", place, key,
+            value, bound, of);
+  };
+  if (!solid.pores.any()) {  // a foam's own modulus may be far below its matter's
+    const char* shear = "the shear modulus (Pa)";
+    below(solid.johnson_cook.a + solid.johnson_cook.b, "johnson_cook_a + johnson_cook_b",
+          solid.shear_modulus(), shear);
+    below(solid.yield_strength, "yield_strength", solid.shear_modulus(), shear);
+    below(solid.steinberg.ymax, "steinberg_ymax", solid.shear_modulus(), shear);
+    below(solid.spall_strength, "spall_strength", solid.bulk_modulus(), "the bulk modulus (Pa)");
+  }
+  constexpr double most_gruneisen = 10, least_heat = 10, most_heat = 2e4;
+  below(solid.gruneisen, "gruneisen", most_gruneisen, "three times what is known of solids");
+  below(solid.specific_heat, "specific_heat", most_heat, "that of hydrogen (J/(kg K))");
+  require(solid.specific_heat == 0 || solid.specific_heat >= least_heat,
+          "{}: specific_heat = {:.3g} J/(kg K) is less than {:g}, a tenth of that of the heaviest "
+          "metals: a slip of units",
+          place, solid.specific_heat, least_heat);
+}
+
 }  // namespace
 
 SolidLaw solid_law(const Solid& solid, bool yields, const std::string& place) {
@@ -113,6 +136,7 @@ SolidLaw solid_law(const Solid& solid, bool yields, const std::string& place) {
           "{}: the bulk modulus is {:.3g} Pa by density and sound_speed, and {:.3g} Pa by "
           "youngs_modulus and poisson_ratio: more than {:g} times apart",
           place, of_sound, of_youngs, most_apart);
+  check_magnitudes(solid, place);
   SolidLaw law{.density = solid.bulk_density(),
                .bulk = solid.bulk_modulus() / pores.distension,
                .shear = solid.shear_modulus(),
