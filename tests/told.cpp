@@ -93,8 +93,10 @@ duration = 2
 
   // In the folder of the run that has ended it would take the place of what was found.
   how = {};
+  how.overrides = {"phases.on.duration=3"};
   const std::string refused = complaint_of([&] { resume_case(testing_world(), file, how); });
   EXPECT_NE(refused.find("holds a run that has ended"), refused.npos) << refused;
+  said_by([&] { resume_case(testing_world(), file, {}); });  // ends as it did
   how.former = Former::overwrite;
   said_by([&] { resume_case(testing_world(), file, how); });
 }

@@ -620,14 +620,15 @@ bool resume_case(const Comm& comm, const std::string& file, const ResumeOptions&
   if (!files.exists(scene.reference)) scene.reference = files.exists(copy) ? copy : "";
   const std::string folder = options.folder.empty() ? own : options.folder;
   const bool same = fs::exists(folder) && fs::equivalent(folder, own);
-  // From the newest state a run only grows longer; from another one what was found would be lost.
+  // Unchanged it ends as it did; from the newest state it only grows longer.
   on_first_rank(comm, [&] {
-    require(!same || options.former == Former::overwrite ||
-                fs::path(file).filename().string().starts_with("restart") ||
-                !fs::exists(folder + "/results.toml"),
-            "'{}' holds a run that has ended, and '{}' is of before its end: choose another folder "
-            "with --out, or --overwrite it",
-            folder, file);
+    require(
+        !same || options.overrides.empty() || options.former == Former::overwrite ||
+            fs::path(file).filename().string().starts_with("restart") ||
+            !fs::exists(folder + "/results.toml"),
+        "'{}' holds a run that has ended, which --set would change from '{}' on: choose another "
+        "folder with --out, or --overwrite it",
+        folder, file);
   });
   const RunFolder held(comm, folder, same ? Former::go_on : options.former);
   return within_memory(comm, scene, [&] {
