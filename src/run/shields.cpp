@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "scene/shape.hpp"
 
@@ -67,9 +68,11 @@ void add(const ShieldWall& wall, const WallVerdict& v, const Coming& largest, Re
   table.add(section, "spall_speed", v.spall_speed, "m/s", "against the wall, mean by mass");
   table.add(section, "still_coming", v.still_coming, "",
             "of the energy that flew at it: has not met it yet");
-  table.add(section, "largest_met", largest.meets, "J",
+  const bool seen = largest.meets > 0 || largest.passes > 0;
+  table.add(section, "largest_met", seen ? largest.meets : std::nan(""), "J",
             "along the normal, of the piece with most of those that flew at what is judged");
-  table.add(section, "largest_passed", largest.passes, "J", "the same, of those that flew past it");
+  table.add(section, "largest_passed", seen ? largest.passes : std::nan(""), "J",
+            "the same, of those that flew past it; nan: none was seen before the wall alone");
   table.add(section, "spacing", wall.spacing, "m", "of its bodies: narrower openings are not seen");
 }
 
