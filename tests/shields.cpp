@@ -350,16 +350,22 @@ velocity = [0, 0, -3]
   EXPECT_NEAR(shot.judge().still_coming, 0.1, 1e-12);  // of 3^2 and 1^2 the latter
 }
 
-TEST(Shields, what_flies_past_does_not_count_as_what_flies_at_it) {
-  const std::string past = R"(
+/// A ball at 9 m/s along z, which starts at this x (m).
+std::string flies_past(const std::string& x, const std::string& diameter) {
+  return R"(
 [[groups]]
 name = "other"
 material = "al"
-volume = {shape = "sphere", diameter = "8 mm", center = [60e-3, 0, -10e-3]}
 packing = {kind = "fcc", diameter = "1 mm"}
 velocity = [0, 0, 9]
-)";
-  EXPECT_NEAR(Scenery(testing_world(), {.of_wall = past}).judge().still_coming, 1, 1e-12);
+volume = {shape = "sphere", diameter = ")" +
+         diameter + "\", center = [" + x + ", 0, -10e-3]}\n";
+}
+
+TEST(Shields, what_flies_past_does_not_count_as_what_flies_at_it) {
+  EXPECT_NEAR(
+      Scenery(testing_world(), {.of_wall = flies_past("60e-3", "8 mm")}).judge().still_coming, 1,
+      1e-12);
 }
 
 /// kg
@@ -411,14 +417,6 @@ name = "bumper"
 material = "al"
 volume = {shape = "box", size = ["28 mm", "28 mm", "1 mm"], center = [0, 0, "-Z mm"]}
 packing = {kind = "fcc", diameter = "1 mm", orientation = "random"}
-)",
-                    elsewhere = R"(
-[[groups]]
-name = "other"
-material = "al"
-volume = {shape = "sphere", diameter = "4 mm", center = [80e-3, 0, -10e-3]}
-packing = {kind = "fcc", diameter = "1 mm"}
-velocity = [0, 0, 9]
 )";
   const auto at = [&](const char* z) {
     return std::string(bumper).replace(bumper.find('Z'), 1, z);
@@ -427,7 +425,7 @@ velocity = [0, 0, 9]
   EXPECT_GT(alone, 0);
   EXPECT_EQ(coming(at("20")).meets, 0);      // before the ball
   EXPECT_EQ(coming(at("40")).meets, alone);  // behind it
-  const Coming two = coming(elsewhere);
+  const Coming two = coming(flies_past("80e-3", "4 mm"));
   EXPECT_EQ(two.meets, alone);
   EXPECT_EQ(two.passes, 0);
 }

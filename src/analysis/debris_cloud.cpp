@@ -222,10 +222,6 @@ double way_of_plate(const Comm& comm, const Bodies& bodies, const Target& target
   return sums[0] > 0 ? sums[1] / sums[0] + target.thickness / 2 : 0;
 }
 
-}  // namespace
-
-namespace {
-
 /// m: the largest of a volume's widths along its axes, as seen along `flight`.
 double width_across(const Volume& volume, const Vec3& flight) {
   const Vec3 half = half_widths(volume);

@@ -245,21 +245,20 @@ WallFrame frame_of(const Comm& comm, const Bodies& bodies, const std::vector<Bod
   return frame;
 }
 
-/// The pieces of those bodies that `counts` of their groups, as find_clumps() names them; -1 of
-/// others.
-template <class F>
-std::vector<BodyId> pieces_of(const Comm& comm, const LinkedBodies& linked, const F& counts) {
+/// The pieces of a group's bodies, as find_clumps() names them; -1 of others.
+std::vector<BodyId> pieces_of_group(const Comm& comm, const LinkedBodies& linked,
+                                    std::int32_t group) {
   const Bodies& bodies = linked.bodies;
   Links own;
   for (std::size_t k = 0; k < linked.links.i.size(); ++k) {
     const Index i = linked.links.i[k], j = linked.links.j[k];
-    if (!counts(bodies.group[i]) || !counts(bodies.group[j])) continue;
+    if (bodies.group[i] != group || bodies.group[j] != group) continue;
     own.i.push_back(i);
     own.j.push_back(j);
   }
   std::vector<BodyId> name = find_clumps(comm, linked.ghosts, bodies, own);
   for (Index b = 0; b < bodies.size(); ++b)
-    if (!counts(bodies.group[b])) name[b] = -1;
+    if (bodies.group[b] != group) name[b] = -1;
   return name;
 }
 
@@ -325,6 +324,9 @@ std::optional<Arrival> arrival_of(const WallFrame& frame, double thickness, cons
 double share_still_coming(const Comm& comm, const Bodies& bodies, const ShieldWall& wall,
                           const Clump& main, const WallFrame& frame) {
   std::array<double, 2> energy{};  // still coming, at the start
+  const auto before_wall = [&](double x, double y) {
+    return std::abs(x) <= wall.half_width[0] && std::abs(y) <= wall.half_width[1];
+  };
   for (Index b = 0; b < bodies.owned; ++b) {
     const double m = bodies.mass[b];
     if (bodies.group[b] == wall.group || !std::isfinite(m)) continue;
@@ -334,21 +336,18 @@ double share_still_coming(const Comm& comm, const Bodies& bodies, const ShieldWa
       if (bodies.group[b] != approach.group) continue;
       energy[1] += m / 2 * approach.speed * approach.speed;
       const double along = motion.dot(frame.normal);
-      if (std::abs(at.depth) <= wall.thickness / 2 && std::abs(at.x) <= wall.half_width[0] &&
-          std::abs(at.y) <= wall.half_width[1])
+      if (std::abs(at.depth) <= wall.thickness / 2 && before_wall(at.x, at.y))
         energy[0] += m / 2 * along * along;
     }
     const auto meets = arrival_of(frame, wall.thickness, bodies.position[b], motion);
-    if (meets && std::abs(meets->x) <= wall.half_width[0] &&
-        std::abs(meets->y) <= wall.half_width[1])
-      energy[0] += m / 2 * meets->speed * meets->speed;
+    if (meets && before_wall(meets->x, meets->y)) energy[0] += m / 2 * meets->speed * meets->speed;
   }
   comm.sum(energy);
   return energy[1] > 0 ? energy[0] / energy[1] : 0;
 }
 
-/// m from the wall's middle: nearer to it, what flew at it has left behind, by its own width, the
-/// plates that stand before it.
+/// m from the wall's middle: nearer to it, what flew at it has left behind, by twice its own width,
+/// the plates that stand before it.
 double where_clear(const Case& scene, const ShieldWall& wall, const Group& flying) {
   const double from = see(wall.start, flying.volume.center).depth;
   const double width = 2 * half_widths(flying.volume).maxCoeff();
@@ -369,11 +368,6 @@ Clump main_piece(const Comm& comm, const Bodies& bodies, const std::vector<BodyI
   const ClumpList pieces = weigh_clumps(comm, bodies, name, 1);
   require(!pieces.largest.empty(), "the wall \"{}\" has no bodies", wall.name);
   return pieces.largest.front();
-}
-
-std::vector<BodyId> pieces_of_group(const Comm& comm, const LinkedBodies& linked,
-                                    std::int32_t group) {
-  return pieces_of(comm, linked, [&](std::int32_t g) { return g == group; });
 }
 
 }  // namespace
