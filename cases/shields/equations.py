@@ -8,8 +8,9 @@ Modified JSC: Ryan & Schonberg, Int. J. Impact Engng 187 (2024) 104899.
 Reimerdes: Reimerdes, Nölke & Schäfer, Int. J. Impact Engng 33 (2006) 645.
 Where papers leave a choice it is that of pyBLOSSUM (https://github.com/shannonjryan/pyBLOSSUM, MIT
 licence, commit fe0a7df): 65 degrees is the largest angle; de-rating factors are found together with
-the diameter; and the JSC equations' low regime ends at 2.6 km/s. There the papers let that speed
-grow as the bumper gets thinner.
+the diameter. Its code differs from the papers in three things, in which this follows the papers:
+the modified NNO's k_h is 1.35 but for thin bumpers; a ball's mass is pi/6 rho d^3, by which their
+constants belong together; and the JSC equations' low regime ends later where the bumper is thin.
 SPDX-License-Identifier: BSD-3-Clause
 """
 import csv
@@ -106,7 +107,7 @@ def modified_nno(shot):
     c = cosine(shot)
     ball, bumper, wall = shot.density
     thin = shot.bumper / (shot.wall ** (2 / 3) * shot.standoff ** (1 / 3))
-    factor = 1.35 if thin < 0.126 else 7.451 * thin + 0.411
+    factor = 7.451 * thin + 0.411 if thin < 0.126 else 1.35
 
     def low(v):
         plates = shot.wall * (shot.strength / 40) ** 0.5 + 0.37 * shot.bumper * bumper
@@ -146,6 +147,20 @@ def thin_bumper(ratio, thickness):
     return 1.0 if thickness >= 1 else ratio - (ratio - 1) * thickness * (2 - thickness)
 
 
+def mass(d, density):
+    """Of a ball (g)."""
+    return pi / 6 * d ** 3 * density
+
+
+def onset(shot):
+    """km/s along the normal, from which on the ball breaks: of the critical ball at that speed."""
+    def broken(v):
+        thickness = shot.bumper / cour_palais_low(shot, v / cosine(shot))
+        return 2.6 if thickness >= 0.16 else max(2.6, 1.436 * thickness ** (-1 / 3))
+
+    return min(root(lambda v: v - broken(v), 3.0), HYPERVELOCITY)
+
+
 def jsc(shot, modified=False):
     c = cosine(shot)
     ball, bumper, _ = shot.density
@@ -153,8 +168,7 @@ def jsc(shot, modified=False):
     def factor(d, v):
         none = (0.6 * d ** (19 / 18) * c ** (5 / 3) * ball ** 0.5 * v ** (2 / 3)
                 / (shot.strength / 40) ** 0.5)
-        mass = (pi * (d / 2) ** 3 * ball) ** (1 / 3)  # as printed; a ball's is 4/3 of it
-        enough = (0.16 * d ** 0.5 * (ball * bumper) ** (1 / 6) * mass * v * c
+        enough = (0.16 * d ** 0.5 * (ball * bumper) ** (1 / 6) * mass(d, ball) ** (1 / 3) * v * c
                   * (70 / shot.strength / shot.standoff) ** 0.5)
         far = shot.standoff / d
         critical = 0.20 if far >= 30 else 0.25
@@ -165,7 +179,7 @@ def jsc(shot, modified=False):
     def high(v):
         return derated(shot, v, lambda d: factor(d, v if modified else HYPERVELOCITY / c))
 
-    return joined(shot, partial(cour_palais_low, shot), high, 2.6 / c, HYPERVELOCITY / c)
+    return joined(shot, partial(cour_palais_low, shot), high, onset(shot) / c, HYPERVELOCITY / c)
 
 
 def reimerdes(shot):
@@ -179,9 +193,9 @@ def reimerdes(shot):
 
     def factor(d):
         v = HYPERVELOCITY  # along the normal
-        mass = pi * (d / 2) ** 3 * ball  # as printed
-        none = k * k_infinity * mass ** 0.352 * ball ** (1 / 6) * v ** (2 / 3)
-        enough = (0.178 * mass ** 0.5 * bumper ** (1 / 6) * v
+        m = mass(d, ball)
+        none = k * k_infinity * m ** 0.352 * ball ** (1 / 6) * v ** (2 / 3)
+        enough = (0.178 * m ** 0.5 * bumper ** (1 / 6) * v
                   * (70 / shot.strength / shot.standoff) ** 0.5)
         return thin_bumper(none / enough,
                            shot.bumper / d / (0.20 if shot.standoff / d >= 30 else 0.25))
