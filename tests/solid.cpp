@@ -147,8 +147,8 @@ TEST(SolidStep, viscosity_only_warms_whatever_velocities_and_gradients_are) {
   std::normal_distribution<double> normal;
   double most = 0, least = 0;
   const auto look = [&](Index b) {
-    most = std::max(most, engine.forces[b][3]);
-    least = std::min(least, engine.forces[b][3]);
+    most = std::max(most, engine.impulses[b][3]);
+    least = std::min(least, engine.impulses[b][3]);
   };
   for (const bool contacts : {false, true}) {
     most = least = 0;
@@ -156,16 +156,17 @@ TEST(SolidStep, viscosity_only_warms_whatever_velocities_and_gradients_are) {
       for (ResponseRow& row : engine.responses) {
         for (int k = 0; k < 9; ++k) row.at[k / 4][k % 4] = 0;  // without stress
         for (int k = 9; k < 15; ++k) row.at[k / 4][k % 4] = normal(random) / d;
-        for (int k = 1; k < 4; ++k) row.at[4][k] = normal(random);
+        for (int k = 0; k < 3; ++k) row.half_kick(k) = normal(random);
+        row.act(0.5, 0.5);
       }
-      std::ranges::fill(engine.forces, PushRow{});
+      std::ranges::fill(engine.impulses, PushRow{});
       if (contacts) {
-        push_by_contacts(world, engine.laws, engine.contacts, 1, engine.rows.data(),
-                         engine.responses.data(), engine.forces.data());
+        push_by_contacts(world, engine.laws, engine.contacts, engine.rows.data(),
+                         engine.responses.data(), engine.impulses.data());
         for (Index b = 0; b < world.bodies.owned; ++b) look(b);
       } else {
-        sweep_forces(engine.pairs, engine.reach.data(), engine.rows.data(), engine.responses.data(),
-                     engine.forces.data(), look);
+        sweep_forces(engine.pairs, Pace::brisk, engine.reach.data(), engine.rows.data(),
+                     engine.responses.data(), engine.impulses.data(), look);
       }
     }
     EXPECT_GT(most, 0) << contacts;

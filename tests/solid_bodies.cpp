@@ -65,7 +65,9 @@ TEST(SolidLaw, returns_to_the_flow_stress_of_each_metal) {
   const std::vector<SolidLaw> laws{ductile(), other};
   std::vector<std::int32_t> material(pair_lanes);
   for (std::size_t l = 0; l < pair_lanes; ++l) material[l] = static_cast<std::int32_t>(l % 2);
-  const LaneRows rows{.first = 0, .count = static_cast<Index>(pair_lanes) - 1};
+  std::vector<Index> bodies(pair_lanes - 1);
+  std::iota(bodies.begin(), bodies.end(), 0);
+  const LaneRows rows(bodies);
   const auto flow = [&](const SolidLaw& law, double strain, double rate, double hot) {
     if (law.steinberg.known()) return std::min(1e9, 0.8e9 * std::pow(1 + 10 * strain, 0.1));
     const double fast = 1 + 0.025 * std::log(std::max(1.0, rate)), soft = 1 - std::pow(hot, 1.09);
@@ -223,8 +225,10 @@ struct Answer {
 };
 Answer step(Some& some) {
   Answer answer{0, std::vector<ResponseRow>(some.rows.size())};
-  answer.heat = update_bodies(some.bodies, kinds(), rest_volumes(some.bodies, kinds()), h, h / 2,
-                              some.shapes.data(), some.rows.data(), answer.responses.data());
+  std::vector<Index> all(some.rows.size());
+  std::iota(all.begin(), all.end(), 0);
+  answer.heat = update_bodies(some.bodies, kinds(), rest_volumes(some.bodies, kinds()), all, h,
+                              h / 2, some.shapes.data(), some.rows.data(), answer.responses.data());
   return answer;
 }
 

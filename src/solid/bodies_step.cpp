@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 
 #include "base/kernels.hpp"
 #include "solid/flaws.hpp"
@@ -255,7 +256,7 @@ Settled settle(Bodies& bodies, const Group& g) {
   const PairMask melted = (yields > 0.0) & (hot >= 1.0);
   const bool rock = g.laws.any(&SolidLaw::brittle);
   if (rock && g.h > 0)
-    for (Index l = 0; l < g.rows.count; ++l)
+    for (Index l = 0; l < g.rows.count(); ++l)
       if (g.laws[l].brittle())
         bodies.damage[g.rows[l]] =
             grown_damage(g.laws[l], bodies, g.rows[l], g.rest_volume[l], g.intact[l], g.h);
@@ -307,13 +308,13 @@ std::vector<double> rest_volumes(const Bodies& bodies, const std::vector<SolidLa
 
 SPALL_KERNEL(double, update_bodies,
              (Bodies & bodies, const std::vector<SolidLaw>& laws,
-              const std::vector<double>& rest_volume, double h, double late, const ShapeRow* shapes,
-              MotionRow* rows, ResponseRow* responses),
-             (bodies, laws, rest_volume, h, late, shapes, rows, responses)) {
+              const std::vector<double>& rest_volume, std::span<const Index> which, double h,
+              double late, const ShapeRow* shapes, const MotionRow* rows, ResponseRow* responses),
+             (bodies, laws, rest_volume, which, h, late, shapes, rows, responses)) {
   const double lattice = shape_of_lattice();
   double heat = 0;
-  for (Index first = 0; first < bodies.owned; first += pair_lanes) {
-    const LaneRows row{.first = first, .count = std::min<Index>(pair_lanes, bodies.owned - first)};
+  for (; !which.empty(); which = which.subspan(std::min(which.size(), pair_lanes))) {
+    const LaneRows row(which);
     const LaneLaws law(laws, bodies.material, row);
     std::array<Index, pair_lanes> places;
     for (std::size_t l = 0; l < pair_lanes; ++l) places[l] = doubles_a_row * row[l];
@@ -389,7 +390,7 @@ SPALL_KERNEL(double, update_bodies,
                                       .growth = growth,
                                       .shear_power = shear_power});
     const PairLanes density = law.of(&SolidLaw::density), slope = law.of(&SolidLaw::slope);
-    for (auto l = static_cast<std::size_t>(row.count); l < pair_lanes; ++l) settled.gained[l] = 0;
+    for (auto l = static_cast<std::size_t>(row.count()); l < pair_lanes; ++l) settled.gained[l] = 0;
     heat += sum_of_lanes(settled.gained);
     // Never more than in a whole lattice: few neighbours would else be damped beyond the step.
     const PairLanes density_over_shape =
@@ -403,49 +404,20 @@ SPALL_KERNEL(double, update_bodies,
     // torque.
     const LaneTensor T = (volume / weight) * (sigma * shape.inverse);
     const LaneTensor E = symmetric_part(L);
-    PairLanes middle_velocity[3], failed;
-    for (std::size_t l = 0; l < pair_lanes; ++l) {
-      const Index b = row[l];
-      for (int n = 0; n < 3; ++n)
-        middle_velocity[n][l] = bodies.velocity[b][n] + 0.5 * bodies.kick[b][n];
-      failed[l] = rows[b].motion[3] >= infinity;
-    }
-    const PairLanes none{};
-    const PairLanes answer[24] = {T.at[0][0],
-                                  T.at[0][1],
-                                  T.at[0][2],
-                                  T.at[1][0],
-                                  T.at[1][1],
-                                  T.at[1][2],
-                                  T.at[2][0],
-                                  T.at[2][1],
-                                  T.at[2][2],
-                                  E.at[0][0],
-                                  E.at[1][1],
-                                  E.at[2][2],
-                                  E.at[1][2],
-                                  E.at[2][0],
-                                  E.at[0][1],
-                                  linear,
-                                  square,
-                                  middle_velocity[0],
-                                  middle_velocity[1],
-                                  middle_velocity[2],
-                                  weight,
-                                  failed,
-                                  none,
-                                  none};
-    for (int n = 0; n < 24; n += 4) {
+    const PairLanes answer[16] = {T.at[0][0], T.at[0][1], T.at[0][2], T.at[1][0],
+                                  T.at[1][1], T.at[1][2], T.at[2][0], T.at[2][1],
+                                  T.at[2][2], E.at[0][0], E.at[1][1], E.at[2][2],
+                                  E.at[1][2], E.at[2][0], E.at[0][1], linear};
+    for (int n = 0; n < 16; n += 4) {
       RowHalf half[pair_lanes];
       halves_of_pairs(answer[n], answer[n + 1], answer[n + 2], answer[n + 3], half);
-      for (Index l = 0; l < row.count; ++l) responses[row[l]].at[n / 4] = half[l];
+      for (Index l = 0; l < row.count(); ++l) responses[row[l]].at[n / 4] = half[l];
     }
-    for (Index l = 0; l < row.count; ++l) {
+    for (Index l = 0; l < row.count(); ++l) {
       const Index b = row[l];
+      responses[b].at[4][0] = square[l];
       bodies.direct_stress[b] = {s.at[0][0][l], s.at[1][1][l], s.at[2][2][l]};
       bodies.shear_stress[b] = {s.at[1][2][l], s.at[2][0][l], s.at[0][1][l]};
-      rows[b].place[3] = std::min(volume[l], rest_volume[b]);
-      rows[b].motion[3] = bodies.damage[b] >= 1 ? infinity : bodies.pressure[b];
     }
   }
   return heat;

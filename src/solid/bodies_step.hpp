@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "solid/law.hpp"
@@ -13,9 +14,10 @@ namespace spall {
 /// m^3, of each body at rest: its mass at the solid's density; of a held one its cell of fcc.
 std::vector<double> rest_volumes(const Bodies& bodies, const std::vector<SolidLaw>& laws);
 
-/// Brings owned bodies' density, stress and energy from where bodies were `h` (s) ago to where they
-/// are, and tells how they answer; rows of ghosts are not touched. With the sums of `sweep_shapes`,
-/// taken with the velocities since then, L = M K^-1 is the gradient against the present places, so
+/// Brings the density, stress and energy of owned bodies, the rising list `which`, from where
+/// bodies were `h` (s) ago to where they are, and tells how they answer. With the sums of
+/// `sweep_shapes`, taken with the velocities since then, L = M K^-1 is the gradient against the
+/// present places, so
 ///
 ///   F = (1 - h L)^-1 is what has deformed the body, and L_mid = L (1 - h L/2)^-1
 ///
@@ -30,7 +32,8 @@ std::vector<double> rest_volumes(const Bodies& bodies, const std::vector<SolidLa
 /// the power of the pairs' forces: by that of the new stress over `late` (s), by that of the old
 /// one over the rest of h. Returns the heat (J) that bodies gained.
 double update_bodies(Bodies& bodies, const std::vector<SolidLaw>& laws,
-                     const std::vector<double>& rest_volume, double h, double late,
-                     const ShapeRow* shapes, MotionRow* rows, ResponseRow* responses);
+                     const std::vector<double>& rest_volume, std::span<const Index> which, double h,
+                     double late, const ShapeRow* shapes, const MotionRow* rows,
+                     ResponseRow* responses);
 
 }  // namespace spall

@@ -16,8 +16,9 @@ double series(double a, double b) {
   return 2 * a * b / (a + b);
 }
 
-Vec3 middle_velocity(const ResponseRow& response) {
-  return {response.at[4][1], response.at[4][2], response.at[4][3]};
+/// In the middle of the kick that comes.
+Vec3 middle_velocity(const MotionRow& row, const ResponseRow& response) {
+  return vector_of(row.motion) + Vec3(response.at[4][1], response.at[4][2], response.at[4][3]);
 }
 
 /// 1/s, how fast the body is stretched along the unit vector n.
@@ -125,29 +126,37 @@ SolidContacts find_contacts(const World& world, const std::vector<NearWindow>& w
 }
 
 void push_by_contacts(World& world, const std::vector<SolidLaw>& laws,
-                      const SolidContacts& contacts, double h, const MotionRow* rows,
-                      const ResponseRow* responses, PushRow* forces) {
-  for_each_pushing(world, laws, contacts.pieces, rows,
-                   [&](const PieceContact& c, const ContactPush& push, const Vec3& x, double r) {
-                     const Vec3 apart =
-                         middle_velocity(responses[c.j]) - middle_velocity(responses[c.i]);
-                     const Vec3 n = x / r;
-                     const double closing = -apart.dot(n);
-                     const double viscous = push.viscous(left_of(
-                         closing, stretching(responses[c.i], n), stretching(responses[c.j], n), r));
-                     const double power = viscous * closing / 2;
-                     const Vec3 force = (push.force(r) + viscous) * n;
-                     forces[c.i] += half_row(-force, power);
-                     forces[c.j] += half_row(force, power);
-                   });
+                      const SolidContacts& contacts, const MotionRow* rows,
+                      const ResponseRow* responses, PushRow* impulses) {
+  for_each_pushing(
+      world, laws, contacts.pieces, rows,
+      [&](const PieceContact& c, const ContactPush& push, const Vec3& x, double r) {
+        const ResponseRow &i = responses[c.i], &j = responses[c.j];
+        const double time = std::min(i.before(), j.before()) + std::min(i.after(), j.after());
+        if (!(time < infinity)) return;
+        const Vec3 apart = middle_velocity(rows[c.j], j) - middle_velocity(rows[c.i], i);
+        const Vec3 n = x / r;
+        const double closing = -apart.dot(n);
+        // Of one that does not act now the gradient is taken to be that of the other.
+        const double of_i = stretching(i.time() != 0 ? i : j, n);
+        const double of_j = stretching(j.time() != 0 ? j : i, n);
+        const double viscous = push.viscous(left_of(closing, of_i, of_j, r));
+        const double heat = time * viscous * closing / 2;
+        const Vec3 impulse = time * (push.force(r) + viscous) * n;
+        impulses[c.i] += half_row(-impulse, heat);
+        impulses[c.j] += half_row(impulse, heat);
+      });
   for_each_pressed(world, laws, contacts.walls, rows,
                    [&](const WallContact& c, const ContactPush& push, const Face& face, double r) {
-                     const double closing = -middle_velocity(responses[c.row]).dot(face.normal);
+                     const ResponseRow& response = responses[c.row];
+                     const double time = response.time();
+                     const double closing =
+                         -middle_velocity(rows[c.row], response).dot(face.normal);
                      const double viscous = push.viscous(closing);
-                     const Vec3 force = (push.force(r) + viscous) * face.normal;
-                     forces[c.row] += half_row(force, viscous * closing);
+                     const Vec3 impulse = time * (push.force(r) + viscous) * face.normal;
+                     impulses[c.row] += half_row(impulse, time * viscous * closing);
                      Reactions::at(world.reactions.of_walls, static_cast<std::size_t>(c.wall))
-                         .add(vector_of(rows[c.row].place), -h * force);
+                         .add(vector_of(rows[c.row].place), -impulse);
                    });
 }
 

@@ -4,6 +4,7 @@
 
 #include "engine/smooth.hpp"
 #include "engine/type.hpp"
+#include "pairs/flight.hpp"
 #include "pairs/near_pairs.hpp"
 #include "solid/contacts.hpp"
 #include "solid/law.hpp"
@@ -18,6 +19,21 @@ struct SolidSettings {
   std::vector<SolidLaw> laws;  ///< by material, once derived; without density: it is no solid
 };
 
+/// Which bodies act in each part of a step, and which once a stride of several parts. Owned bodies;
+/// lists rise.
+struct Strides {
+  double lasts = 0;        ///< s, from one time that all act to the next; 0: none is slow
+  double least_limit = 0;  ///< s, of a part, below which all act before
+  int parts_to_look = 0;   ///< before it is judged again whether a stride pays, where none is slow
+  std::vector<std::uint8_t> is_slow;  ///< ghosts included
+  std::vector<Index> brisk, slow;
+  std::vector<RowHalf> from;  ///< m, where bodies were when all acted last
+  RowBox slow_box;            ///< m/s, of slow bodies since then, where nothing has kicked them
+  double work = 1;            ///< a part, of one in which all act
+  double served = 0;          ///< the work since pairs were found
+  bool cut_waits = false;     ///< they were found within a stride, where bodies change no ranks
+};
+
 struct Elastoplastic final : Engine {
   std::vector<SolidLaw> laws;  ///< by material
   /// 0: steps are as they are asked for. Else each is parted, as in `longest_step`, by the spacing
@@ -25,6 +41,7 @@ struct Elastoplastic final : Engine {
   double courant = 0;
   double next_part = 0;    ///< s, that the last step leaves to the next; 0: not known
   std::int64_t parts = 0;  ///< steps made with their forces, since it was made
+  std::int64_t acts = 0;   ///< bodies of this rank that acted in them
   NearPairs near;
   std::vector<PieceWindow> pairs;   ///< those of one piece
   SolidContacts contacts;           ///< of the pairs
@@ -33,7 +50,9 @@ struct Elastoplastic final : Engine {
   std::vector<MotionRow> rows;
   std::vector<ShapeRow> shapes;
   std::vector<ResponseRow> responses;
-  std::vector<PushRow> forces;
+  std::vector<PushRow> impulses;
+  std::vector<double> waves;  ///< 1/s, of owned bodies: the share of a spacing that sound crosses
+  Strides strides;
   double fastest_pair2 = 0;  ///< 1/s^2, of neighbours of one piece, as `sweep_shapes` found it last
 
   explicit Elastoplastic(std::vector<SolidLaw> of_materials, double of_spacing = 0)

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstring>
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "solid/law.hpp"
@@ -13,28 +14,34 @@
 
 namespace spall {
 
-/// Rows one after another; where there are fewer than lanes, the last one fills them up.
-struct LaneRows {
-  Index first, count;
+/// The next rows of a rising list, as many as there are lanes; where there are fewer, the last one
+/// fills them up.
+class LaneRows {
+ public:
+  explicit LaneRows(std::span<const Index> list)
+      : rows_(list.first(std::min(list.size(), pair_lanes))),
+        stretch_(rows_.size() == pair_lanes && rows_.back() - rows_.front() + 1 == count()) {}
 
-  Index operator[](std::size_t l) const {
-    return first + std::min(static_cast<Index>(l), count - 1);
-  }
-  bool fill_lanes() const { return count == static_cast<Index>(pair_lanes); }
+  Index count() const { return static_cast<Index>(rows_.size()); }
+  Index operator[](std::size_t l) const { return rows_[std::min(l, rows_.size() - 1)]; }
   PairLanes load(const std::vector<double>& numbers) const {
     PairLanes v;
-    if (fill_lanes())
-      std::memcpy(&v, &numbers[first], sizeof v);
+    if (stretch_)
+      std::memcpy(&v, &numbers[rows_.front()], sizeof v);
     else
       for (std::size_t l = 0; l < pair_lanes; ++l) v[l] = numbers[(*this)[l]];
     return v;
   }
   void store(const PairLanes& v, std::vector<double>& numbers) const {
-    if (fill_lanes())
-      std::memcpy(&numbers[first], &v, sizeof v);
+    if (stretch_)
+      std::memcpy(&numbers[rows_.front()], &v, sizeof v);
     else
-      for (Index l = 0; l < count; ++l) numbers[first + l] = v[l];
+      for (std::size_t l = 0; l < rows_.size(); ++l) numbers[rows_[l]] = v[l];
   }
+
+ private:
+  std::span<const Index> rows_;
+  bool stretch_;  // they follow each other in memory
 };
 
 /// The law of each lane. Mostly all are of one.

@@ -19,7 +19,8 @@ constexpr T neighbour_weight(const T& share) {
   return 1.0 - share;
 }
 
-/// Where a body is and how it moves.
+/// Where a body is and how it moves. Volume and pressure stay those that sums were taken with until
+/// forces have been.
 struct alignas(64) MotionRow {
   RowHalf place;   ///< x, y, z (m), volume (m^3), no more than at rest: a weight in sums
   RowHalf motion;  ///< velocity (m/s), pressure (Pa); infinite: it has failed
@@ -35,17 +36,24 @@ struct alignas(64) ShapeRow {
 };
 inline constexpr Index shape_width = sizeof(ShapeRow) / sizeof(double);
 
-/// How a body answers: what its neighbours learn of it before forces. Volume and failure are those
-/// that the sums were taken with.
+/// How a body answers: what its neighbours learn of it before forces.
 struct alignas(64) ResponseRow {
   RowHalf at[6];  ///< sigma K^-1 by rows, times its volume over that weight (9); symmetric velocity
                   ///< gradient, as K (6); viscosity: rho c a and rho s a, a = 3/tr K, no more than
-                  ///< in a lattice (2); velocity in the middle of the kick (3); volume (m^3); 1: it
-                  ///< had failed, else 0; none (2)
+                  ///< in a lattice (2); half of the kick that comes (m/s, 3); s, for which its
+                  ///< stress and viscosity act now, and of that before and after now (3); none (1)
+
+  double& half_kick(int k) { return at[4][1 + k]; }
+  double time() const { return at[5][0]; }
+  double before() const { return at[5][1]; }
+  double after() const { return at[5][2]; }
+  /// It does not act now: contacts with it act as those with who does.
+  void rest() { at[5] = RowHalf{0, infinity, infinity, 0}; }
+  void act(double before, double after) { at[5] = RowHalf{before + after, before, after, 0}; }
 };
 inline constexpr Index response_width = sizeof(ResponseRow) / sizeof(double);
 
-/// Force (N) and power that turns to heat (W); zero before a sweep.
+/// Impulse (N s) and the energy that turns to heat (J); zero before a sweep.
 using PushRow = RowHalf;
 
 /// So many pairs are worked on at once: as many as a register holds.

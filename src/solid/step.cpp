@@ -1,11 +1,13 @@
 // Drift h/2; strain since the last kick, stress; forces, kick h; drift h/2. Stress is brought to
 // where bodies are at the end of the last step too, so that all belongs to one instant there.
+// Bodies that may go by longer steps act once a stride of several parts: docs/physics/solid.md.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "solid/step.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <optional>
 #include <span>
 
@@ -13,14 +15,11 @@
 #include "engine/prescribed.hpp"
 #include "pairs/flight.hpp"
 #include "solid/bodies_step.hpp"
+#include "solid/part_lengths.hpp"
 #include "spall/error.hpp"
 
 namespace spall {
 namespace {
-
-/// Of impacts the energy that second order loses decides: with a fifth of a spacing a third of a
-/// percent at 6.7 km/s, four times that in steps twice as long (cases/plate_solid).
-constexpr double share_of_impacts = 4;
 
 double* doubles(auto& rows) {
   return reinterpret_cast<double*>(rows.data());
@@ -34,7 +33,8 @@ void fill_rows(const World& world, Elastoplastic& engine) {
   engine.rows.resize(size);
   engine.shapes.resize(size);
   engine.responses.resize(size);
-  engine.forces.assign(size, PushRow{});
+  engine.impulses.assign(size, PushRow{});
+  engine.waves.resize(bodies.owned);
   for (Index b = 0; b < bodies.size(); ++b) {
     engine.reach[b] = neighbour_reach * 2 * bodies.radius[b];
     engine.rows[b] = {
@@ -77,6 +77,52 @@ double skin_of(const World& world, const NearPairs& near) {
   return best_skin(world.comm, world.bodies, near, crowd, 0, skins_of_lattice(sums[0] / sums[1]));
 }
 
+/// All owned bodies are brisk.
+void forget_slow(const Bodies& bodies, Strides& strides) {
+  strides.lasts = 0;
+  strides.work = 1;
+  strides.is_slow.assign(bodies.size(), 0);
+  strides.slow.clear();
+  strides.brisk.resize(bodies.owned);
+  std::iota(strides.brisk.begin(), strides.brisk.end(), 0);
+}
+
+/// Tells ghosts which bodies are slow.
+void tell_slow(const Bodies& bodies, Elastoplastic& engine) {
+  std::vector<double> is_slow(bodies.size());
+  for (const Index b : engine.strides.slow) is_slow[b] = 1;
+  engine.near.ghosts.gather(is_slow.data(), 1);
+  engine.strides.is_slow.assign(is_slow.begin(), is_slow.end());
+}
+
+/// Pairs and ghosts anew. Within a stride the domain is not cut: bodies stay where they are.
+void search_pairs(World& world, Elastoplastic& engine) {
+  NearPairs& near = engine.near;
+  Strides& strides = engine.strides;
+  const double skin = skin_of(world, near);
+  const bool within_stride = strides.lasts > 0;
+  if (within_stride)
+    for (Index b = 0; b < world.bodies.owned; ++b) strides.from[b] -= engine.rows[b].place;
+  take_positions(world, engine);
+  wrap_bodies(world);
+  if (within_stride)
+    find_near_pairs(world.comm, world.bodies, world.period, reach_of(world), skin, {}, {}, near);
+  else
+    search_near_pairs(world.comm, world.bodies, world.period, reach_of(world), skin, {}, near);
+  engine.contacts = find_contacts(world, near.windows, near.skin);
+  fill_rows(world, engine);
+  if (within_stride) {
+    for (Index b = 0; b < world.bodies.owned; ++b) strides.from[b] += engine.rows[b].place;
+    tell_slow(world.bodies, engine);
+  } else {
+    forget_slow(world.bodies, strides);
+  }
+  engine.pairs = pairs_of_pieces(world.bodies, engine.reach.data(), near.windows, strides.is_slow);
+  note_paces(strides.is_slow, engine.pairs);
+  strides.served = 0;
+  strides.cut_waits = within_stride && world.comm.size > 1;
+}
+
 /// Makes pairs and ghosts current at the present places.
 void update_pairs(World& world, Elastoplastic& engine) {
   StageTimer timer(world.stages, "neighbours");
@@ -86,62 +132,88 @@ void update_pairs(World& world, Elastoplastic& engine) {
     take_positions(world, engine);
     near.moved = approach_since_search(world, near);
   }
-  if (near.skin == 0 || near.moved > near.skin) {
-    const double skin = skin_of(world, near);
-    take_positions(world, engine);
-    wrap_bodies(world);
-    search_near_pairs(world.comm, world.bodies, world.period, reach_of(world), skin, {}, near);
-    engine.contacts = find_contacts(world, near.windows, near.skin);
-    fill_rows(world, engine);
-    engine.pairs = pairs_of_pieces(world.bodies, engine.reach.data(), near.windows);
-  } else {
-    ++near.steps;
-  }
+  // Where the last search could not cut the domain, the next step's first one does.
+  const bool cut_waits = engine.strides.cut_waits && engine.strides.lasts == 0;
+  if (near.skin == 0 || near.moved > near.skin || cut_waits)
+    search_pairs(world, engine);
+  else
+    near.steps = static_cast<int>(engine.strides.served += engine.strides.work);
   near.ghosts.gather(doubles(engine.rows), doubles_a_row);
   if (world.period.any())
     for (Index g = 0; g < near.ghosts.ghosts(); ++g)
       engine.rows[world.bodies.owned + g].place += half_row(near.shifts[g], 0);
 }
 
-/// The sums of shapes at the present places, and the fastest neighbours.
-void find_shapes(Elastoplastic& engine) {
-  std::fill(engine.shapes.begin(), engine.shapes.end(), ShapeRow{});
-  engine.fastest_pair2 =
-      sweep_shapes(engine.pairs, engine.reach.data(), engine.rows.data(), engine.shapes.data());
+/// The sums of the shapes of bodies of this pace at the present places. Returns the fastest
+/// neighbours' v^2/R^2 (1/s^2).
+double find_shapes(Elastoplastic& engine, Pace pace, const std::vector<MotionRow>& rows) {
+  const Strides& strides = engine.strides;
+  if (strides.lasts == 0) {
+    std::ranges::fill(engine.shapes, ShapeRow{});
+  } else {
+    for (const Index b : pace == Pace::slow ? strides.slow : strides.brisk)
+      engine.shapes[b] = ShapeRow{};
+  }
+  return sweep_shapes(engine.pairs, pace, engine.reach.data(), rows.data(), engine.shapes.data());
 }
 
-/// Forces at the present places, the kick by them over `h`, and drifts over two times.
-RowBox kick_and_drift(World& world, Elastoplastic& engine, double h, double first, double second) {
+/// Forces of `paces` at the present places, the kick by them in a part of `h`, and drifts over two
+/// times.
+RowBox kick_and_drift(World& world, Elastoplastic& engine, std::uint8_t paces, double h,
+                      double first, double second) {
   StageTimer timer(world.stages, "forces");
   Bodies& bodies = world.bodies;
-  const RowHalf fall = half_row(h * world.steady_gravity(), 0);
-  RowBox box;
+  const RowHalf field = half_row(world.steady_gravity(), 0);
+  Strides& strides = engine.strides;
+  const bool all = paces & Pace::slow, waits = !all && world.own_forces.empty();
+  RowBox box = all ? RowBox{} : strides.slow_box, slow_box;
+  const auto none = [](const RowHalf& v) {
+    return v[0] == 0 && v[1] == 0 && v[2] == 0 && v[3] == 0;
+  };
   double taken = 0;
   const auto finish = [&](Index b) {
     MotionRow& row = engine.rows[b];
-    const RowHalf force = engine.forces[b];
-    engine.forces[b] = RowHalf{};
+    const RowHalf impulse = engine.impulses[b];
+    if (waits && strides.is_slow[b] && none(impulse)) {
+      RowHalf v = row.motion;
+      v[3] = 0;
+      row.place = multiply_add(first, v, row.place);
+      row.place = multiply_add(second, v, row.place);
+      return;
+    }
+    ResponseRow& response = engine.responses[b];
+    engine.impulses[b] = RowHalf{};
+    const double time = response.time();
     RowHalf kick{};
     if (std::isfinite(bodies.mass[b]))
-      kick = (h / bodies.mass[b]) * force + fall;
+      kick = (1 / bodies.mass[b]) * impulse + time * field;
     else
-      book_held(world, b, vector_of(row.place), h * vector_of(force), Vec3::Zero());
+      book_held(world, b, vector_of(row.place), vector_of(impulse), Vec3::Zero());
     const RowHalf v = half_row(bodies.velocity[b], 0) + half_row(vector_of(kick), 0);
     bodies.velocity[b] = vector_of(v);
-    bodies.kick[b] = vector_of(kick);
     for (int k = 0; k < 3; ++k) row.motion[k] = v[k];
+    if (time != 0) {
+      bodies.kick[b] = h / time * vector_of(kick);
+      row.place[3] = engine.rest_volume[b] / std::max(1.0, bodies.compression[b]);
+      row.motion[3] = bodies.damage[b] >= 1 ? infinity : bodies.pressure[b];
+      response.rest();
+      for (int k = 0; k < 3; ++k) response.half_kick(k) = 0;
+    }
     row.place = multiply_add(first, v, row.place);
     if (second != 0) row.place = multiply_add(second, v, row.place);
-    box.add(v);
-    bodies.heat[b] += h * force[3];
-    bodies.internal_energy[b] += h * force[3];
-    taken += h * force[3];
+    (strides.is_slow[b] ? slow_box : box).add(v);
+    bodies.heat[b] += impulse[3];
+    bodies.internal_energy[b] += impulse[3];
+    taken += impulse[3];
   };
-  push_by_contacts(world, engine.laws, engine.contacts, h, engine.rows.data(),
-                   engine.responses.data(), engine.forces.data());
-  sweep_forces(engine.pairs, engine.reach.data(), engine.rows.data(), engine.responses.data(),
-               engine.forces.data(), finish);
+  push_by_contacts(world, engine.laws, engine.contacts, engine.rows.data(), engine.responses.data(),
+                   engine.impulses.data());
+  sweep_forces(engine.pairs, paces, engine.reach.data(), engine.rows.data(),
+               engine.responses.data(), engine.impulses.data(), finish);
   world.ledger.dissipated += taken;
+  if (all) strides.slow_box = slow_box;
+  box.low = smaller(slow_box.low, box.low);
+  box.high = larger(slow_box.high, box.high);
   return box;
 }
 
@@ -150,147 +222,6 @@ double elastic_energy(const Bodies& bodies) {
   for (Index b = 0; b < bodies.owned; ++b) energy += bodies.internal_energy[b] - bodies.heat[b];
   return energy;
 }
-
-/// 1/s: the largest share of its spacing that sound crosses in a body of this rank in a second,
-/// with what compression and heat add where there are neighbours: else its pressure moves nothing.
-double fastest_waves(const World& world, const Elastoplastic& engine) {
-  const Bodies& bodies = world.bodies;
-  const bool porous = bodies.has(Field::crushed);
-  double fastest = 0;
-  for (Index b = 0; b < bodies.owned; ++b) {
-    const SolidLaw& law = engine.laws[bodies.material[b]];
-    double c = law.sound_speed(), spacing = 2 * bodies.radius[b], shear = law.shear;
-    const bool alone = engine.shapes[b].trace() == 0;
-    if (const double x = bodies.compression[b]; !alone && (x > 1 || bodies.heat[b] > 0)) {
-      const double matter = x * law.filled * (porous ? law.distension(bodies.crushed[b]) : 1);
-      const double heat = bodies.heat[b] / (engine.rest_volume[b] * law.density);
-      // (dP/d rho)_S of the heat's pressure Gamma rho e, Gamma rho constant from rest on.
-      const double g = law.gruneisen, dense = std::max(1.0, matter);
-      const double warmed = matter > 1 ? g * g / (dense * dense) : g * (1 + g);
-      const double bulk2 = law.cold.at(dense).slope2 + warmed * heat;
-      if (law.steinberg.known())
-        shear *= std::max(1.0, law.stiffness(x, bodies.pressure[b], heat) / x);
-      c = std::max(c, std::sqrt(bulk2 + 4 * shear / (3 * law.density)));
-      spacing /= std::cbrt(std::max(1.0, x));
-    }
-    fastest = std::max(fastest, c / spacing);
-  }
-  return fastest;
-}
-
-/// 1/s: of its spacing, what a body of this rank moves by in a second against what is nearer than
-/// its reach: another body, of any piece, or a wall.
-double fastest_meeting(const World& world, const Elastoplastic& engine) {
-  const Bodies& bodies = world.bodies;
-  double fastest2 = engine.fastest_pair2;
-  for (const PieceContact& c : engine.contacts.pieces) {
-    const MotionRow &i = engine.rows[c.i], &j = engine.rows[c.j];
-    const double a = engine.reach[c.i], b = engine.reach[c.j], mean = (a + b) / 2;
-    if (vector_of(j.place - i.place).squaredNorm() >= mean * mean) continue;
-    const double nearer = std::min(a, b);
-    fastest2 = std::max(fastest2, vector_of(j.motion - i.motion).squaredNorm() / (nearer * nearer));
-  }
-  double fastest = neighbour_reach * std::sqrt(fastest2);
-  const Walls walls = world.walls();
-  for (std::size_t w = 0; w < walls.size(); ++w)
-    for (Index b = 0; b < bodies.owned; ++b) {
-      const Face face = face_of(walls, w, vector_of(engine.rows[b].place));
-      if (face.height + bodies.radius[b] < engine.reach[b])
-        fastest = std::max(fastest,
-                           std::abs(face.normal.dot(bodies.velocity[b])) / (2 * bodies.radius[b]));
-    }
-  return fastest;
-}
-
-/// s, that a part of a step may last by `longest_step`, with rows as they are. Bodies come no
-/// nearer meanwhile than by half of the gap in which those that meet are seen and do not touch yet.
-/// `velocities`: of this rank. Collective.
-double longest_part(const World& world, const Elastoplastic& engine, const RowBox& velocities) {
-  double slope = 0, narrowest = infinity;
-  for (Index b = 0; b < world.bodies.owned; ++b) {
-    slope = std::max(slope, engine.laws[world.bodies.material[b]].slope);
-    narrowest = std::min(narrowest, 2 * world.bodies.radius[b]);
-  }
-  std::array<double, 4> most{fastest_waves(world, engine), fastest_meeting(world, engine), slope,
-                             -narrowest};
-  world.comm.max(most);
-  const double seen = (neighbour_reach - 1) / 2 * -most[3];
-  return std::min(engine.courant / (most[0] + share_of_impacts * most[2] * most[1]),
-                  seen / velocities.united(world.comm).diagonal());
-}
-
-/// What `smooth_steps` asks of forces.
-class Motion {
- public:
-  Motion(World& world, Elastoplastic& engine)
-      : world_(world), engine_(engine), dissipated_(world.ledger.dissipated) {}
-
-  void begin(double) {
-    velocities_ = velocities_with_walls(world_);
-    fill_rows(world_, engine_);
-  }
-  void drift(double t) {
-    for (Index b = 0; b < world_.bodies.owned; ++b) {
-      MotionRow& row = engine_.rows[b];
-      row.place = multiply_add(t, half_row(world_.bodies.velocity[b], 0), row.place);
-    }
-    move(t);
-  }
-  double energy() {
-    update();
-    return elastic_energy(world_.bodies) +
-           energy_of_contacts(world_, engine_.laws, engine_.contacts, engine_.rows.data()) +
-           world_.ledger.dissipated - dissipated_;
-  }
-  void kick(double h, double first, double second) {
-    update();  // strains are of the motion before any kick
-    if (!world_.own_forces.empty()) {
-      take_positions(world_, engine_);
-      kick_by_own_forces(world_, h);
-    }
-    ++engine_.parts;
-    velocities_ = kick_and_drift(world_, engine_, h, first, second);
-    StageTimer timer(world_.stages, "motion");
-    if (world_.walls().size() > 0) velocities_.add(Vec3(Vec3::Zero()));
-    move(first + second);
-  }
-  void end() {
-    update();
-    StageTimer timer(world_.stages, "motion");
-    take_positions(world_, engine_);
-  }
-  /// s, that a part of a step may last from here, where pairs and shapes are current. Collective.
-  double longest() const { return longest_part(world_, engine_, velocities_); }
-  /// Stress and answers of where bodies are. New stresses have worked for `late` (s) of the time
-  /// since the last ones, half of it if not told. Parts differ in length: there it is half of the
-  /// kick that follows, and none at an end of steps.
-  void update(std::optional<double> late = {}) {
-    if (current_) return;
-    update_pairs(world_, engine_);
-    StageTimer timer(world_.stages, "forces");
-    find_shapes(engine_);
-    world_.ledger.dissipated += update_bodies(
-        world_.bodies, engine_.laws, engine_.rest_volume, since_, late.value_or(since_ / 2),
-        engine_.shapes.data(), engine_.rows.data(), engine_.responses.data());
-    engine_.near.ghosts.gather(doubles(engine_.responses), response_width);
-    since_ = 0;
-    current_ = true;
-  }
-
- private:
-  void move(double t) {
-    advance_prescribed(world_, t, velocities_);
-    book_motion(world_.comm, velocities_, t, engine_.near);
-    since_ += t;
-    current_ = current_ && t == 0;
-  }
-
-  World& world_;
-  Elastoplastic& engine_;
-  double dissipated_, since_ = 0;
-  bool current_ = false;
-  RowBox velocities_;
-};
 
 /// The next part of a time that is left (s), of at most `longest` (s). The last parts are even, so
 /// that none is a splinter.
@@ -308,16 +239,210 @@ Part next_part(double left, double longest) {
 /// second order comes from each change. It becomes shorter at once.
 constexpr double growth = 0.05;
 
+/// Of one of them to the next look whether a stride is worth it, where none is.
+constexpr int parts_between_looks = 8;
+
+/// What `smooth_steps` asks of forces.
+class Motion {
+ public:
+  Motion(World& world, Elastoplastic& engine)
+      : world_(world), engine_(engine), dissipated_(world.ledger.dissipated) {}
+
+  void begin(double) {
+    velocities_ = velocities_with_walls(world_);
+    fill_rows(world_, engine_);
+    forget_slow(world_.bodies, engine_.strides);
+  }
+  void drift(double t) {
+    for (Index b = 0; b < world_.bodies.owned; ++b) {
+      MotionRow& row = engine_.rows[b];
+      row.place = multiply_add(t, half_row(world_.bodies.velocity[b], 0), row.place);
+    }
+    move(t);
+  }
+  double energy() {
+    update(since_ / 2);
+    return elastic_energy(world_.bodies) +
+           energy_of_contacts(world_, engine_.laws, engine_.contacts, engine_.rows.data()) +
+           world_.ledger.dissipated - dissipated_;
+  }
+  void kick(double h, double first, double second) {
+    update(since_ / 2);  // strains are of the motion before any kick
+    for (Index b = 0; b < world_.bodies.owned; ++b) act_for(b, h / 2, h / 2, h);
+    push(h, first, second, Pace::brisk);
+  }
+  void end() {
+    update(since_ / 2);
+    StageTimer timer(world_.stages, "motion");
+    take_positions(world_, engine_);
+  }
+  /// Stress and answers of where bodies are. New stresses of brisk bodies have worked for `late`
+  /// (s) of the time since the last ones: in parts, which differ in length, half of the kick that
+  /// follows, and none at an end of steps. Slow ones follow once a stride, and where `all` are to.
+  void update(double late, bool all = true) {
+    if (current_) return;
+    update_pairs(world_, engine_);
+    StageTimer timer(world_.stages, "forces");
+    const Strides& strides = engine_.strides;
+    all_act_ = strides.lasts == 0 || all || stride_ends();
+    if (all_act_ && strides.lasts > 0) {
+      find_shapes(engine_, Pace::slow, mean_motion());
+      update(strides.slow, slow_since_, slow_late_);
+    }
+    engine_.fastest_pair2 = find_shapes(engine_, Pace::brisk, engine_.rows);
+    update(strides.brisk, since_, late);
+    since_ = 0;
+    current_ = true;
+  }
+
+  // Of parts alone:
+
+  bool all_act() const { return all_act_; }
+  /// s, that a part may last from here, where pairs and shapes are current: of brisk bodies' waves
+  /// and of all that meet. Bodies come no nearer meanwhile than by half of the gap in which those
+  /// that meet are seen and do not touch yet. Collective.
+  double longest() {
+    if (bounds_.narrowest == 0) bounds_ = part_bounds(world_, engine_);
+    std::array<double, 2> most{0, fastest_meeting(world_, engine_)};
+    const auto look = [&](Index b) { most[0] = std::max(most[0], engine_.waves[b]); };
+    std::ranges::for_each(engine_.strides.brisk, look);
+    if (all_act_) std::ranges::for_each(engine_.strides.slow, look);
+    world_.comm.max(most);
+    longest_ =
+        std::min(longest_part(engine_, bounds_, most[0], most[1]), bounds_.seen / 2 / spread());
+    return longest_;
+  }
+  double first_longest() {
+    update_pairs(world_, engine_);
+    engine_.fastest_pair2 = find_shapes(engine_, Pace::brisk, engine_.rows);
+    find_waves(world_, engine_, engine_.strides.brisk);
+    return longest();
+  }
+  /// The kick of a part of `h`, in which the bodies act that were updated. Where all were, a stride
+  /// may begin, of parts that last `next` and end no later than `left` (s) from here.
+  void kick_part(double h, double next, double left) {
+    Strides& strides = engine_.strides;
+    const std::uint8_t paces = all_act_ ? Pace::brisk | Pace::slow : Pace::brisk;
+    if (all_act_ && (strides.lasts > 0 || strides.parts_to_look-- <= 0)) {
+      begin_stride(h, next, left);
+    } else {
+      for (const Index b : strides.brisk) act_for(b, h / 2, h / 2, h);
+    }
+    push(h, h / 2, next / 2, paces);
+  }
+
+ private:
+  void move(double t) {
+    world_.time += t;
+    book_motion(world_.comm, velocities_, t, engine_.near);
+    since_ += t;
+    slow_since_ += t;
+    slow_late_ += t;
+    current_ = current_ && t == 0;
+  }
+  void update(std::span<const Index> which, double since, double late) {
+    world_.ledger.dissipated +=
+        update_bodies(world_.bodies, engine_.laws, engine_.rest_volume, which, since, late,
+                      engine_.shapes.data(), engine_.rows.data(), engine_.responses.data());
+    find_waves(world_, engine_, which);
+  }
+  /// Its time is over, or bodies have become faster than it allows.
+  bool stride_ends() const {
+    const Strides& strides = engine_.strides;
+    return slow_since_ + since_ / 2 >= strides.lasts || longest_ < strides.least_limit;
+  }
+  /// Rows with the velocities that have brought bodies to where they are since all acted.
+  std::vector<MotionRow> mean_motion() const {
+    std::vector<MotionRow> rows = engine_.rows;
+    const auto owned = static_cast<std::size_t>(world_.bodies.owned);
+    for (std::size_t b = 0; b < owned; ++b) {
+      const RowHalf mean = (1 / slow_since_) * (rows[b].place - engine_.strides.from[b]);
+      for (int k = 0; k < 3; ++k) rows[b].motion[k] = mean[k];
+    }
+    engine_.near.ghosts.gather(doubles(rows), doubles_a_row);
+    for (std::size_t g = owned; g < rows.size(); ++g) rows[g].place = engine_.rows[g].place;
+    return rows;
+  }
+  /// A body's forces act for these times before and after a part of `h` is half over.
+  void act_for(Index b, double before, double after, double h) {
+    ResponseRow& response = engine_.responses[b];
+    response.act(before, after);
+    const double share = (before + after) / h;
+    for (int k = 0; k < 3; ++k) response.half_kick(k) = 0.5 * share * world_.bodies.kick[b][k];
+  }
+  void push(double h, double first, double second, std::uint8_t paces) {
+    engine_.near.ghosts.gather(doubles(engine_.responses), response_width);
+    if (!world_.own_forces.empty()) {
+      take_positions(world_, engine_);
+      kick_by_own_forces(world_, h);
+    }
+    ++engine_.parts;
+    const bool all = engine_.strides.lasts == 0 || paces & Pace::slow;
+    engine_.acts += all ? world_.bodies.owned : static_cast<Index>(engine_.strides.brisk.size());
+    velocities_ = kick_and_drift(world_, engine_, paces, h, first, second);
+    StageTimer timer(world_.stages, "motion");
+    if (world_.walls().size() > 0) velocities_.add(Vec3(Vec3::Zero()));
+    move(first + second);
+  }
+  /// m/s: no two bodies are faster against each other. Collective.
+  double spread() const { return velocities_.united(world_.comm).diagonal(); }
+  /// Where all act in a part of `h`, a stride may begin, of parts that last `next` and end within
+  /// `left` (s).
+  void begin_stride(double h, double next, double left) {
+    Strides& strides = engine_.strides;
+    Stride stride;
+    std::vector<double> limit;
+    if (left >= 2 * next) {
+      std::vector<double> meeting2(world_.bodies.size());
+      sweep_meetings(engine_.pairs, engine_.reach.data(), engine_.rows.data(), meeting2.data());
+      limit = longest_parts(world_, engine_, bounds_, meeting2);
+      // Who is not seen to meet now does not touch before all act again.
+      const double most = std::min(left, bounds_.seen / spread()) / next;
+      stride = cheapest_stride(world_.comm, limit, next, most);
+    }
+    const int parts = stride.parts;
+    const double lasts = parts * next;
+    const auto goes_slow = [&](Index b) { return parts > 1 && limit[b] >= lasts; };
+    const auto after = [&](Index b) { return (goes_slow(b) ? lasts : h) / 2; };
+    for (const Index b : strides.brisk) act_for(b, h / 2, after(b), h);
+    for (const Index b : strides.slow) act_for(b, slow_late_, after(b), h);
+    const bool had_slow = strides.lasts > 0;
+    forget_slow(world_.bodies, strides);
+    strides.parts_to_look = parts_between_looks;
+    if (parts > 1) {
+      strides.lasts = lasts;
+      strides.work = stride.work;
+      strides.least_limit = longest_ / 2;
+      strides.brisk.clear();
+      strides.from.resize(world_.bodies.owned);
+      for (Index b = 0; b < world_.bodies.owned; ++b) {
+        (goes_slow(b) ? strides.slow : strides.brisk).push_back(b);
+        strides.from[b] = engine_.rows[b].place;
+      }
+      slow_since_ = 0;
+      slow_late_ = -lasts / 2;
+    }
+    if (parts == 1 && !had_slow) return;
+    tell_slow(world_.bodies, engine_);
+    note_paces(strides.is_slow, engine_.pairs);
+  }
+
+  World& world_;
+  Elastoplastic& engine_;
+  double dissipated_, since_ = 0;
+  double slow_since_ = 0, slow_late_ = 0;  // s, since slow bodies acted, and since they have for
+  double longest_ = 0;
+  PartBounds bounds_;
+  bool current_ = false, all_act_ = true;
+  RowBox velocities_;
+};
+
 /// Leapfrog as `smooth_steps` makes it, in parts of the steps that last as their bodies allow.
 StepReport parted_steps(World& world, Motion&& motion, Elastoplastic& engine,
                         const StepRequest& request) {
   constexpr double most_parts = 100;  // signals wait no longer
   motion.begin(request.h);
-  if (engine.next_part <= 0) {
-    update_pairs(world, engine);
-    find_shapes(engine);
-    engine.next_part = motion.longest();
-  }
+  if (engine.next_part <= 0) engine.next_part = motion.first_longest();
   double longest = engine.next_part;
   const double most =
       std::clamp(most_parts * longest / request.h, 1.0, static_cast<double>(request.most_steps));
@@ -329,14 +454,14 @@ StepReport parted_steps(World& world, Motion&& motion, Elastoplastic& engine,
   Part part = next_part(lasts, std::min(longest, request.h));
   motion.drift(part.h / 2);
   for (bool reads = request.energy;; reads = false) {
-    motion.update(part.h / 2);
+    motion.update(part.h / 2, part.last);
     if (reads) report.energy = motion.energy();
     std::optional<HalfKick> half;
     if (reads) half.emplace(world);
     longest = std::min(motion.longest(), (1 + growth) * longest);
     now += part.h;
     const Part next = part.last ? Part{} : next_part(lasts - now, std::min(longest, request.h));
-    motion.kick(part.h, part.h / 2, next.h / 2);
+    motion.kick_part(part.h, next.h, reads ? 0 : lasts - now);
     if (half) report.energy += half->energy(world, part.h);
     if (part.last) break;
     part = next;
@@ -416,6 +541,7 @@ double Elastoplastic::energy(const World& world) const {
 void Elastoplastic::restart_pairs(World& world, PairMemory) {
   resize(world.bodies, world.bodies.owned);
   near = {};
+  strides = {};
   next_part = 0;
 }
 

@@ -1,10 +1,13 @@
-// The two sweeps of a step over the pairs of one piece: shapes and velocities; then forces.
+// The sweeps of a step over the pairs of one piece: shapes and velocities; then forces; and who
+// meets whom how fast.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include <algorithm>
 #include <compare>
+#include <cstdint>
 #include <span>
+#include <tuple>
 #include <vector>
 
 #include "solid/rows.hpp"
@@ -18,23 +21,31 @@ namespace spall {
 /// of those in the skin are passed over. As in `NearWindow`, a body is its own partner in slots
 /// that are left, and the last one fills up the last group.
 struct PieceWindow {
-  std::vector<Index> bodies;    ///< each once
-  std::vector<Index> rows;      ///< places, `pair_lanes` a group
-  std::vector<Index> slots;     ///< of each group
-  std::vector<Index> partners;  ///< places, `pair_lanes` a slot
+  std::vector<Index> bodies;        ///< each once
+  std::vector<Index> rows;          ///< places, `pair_lanes` a group
+  std::vector<Index> slots;         ///< of each group
+  std::vector<Index> partners;      ///< places, `pair_lanes` a slot
+  std::vector<std::uint8_t> holds;  ///< of each slot, the `Pace`s of its pairs' bodies
 };
 
+/// Brisk bodies act in each part of a step, slow ones once a stride: bits of `PieceWindow::holds`.
+enum Pace : std::uint8_t { brisk = 1, slow = 2 };
+
 /// The pairs of one piece of all that were found, with bodies where they were found. `reach` is R
-/// of each body (m).
+/// of each body (m). Those that `is_slow` (ghosts included) stand last, so that few slots hold
+/// both.
 inline std::vector<PieceWindow> pairs_of_pieces(const Bodies& bodies, const double* reach,
-                                                const std::vector<NearWindow>& windows) {
+                                                const std::vector<NearWindow>& windows,
+                                                const std::vector<std::uint8_t>& is_slow) {
   struct Partner {
+    std::uint8_t slow;
     double distance2;
     Index place;
     auto operator<=>(const Partner&) const = default;
   };
   struct Row {
     Index place;
+    std::uint8_t slow;
     std::ptrdiff_t within;
     std::vector<Partner> partners;
   };
@@ -54,18 +65,23 @@ inline std::vector<PieceWindow> pairs_of_pieces(const Bodies& bodies, const doub
           Row& row = all[g * lane_count + l];
           const Index place = *partners++, i = row.place / doubles_a_row, j = place / doubles_a_row;
           if (place == row.place || bodies.group[i] != bodies.group[j]) continue;
-          row.partners.push_back({(bodies.position[j] - bodies.position[i]).squaredNorm(), place});
+          row.partners.push_back(
+              {is_slow[j], (bodies.position[j] - bodies.position[i]).squaredNorm(), place});
         }
     const std::span rows(all.data(), static_cast<std::size_t>(window.count));
     PieceWindow& piece = pieces[n];
     for (Row& row : rows) {
-      const double R = reach[row.place / doubles_a_row];
+      const Index b = row.place / doubles_a_row;
+      const double R2 = reach[b] * reach[b];
       std::ranges::sort(row.partners);
-      row.within = std::ranges::lower_bound(row.partners, R * R, {}, &Partner::distance2) -
-                   row.partners.begin();
-      piece.bodies.push_back(row.place / doubles_a_row);
+      row.slow = is_slow[b];
+      row.within =
+          std::ranges::count_if(row.partners, [&](const Partner& p) { return p.distance2 < R2; });
+      piece.bodies.push_back(b);
     }
-    std::ranges::stable_sort(rows, [](const Row& a, const Row& b) { return a.within > b.within; });
+    std::ranges::stable_sort(rows, [](const Row& a, const Row& b) {
+      return std::tuple(a.slow, b.within) < std::tuple(b.slow, a.within);
+    });
     for (std::size_t first = 0; first < rows.size(); first += pair_lanes) {
       std::size_t most = 0;
       for (std::size_t l = 0; l < pair_lanes; ++l) {
@@ -74,6 +90,7 @@ inline std::vector<PieceWindow> pairs_of_pieces(const Bodies& bodies, const doub
         most = std::max(most, rows[r].partners.size());
       }
       piece.slots.push_back(static_cast<Index>(most));
+      piece.holds.resize(piece.holds.size() + most);
       for (std::size_t s = 0; s < most; ++s)
         for (std::size_t r = first; r < first + pair_lanes; ++r) {
           const bool has = r < rows.size() && s < rows[r].partners.size();
@@ -83,6 +100,34 @@ inline std::vector<PieceWindow> pairs_of_pieces(const Bodies& bodies, const doub
     }
   }
   return pieces;
+}
+
+/// Notes what slots hold. `is_slow`: of all bodies, ghosts included.
+inline void note_paces(const std::vector<std::uint8_t>& is_slow,
+                       std::vector<PieceWindow>& windows) {
+  const auto pace = [&](Index place) {
+    return is_slow[place / doubles_a_row] ? Pace::slow : Pace::brisk;
+  };
+  for (PieceWindow& window : windows) {
+    const Index* partners = window.partners.data();
+    std::uint8_t* holds = window.holds.data();
+    for (std::size_t g = 0; g < window.slots.size(); ++g) {
+      const Index* own = window.rows.data() + g * pair_lanes;
+      for (Index s = 0; s < window.slots[g]; ++s, partners += pair_lanes) {
+        std::uint8_t all = 0;
+        for (std::size_t l = 0; l < pair_lanes; ++l)
+          if (partners[l] != own[l]) all |= pace(own[l]) | pace(partners[l]);
+        *holds++ = all;
+      }
+    }
+  }
+}
+
+/// Whether any of a group's slots holds a body of these paces.
+inline bool any_holds(const std::uint8_t* holds, Index slots, std::uint8_t paces) {
+  std::uint8_t all = 0;
+  for (Index s = 0; s < slots; ++s) all |= holds[s];
+  return all & paces;
 }
 
 /// Where some bodies are, and their volumes.
@@ -104,17 +149,24 @@ struct MotionLanes {
   PairMask failed() const { return pressure >= infinity; }
 };
 
-/// Adds to the sums of owned bodies; those of ghosts mean nothing. `reach` is R of each body (m). A
-/// neighbour counts by `neighbour_weight`. Returns the largest v^2/R^2 of neighbours, v their
-/// velocity against each other (1/s^2).
-inline double sweep_shapes(const std::vector<PieceWindow>& windows, const double* reach,
-                           const MotionRow* rows, ShapeRow* shapes) {
+/// Adds to the sums of owned bodies of these paces; those of others and of ghosts mean nothing.
+/// `reach` is R of each body (m). A neighbour counts by `neighbour_weight`. Returns the largest
+/// v^2/R^2 of neighbours, v their velocity against each other (1/s^2).
+inline double sweep_shapes(const std::vector<PieceWindow>& windows, std::uint8_t paces,
+                           const double* reach, const MotionRow* rows, ShapeRow* shapes) {
   double* const sums = reinterpret_cast<double*>(shapes);
   const PairLanes zero{};
   PairLanes fastest{};
   for (const PieceWindow& window : windows) {
     const Index* partners = window.partners.data();
+    const std::uint8_t* all_holds = window.holds.data();
     for (std::size_t g = 0; g < window.slots.size(); ++g) {
+      const std::uint8_t* const holds = all_holds;
+      all_holds += window.slots[g];
+      if (!any_holds(holds, window.slots[g], paces)) {
+        partners += window.slots[g] * static_cast<Index>(pair_lanes);
+        continue;
+      }
       const Index* own = window.rows.data() + g * pair_lanes;
       const PlaceLanes at(rows, own);
       const MotionLanes i(rows, own);
@@ -122,6 +174,7 @@ inline double sweep_shapes(const std::vector<PieceWindow>& windows, const double
       const PairMask failed = i.failed();
       PairLanes sum[16] = {};
       for (Index s = 0; s < window.slots[g]; ++s, partners += pair_lanes) {
+        if (!(holds[s] & paces)) continue;
         const PlaceLanes beside(rows, partners);
         const PairLanes x = beside.x - at.x, y = beside.y - at.y, z = beside.z - at.z;
         const PairLanes r2 = x * x + y * y + z * z, share2 = r2 * inverse2;
@@ -157,9 +210,44 @@ inline double sweep_shapes(const std::vector<PieceWindow>& windows, const double
   return most;
 }
 
+/// Raises `most` of each body to the largest v^2/R^2 (1/s^2) of its neighbours, v their velocity
+/// against its own.
+inline void sweep_meetings(const std::vector<PieceWindow>& windows, const double* reach,
+                           const MotionRow* rows, double* most) {
+  const PairLanes zero{};
+  for (const PieceWindow& window : windows) {
+    const Index* partners = window.partners.data();
+    for (std::size_t g = 0; g < window.slots.size(); ++g) {
+      const Index* own = window.rows.data() + g * pair_lanes;
+      const PlaceLanes at(rows, own);
+      const MotionLanes i(rows, own);
+      const PairLanes inverse = 1.0 / gather_numbers(reach, own), inverse2 = inverse * inverse;
+      PairLanes fastest{};
+      for (Index s = 0; s < window.slots[g]; ++s, partners += pair_lanes) {
+        const PlaceLanes beside(rows, partners);
+        const PairLanes x = beside.x - at.x, y = beside.y - at.y, z = beside.z - at.z;
+        const PairMask near = (x * x + y * y + z * z) * inverse2 < 1.0;
+        if (!any_lane(near)) continue;
+        const MotionLanes j(rows, partners);
+        const PairLanes u = j.u - i.u, v = j.v - i.v, w = j.w - i.w;
+        const PairLanes meets = select(near, (u * u + v * v + w * w) * inverse2, zero);
+        fastest = larger(fastest, meets);
+        for (std::size_t l = 0; l < pair_lanes; ++l) {
+          double& its = most[partners[l] / doubles_a_row];
+          its = std::max<double>(its, meets[l]);
+        }
+      }
+      for (std::size_t l = 0; l < pair_lanes; ++l) {
+        double& its = most[own[l] / doubles_a_row];
+        its = std::max<double>(its, fastest[l]);
+      }
+    }
+  }
+}
+
 /// How some bodies answer.
 struct ResponseLanes {
-  PairLanes t[9], d[6], linear, square, u, v, w, volume, failed;
+  PairLanes t[9], d[6], linear, square, u, v, w, time;
 
   ResponseLanes(const ResponseRow* rows, const Index* places) {
     const double* all = reinterpret_cast<const double*>(rows);
@@ -168,8 +256,8 @@ struct ResponseLanes {
     gather_half<response_width>(all + 8, places, &t[8], &d[0], &d[1], &d[2]);
     gather_half<response_width>(all + 12, places, &d[3], &d[4], &d[5], &linear);
     gather_half<response_width>(all + 16, places, &square, &u, &v, &w);
-    PairLanes none;
-    gather_half<response_width>(all + 20, places, &volume, &failed, &none, nullptr);
+    PairLanes none, nothing;
+    gather_half<response_width>(all + 20, places, &time, &none, &nothing, nullptr);
   }
   /// x . D x
   PairLanes stretching(const PairLanes& x, const PairLanes& y, const PairLanes& z) const {
@@ -184,11 +272,12 @@ struct ResponseLanes {
   return select(product > 0.0, product / (sum * sum), PairLanes{});
 }
 
-/// Adds the forces of all pairs of one piece,
+/// Adds the impulses of pairs of one piece whose groups have a body of these paces: by the forces
 ///
 ///   f = w V_i V_j (sigma_i K_i^-1 + sigma_j K_j^-1) x   (each where the body sees the other)
 ///       - w V_i V_j (a_i q_i + a_j q_j) x,   q = rho (c u + s u^2),
 ///
+/// in which what is body i's own acts for its `ResponseRow::time` on both.
 /// u > 0 the closing speed that is left where both velocities are extrapolated to the middle by the
 /// bodies' gradients, limited (the limiter of Frontiere, Raskin & Owen, J. Comput. Phys. 332 (2017)
 /// 160), and never more than that of the bodies themselves; c and s are the material's own, as
@@ -196,43 +285,62 @@ struct ResponseLanes {
 /// once nothing will be added to its row and neither its place nor its answer will be asked for
 /// again.
 template <class Finish>
-void sweep_forces(const std::vector<PieceWindow>& windows, const double* reach,
-                  const MotionRow* rows, const ResponseRow* responses, PushRow* forces,
+void sweep_forces(const std::vector<PieceWindow>& windows, std::uint8_t paces, const double* reach,
+                  const MotionRow* rows, const ResponseRow* responses, PushRow* impulses,
                   Finish&& finish) {
-  double* const sums = reinterpret_cast<double*>(forces);
+  double* const sums = reinterpret_cast<double*>(impulses);
   const PairLanes zero{};
   for (const PieceWindow& window : windows) {
     const Index* partners = window.partners.data();
+    const std::uint8_t* all_holds = window.holds.data();
     for (std::size_t g = 0; g < window.slots.size(); ++g) {
+      const std::uint8_t* const holds = all_holds;
+      all_holds += window.slots[g];
+      if (!any_holds(holds, window.slots[g], paces)) {
+        partners += window.slots[g] * static_cast<Index>(pair_lanes);
+        continue;
+      }
       const Index* own = window.rows.data() + g * pair_lanes;
       const PlaceLanes i(rows, own);
+      const MotionLanes moves(rows, own);
       const ResponseLanes a(responses, own);
       const PairLanes inverse = 1.0 / gather_numbers(reach, own), inverse2 = inverse * inverse;
-      PairLanes fx{}, fy{}, fz{}, power{};
+      const PairLanes own_u = moves.u + a.u, own_v = moves.v + a.v, own_w = moves.w + a.w;
+      const PairMask failed = moves.failed();
+      PairLanes fx{}, fy{}, fz{}, heat{};
       for (Index s = 0; s < window.slots[g]; ++s, partners += pair_lanes) {
+        if (!(holds[s] & paces)) continue;
         const PlaceLanes j(rows, partners);
         const PairLanes x = j.x - i.x, y = j.y - i.y, z = j.z - i.z;
         const PairLanes r2 = x * x + y * y + z * z, share2 = r2 * inverse2;
         const PairMask acts = (share2 < 1.0) & (share2 > 0.0);
         if (!any_lane(acts)) continue;
+        const MotionLanes partner_moves(rows, partners);
         const ResponseLanes b(responses, partners);
         const PairLanes inverse_r = inverse_sqrt(r2);
         const PairLanes weight = neighbour_weight(r2 * inverse_r * inverse);
-        const PairLanes w = select(acts, weight * a.volume * b.volume, zero);
-        const PairLanes from_own = select(a.failed < b.failed, zero, w);
-        const PairLanes from_partner = select(b.failed < a.failed, zero, w);
+        const PairLanes w = select(acts, weight * i.volume * j.volume, zero);
+        const PairLanes by_own = w * a.time, by_partner = w * b.time;
+        const PairMask partner_failed = partner_moves.failed();
+        const PairLanes from_own = select(partner_failed & ~failed, zero, by_own);
+        const PairLanes from_partner = select(failed & ~partner_failed, zero, by_partner);
         PairLanes t[9];
         for (int k = 0; k < 9; ++k) t[k] = from_own * a.t[k] + from_partner * b.t[k];
 
-        const PairLanes u = (b.u - a.u) * x + (b.v - a.v) * y + (b.w - a.w) * z;  // r dr/dt
-        const PairLanes g_own = a.stretching(x, y, z), g_partner = b.stretching(x, y, z);
+        const PairLanes u = (partner_moves.u + b.u - own_u) * x +
+                            (partner_moves.v + b.v - own_v) * y +
+                            (partner_moves.w + b.w - own_w) * z;  // r dr/dt
+        // Of one that does not act now the gradient is taken to be that of the other.
+        PairLanes g_own = a.stretching(x, y, z), g_partner = b.stretching(x, y, z);
+        g_own = select(a.time != 0.0, g_own, g_partner);
+        g_partner = select(b.time != 0.0, g_partner, g_own);
         // Gradients may only lessen a closing speed: else parting bodies would turn heat into
         // motion.
         const PairLanes left = larger(u, u - 0.5 * limiter(g_own, g_partner) * (g_own + g_partner));
         const PairLanes mu = left * inverse_r;
-        PairLanes q =
-            select(mu < 0.0, mu * ((a.linear + b.linear) - (a.square + b.square) * mu), zero);
-        q *= w;
+        const PairLanes linear = by_own * a.linear + by_partner * b.linear;
+        const PairLanes square = by_own * a.square + by_partner * b.square;
+        const PairLanes q = select(mu < 0.0, mu * (linear - square * mu), zero);
 
         const PairLanes px = t[0] * x + t[1] * y + t[2] * z + q * x;
         const PairLanes py = t[3] * x + t[4] * y + t[5] * z + q * y;
@@ -241,10 +349,10 @@ void sweep_forces(const std::vector<PieceWindow>& windows, const double* reach,
         fx += px;
         fy += py;
         fz += pz;
-        power += half;
+        heat += half;
         add_half<4>(-px, -py, -pz, half, partners, sums);
       }
-      add_half<4>(fx, fy, fz, power, own, sums);
+      add_half<4>(fx, fy, fz, heat, own, sums);
     }
     for (const Index b : window.bodies) finish(b);
   }

@@ -1,0 +1,150 @@
+// Bodies that may go by longer steps act once a stride of several parts.
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+#include "copper_pieces.hpp"
+#include "testing.hpp"
+
+namespace spall {
+namespace {
+
+/// s: how long sound takes across a spacing.
+const double crossing = d / ductile.sound_speed();
+
+/// A ball hits a plate, coarser than itself by `coarser`, at `speed` (m/s).
+std::vector<Sphere> shot(double speed, double coarser) {
+  auto plate = crystal(
+      coarser * d, copper.density, turn({0.4, 0.2, -0.7}), 9 * d,
+      [](const Vec3& x) { return std::abs(x.z()) < 2.5 * d && std::hypot(x.x(), x.y()) < 9 * d; });
+  const double mass = copper.density * volume_of_lattice(d);
+  for (Sphere s : ball(d, copper.density, turned, 2.2 * d)) {
+    s.position.z() += 5.2 * d;
+    s.velocity.z() = -speed;
+    s.mass = mass;
+    plate.push_back(s);
+  }
+  return plate;
+}
+Lab world_of_shot(const Comm& comm, double speed, const SolidLaw& law,
+                  double courant = usual_courant, double coarser = 1.5) {
+  Lab world = world_of(comm, shot(speed, coarser), law);
+  for (Index b = 0; b < world.bodies.owned; ++b)
+    world.bodies.group[b] = 2 * world.bodies.radius[b] > 1.1 * d ? 0 : 1;
+  world.solid.courant = courant;
+  return world;
+}
+
+/// Of all ranks.
+double acts(const Lab& world) {
+  return world.comm.sum(static_cast<double>(world.solid.acts));
+}
+double acting_share(const Lab& world) {
+  const double all = world.comm.sum(static_cast<double>(world.bodies.owned));
+  return acts(world) / (all * world.solid.parts);
+}
+
+TEST(Strides, few_bodies_act_in_most_parts_where_a_shot_is_fast) {
+  Lab world = world_of_shot(testing_world(), 4000, ductile);
+  solid_steps(world, 3 * crossing, 1);
+  EXPECT_LT(acting_share(world), 0.6);
+  Lab slow = world_of_shot(testing_world(), 0, ductile, usual_courant, 1);
+  solid_steps(slow, 3 * crossing, 1);
+  EXPECT_EQ(acting_share(slow), 1);
+}
+
+TEST(Strides, keep_momenta_and_energy) {
+  const double speed = 4000;
+  Lab world = world_of_shot(testing_world(), speed, ductile);
+  const Sums before = sums_of(world);
+  for (int k = 0; k < 4; ++k) solid_steps(world, crossing, 2);
+  EXPECT_LT(acting_share(world), 0.7);
+  const Sums after = sums_of(world);
+  const double p = before.momentum.norm();
+  EXPECT_LE((after.momentum - before.momentum).norm(), 1e-12 * p);
+  EXPECT_LE((after.angular - before.angular).norm(), 1e-12 * p * 9 * d);
+  EXPECT_GT(after.heat, 0.2 * before.kinetic);
+  EXPECT_NEAR(after.kinetic + after.internal, before.kinetic, 0.01 * before.kinetic);
+}
+
+TEST(Strides, energy_error_is_of_second_order) {
+  std::vector<double> errors;
+  for (const double courant : {0.2, 0.1, 0.05}) {
+    Lab world = world_of_shot(testing_world(), 1500, elastic, courant);
+    const double before = sums_of(world).kinetic;
+    solid_steps(world, 4 * crossing, 1);
+    EXPECT_LT(acting_share(world), 0.9);
+    const Sums after = sums_of(world);
+    const double elastic_energy = world.solid.energy(world);  // of contacts, too
+    errors.push_back(std::abs(after.kinetic + after.heat + elastic_energy - before) / before);
+  }
+  EXPECT_LT(errors[0], 0.01);
+  for (int k = 0; k < 2; ++k) EXPECT_GT(std::log2(errors[k] / errors[k + 1]), 1.5) << k;
+}
+
+TEST(Strides, what_nothing_has_reached_is_at_rest_to_the_last_bit) {
+  Lab world = world_of_shot(testing_world(), 4000, ductile);
+  std::vector<Vec3> places;
+  solid_steps(world, 0.05 * crossing, 4);
+  Index still = 0;
+  for (Index b = 0; b < world.bodies.owned; ++b) {
+    if (world.bodies.group[b] != 0 || world.bodies.position[b].z() > -d) continue;
+    still += world.bodies.velocity[b].isZero(0) && world.bodies.pressure[b] == 0;
+  }
+  EXPECT_GT(world.comm.sum(static_cast<double>(still)), 0);
+}
+
+TEST(Strides, motion_is_the_same_on_any_number_of_ranks) {
+  Lab one = world_of_shot(alone(), 4000, ductile),
+      many = world_of_shot(testing_world(), 4000, ductile);
+  for (int step = 0; step < 2; ++step) {
+    solid_steps(one, crossing, 1);
+    solid_steps(many, crossing, 1);
+  }
+  EXPECT_EQ(one.solid.parts, many.solid.parts);
+  EXPECT_EQ(acts(one), acts(many));
+  const auto p = spheres_of(one), q = spheres_of(many);
+  for (std::size_t k = 0; k < p.size(); ++k)
+    EXPECT_LE((p[k].position - q[k].position).norm(), 1e-9 * d) << k;
+}
+
+TEST(Strides, a_period_changes_nothing_for_what_does_not_reach_across_it) {
+  Lab free = world_of_shot(testing_world(), 4000, ductile),
+      wrapped = world_of_shot(testing_world(), 4000, ductile);
+  const double edge = 60 * d;
+  wrapped.period.size = Vec3::Constant(edge);
+  // The border cuts the plate.
+  wrapped.period.low = Vec3(0.3 * d, -edge / 2, -edge / 2);
+  for (Lab* world : {&free, &wrapped}) solid_steps(*world, 2 * crossing, 1);
+  EXPECT_EQ(acts(free), acts(wrapped));
+  const auto p = spheres_of(free), q = spheres_of(wrapped);
+  for (std::size_t k = 0; k < p.size(); ++k)
+    EXPECT_LE((p[k].position - wrapped.period.nearest(q[k].position, p[k].position)).norm(),
+              1e-9 * d)
+        << k;
+}
+
+TEST(Strides, a_field_and_a_force_of_one_s_own_act_for_the_whole_time) {
+  const double g = 1e7, lasts = 1.5 * crossing;
+  for (const bool own : {true, false}) {
+    Lab world = world_of_shot(testing_world(), 4000, ductile);
+    double mass = 0;
+    for (Index b = 0; b < world.bodies.owned; ++b) mass += world.bodies.mass[b];
+    mass = world.comm.sum(mass);
+    if (own)
+      world.own_forces.emplace_back([&](const Bodies& bodies, std::span<Vec3> force) {
+        for (std::size_t b = 0; b < force.size(); ++b) force[b].x() += g * bodies.mass[b];
+      });
+    else
+      world.uniform_gravity = {g, 0, 0};
+    const double before = sums_of(world).momentum.x();
+    solid_steps(world, lasts / 3, 3);
+    EXPECT_LT(acting_share(world), 0.8);
+    EXPECT_NEAR(sums_of(world).momentum.x() - before, mass * g * lasts, 1e-10 * mass * g * lasts)
+        << own;
+  }
+}
+
+}  // namespace
+}  // namespace spall
