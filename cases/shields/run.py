@@ -56,6 +56,7 @@ BUMPER_LAYERS, WALL_LAYERS = 2, 3  # at least
 BUMPER_WIDTH = 4  # ball diameters
 WALL_RIM = 1.5  # ball diameters that the wall is wider than that, on each side
 FLIGHT = 2.5  # times that which the ball would need at its speed from the bumper to the wall
+DRAWS = 5  # of crystals, until the wall's have its mass
 RINGING = 40  # times that which sound needs through the wall
 COURANT = 0.2  # steps are parted by it
 SOUND = 5350  # m/s, of aluminium: where a duration or a cost is estimated
@@ -133,8 +134,9 @@ def volume(shape, length, width, height, middle, z):
     return f'{{shape = "box", size = [{length:.9g}, {width:.9g}, {height:.9g}], {where}}}'
 
 
-def case_of(shot, setting, options, grown=1):
-    """`grown`: times which the ball and its spacing are as large, for its mass."""
+def case_of(shot, setting, options, grown=1, draw=0):
+    """`grown`: times which the ball and its spacing are as large, for its mass. `draw`: how often
+    crystals have been turned anew."""
     d, t, s, w, v = (shot.diameter / 100, shot.bumper / 100, shot.standoff / 100, shot.wall / 100,
                      1000 * shot.speed)
     angle = math.radians(shot.angle)
@@ -154,7 +156,7 @@ def case_of(shot, setting, options, grown=1):
          [v * math.sin(angle), 0, -v * math.cos(angle)])]
     text = [f'title = "{shot.source} {shot.name}: {shot.diameter:g} cm at {shot.speed:g} km/s and '
             f'{shot.angle:g} degrees, {shot.metals[0]} on {shot.metals[1]} and {shot.metals[2]}"',
-            f"seed = {1000 * options.seed + shot.row}"]
+            f"seed = {1000 * options.seed + shot.row + 1_000_000 * draw}"]
     for part, library in zip(("ball", "bumper", "wall"), libraries):
         text += ["", f"[materials.{part}]", f'library = "{library}"', LACKING.get(library, "")]
     text += ["", "[solid]", f"courant = {COURANT}"]
@@ -199,14 +201,17 @@ def run(options, shot):
     folder = options.out / "-".join([str(shot.row), *chosen_by.values()])
     folder.mkdir(parents=True, exist_ok=True)
     case = folder / "shot.toml"
-    case.write_text(case_of(shot, setting, options))
     line = {"row": shot.row, "shot": shot.name, **chosen_by}
-    checked = subprocess.run([options.program, "check", case], capture_output=True, text=True)
-    if checked.returncode != 0:
+    for draw in range(DRAWS):  # a crystal that lies along the wall's faces may lack a layer
+        case.write_text(case_of(shot, setting, options, draw=draw))
+        checked = subprocess.run([options.program, "check", case], capture_output=True, text=True)
+        if checked.returncode == 0:
+            break
+    else:
         print(checked.stderr, end="", file=sys.stderr)
         return line | {"verdict": "failed", "seconds": "0"}
     grown = (ball_of(shot) / mass_of_ball(checked.stdout))**(1 / 3)
-    case.write_text(case_of(shot, setting, options, grown))
+    case.write_text(case_of(shot, setting, options, grown, draw))
     begin = time.monotonic()
     with open(folder / "log.txt", "w") as log:
         command = [*options.before, options.program, "run", case, "--out", folder / "run",
