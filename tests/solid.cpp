@@ -161,7 +161,7 @@ TEST(SolidStep, viscosity_only_warms_whatever_velocities_and_gradients_are) {
       }
       std::ranges::fill(engine.impulses, PushRow{});
       if (contacts) {
-        push_by_contacts(world, engine.laws, engine.contacts, engine.rows.data(),
+        push_by_contacts(world, engine.laws, engine.contacts, 1, engine.rows.data(),
                          engine.responses.data(), engine.impulses.data());
         for (Index b = 0; b < world.bodies.owned; ++b) look(b);
       } else {

@@ -83,6 +83,52 @@ TEST(Strides, energy_error_is_of_second_order) {
   for (int k = 0; k < 2; ++k) EXPECT_GT(std::log2(errors[k] / errors[k + 1]), 1.5) << k;
 }
 
+/// A crystal under pressure that fills a periodic space, at rest. A layer of it is lighter, so
+/// that its sound is four times as fast.
+Lab pressed_crystal(double courant) {
+  const double closer = 0.97;
+  const int cells = 6;
+  const double a = closer * std::sqrt(2.0) * d, edge = cells * a;
+  SolidLaw light = elastic;
+  light.density /= 16;
+  std::vector<Sphere> spheres;
+  for (int i = 0; i < 2 * cells; ++i)
+    for (int j = 0; j < 2 * cells; ++j)
+      for (int k = 0; k < 2 * cells; ++k)
+        if ((i + j + k) % 2 == 0)
+          spheres.push_back({.radius = d / 2, .mass = 1, .position = a / 2 * Vec3(i, j, k)});
+  Lab world = world_of(testing_world(), spheres, elastic);
+  world.solid.laws.push_back(light);
+  world.materials.push_back({.name = "light"});
+  world.solid.courant = courant;
+  world.period.size = Vec3::Constant(edge);
+  Bodies& bodies = world.bodies;
+  const double x = 1 / (closer * closer * closer), cell = volume_of_lattice(d);
+  for (Index b = 0; b < bodies.owned; ++b) {
+    bodies.material[b] = bodies.position[b].z() < 1.2 * a ? 1 : 0;
+    bodies.mass[b] = cell * world.solid.laws[bodies.material[b]].density;
+    bodies.compression[b] = x;
+    bodies.pressure[b] = elastic.cold.at(x).pressure;
+    bodies.internal_energy[b] = cell * elastic.cold.at(x).energy;
+  }
+  return world;
+}
+
+TEST(Strides, warm_nothing_that_is_at_rest_under_pressure) {
+  std::vector<double> errors;
+  for (const double courant : {0.2, 0.1}) {
+    Lab world = pressed_crystal(courant);
+    const double before = sums_of(world).internal;
+    solid_steps(world, 16 * crossing, 1);
+    EXPECT_LT(acting_share(world), 0.6);
+    const Sums after = sums_of(world);
+    errors.push_back(std::abs(after.kinetic + after.internal - before) / before);
+    EXPECT_LT(after.heat, 0.03 * before);
+  }
+  EXPECT_LT(errors[0], 0.03);
+  EXPECT_GT(std::log2(errors[0] / errors[1]), 1.5);
+}
+
 TEST(Strides, what_nothing_has_reached_is_at_rest_to_the_last_bit) {
   Lab world = world_of_shot(testing_world(), 4000, ductile);
   std::vector<Vec3> places;

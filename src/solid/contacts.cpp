@@ -126,20 +126,22 @@ SolidContacts find_contacts(const World& world, const std::vector<NearWindow>& w
 }
 
 void push_by_contacts(World& world, const std::vector<SolidLaw>& laws,
-                      const SolidContacts& contacts, const MotionRow* rows,
+                      const SolidContacts& contacts, double h, const MotionRow* rows,
                       const ResponseRow* responses, PushRow* impulses) {
+  // Where both are slow they act for a stride, and rest together; else one acts in each part.
+  const auto common = [&](double one, double other) { return one == other ? one : h / 2; };
   for_each_pushing(
       world, laws, contacts.pieces, rows,
       [&](const PieceContact& c, const ContactPush& push, const Vec3& x, double r) {
         const ResponseRow &i = responses[c.i], &j = responses[c.j];
-        const double time = std::min(i.before(), j.before()) + std::min(i.after(), j.after());
-        if (!(time < infinity)) return;
+        if (!i.acts() && !j.acts()) return;
+        const double time = common(i.before(), j.before()) + common(i.after(), j.after());
         const Vec3 apart = middle_velocity(rows[c.j], j) - middle_velocity(rows[c.i], i);
         const Vec3 n = x / r;
         const double closing = -apart.dot(n);
         // Of one that does not act now the gradient is taken to be that of the other.
-        const double of_i = stretching(i.time() != 0 ? i : j, n);
-        const double of_j = stretching(j.time() != 0 ? j : i, n);
+        const double of_i = stretching(i.acts() ? i : j, n);
+        const double of_j = stretching(j.acts() ? j : i, n);
         const double viscous = push.viscous(left_of(closing, of_i, of_j, r));
         const double heat = time * viscous * closing / 2;
         const Vec3 impulse = time * (push.force(r) + viscous) * n;

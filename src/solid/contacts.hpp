@@ -53,10 +53,10 @@ struct SolidContacts {
 SolidContacts find_contacts(const World& world, const std::vector<NearWindow>& windows,
                             double skin);
 
-/// Adds impulses, and what becomes heat. Walls receive the opposite. A contact acts as often as the
-/// one of its bodies that does so more often.
+/// Adds impulses in a part of `h` (s), and what becomes heat. Walls receive the opposite. A contact
+/// acts as often as the one of its bodies that does so more often.
 void push_by_contacts(World& world, const std::vector<SolidLaw>& laws,
-                      const SolidContacts& contacts, const MotionRow* rows,
+                      const SolidContacts& contacts, double h, const MotionRow* rows,
                       const ResponseRow* responses, PushRow* impulses);
 
 /// J on this rank; a contact with a ghost counts half.

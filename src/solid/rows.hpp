@@ -47,7 +47,7 @@ struct alignas(64) ResponseRow {
   double time() const { return at[5][0]; }
   double before() const { return at[5][1]; }
   double after() const { return at[5][2]; }
-  /// It does not act now: contacts with it act as those with who does.
+  bool acts() const { return at[5][1] < infinity; }
   void rest() { at[5] = RowHalf{0, infinity, infinity, 0}; }
   void act(double before, double after) { at[5] = RowHalf{before + after, before, after, 0}; }
 };

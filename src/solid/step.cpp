@@ -154,7 +154,8 @@ double find_shapes(Elastoplastic& engine, Pace pace, const std::vector<MotionRow
     for (const Index b : pace == Pace::slow ? strides.slow : strides.brisk)
       engine.shapes[b] = ShapeRow{};
   }
-  return sweep_shapes(engine.pairs, pace, engine.reach.data(), rows.data(), engine.shapes.data());
+  return sweep_shapes(engine.pairs, pace, strides.lasts > 0 ? strides.is_slow.data() : nullptr,
+                      engine.reach.data(), rows.data(), engine.shapes.data());
 }
 
 /// Forces of `paces` at the present places, the kick by them in a part of `h`, and drifts over two
@@ -192,8 +193,12 @@ RowBox kick_and_drift(World& world, Elastoplastic& engine, std::uint8_t paces, d
     const RowHalf v = half_row(bodies.velocity[b], 0) + half_row(vector_of(kick), 0);
     bodies.velocity[b] = vector_of(v);
     for (int k = 0; k < 3; ++k) row.motion[k] = v[k];
-    if (time != 0) {
-      bodies.kick[b] = h / time * vector_of(kick);
+    if (response.acts()) {
+      // A brisk body beside slow ones gets another kick when all act than in between.
+      if (strides.long_kicks && !strides.is_slow[b])
+        strides.kick_of_all[b] = vector_of(kick);
+      else if (time >= h)
+        bodies.kick[b] = h / time * vector_of(kick);
       row.place[3] = engine.rest_volume[b] / std::max(1.0, bodies.compression[b]);
       row.motion[3] = bodies.damage[b] >= 1 ? infinity : bodies.pressure[b];
       response.rest();
@@ -206,14 +211,18 @@ RowBox kick_and_drift(World& world, Elastoplastic& engine, std::uint8_t paces, d
     bodies.internal_energy[b] += impulse[3];
     taken += impulse[3];
   };
-  push_by_contacts(world, engine.laws, engine.contacts, engine.rows.data(), engine.responses.data(),
-                   engine.impulses.data());
+  push_by_contacts(world, engine.laws, engine.contacts, h, engine.rows.data(),
+                   engine.responses.data(), engine.impulses.data());
   sweep_forces(engine.pairs, paces, engine.reach.data(), engine.rows.data(),
                engine.responses.data(), engine.impulses.data(), finish);
   world.ledger.dissipated += taken;
-  if (all) strides.slow_box = slow_box;
-  box.low = smaller(slow_box.low, box.low);
-  box.high = larger(slow_box.high, box.high);
+  if (all) strides.slow_box = {};
+  const auto unite = [](RowBox& into, const RowBox& from) {
+    into.low = smaller(from.low, into.low);
+    into.high = larger(from.high, into.high);
+  };
+  unite(strides.slow_box, slow_box);
+  unite(box, strides.slow_box);
   return box;
 }
 
@@ -248,7 +257,8 @@ class Motion {
   Motion(World& world, Elastoplastic& engine)
       : world_(world), engine_(engine), dissipated_(world.ledger.dissipated) {}
 
-  void begin(double) {
+  void begin(double h) {
+    longest_stride_ = h;
     velocities_ = velocities_with_walls(world_);
     fill_rows(world_, engine_);
     forget_slow(world_.bodies, engine_.strides);
@@ -323,7 +333,8 @@ class Motion {
   void kick_part(double h, double next, double left) {
     Strides& strides = engine_.strides;
     const std::uint8_t paces = all_act_ ? Pace::brisk | Pace::slow : Pace::brisk;
-    if (all_act_ && (strides.lasts > 0 || strides.parts_to_look-- <= 0)) {
+    strides.long_kicks = false;
+    if (all_act_ && (strides.lasts > 0 || (left > 0 && strides.parts_to_look-- <= 0))) {
       begin_stride(h, next, left);
     } else {
       for (const Index b : strides.brisk) act_for(b, h / 2, h / 2, h);
@@ -392,21 +403,28 @@ class Motion {
     Strides& strides = engine_.strides;
     Stride stride;
     std::vector<double> limit;
-    if (left >= 2 * next) {
+    if (next > 0 && left >= 2 * next) {
       std::vector<double> meeting2(world_.bodies.size());
       sweep_meetings(engine_.pairs, engine_.reach.data(), engine_.rows.data(), meeting2.data());
       limit = longest_parts(world_, engine_, bounds_, meeting2);
       // Who is not seen to meet now does not touch before all act again.
-      const double most = std::min(left, bounds_.seen / spread()) / next;
+      const double most = std::min({left, longest_stride_, bounds_.seen / spread()}) / next;
       stride = cheapest_stride(world_.comm, limit, next, most);
     }
     const int parts = stride.parts;
     const double lasts = parts * next;
     const auto goes_slow = [&](Index b) { return parts > 1 && limit[b] >= lasts; };
     const auto after = [&](Index b) { return (goes_slow(b) ? lasts : h) / 2; };
-    for (const Index b : strides.brisk) act_for(b, h / 2, after(b), h);
-    for (const Index b : strides.slow) act_for(b, slow_late_, after(b), h);
     const bool had_slow = strides.lasts > 0;
+    for (const Index b : strides.brisk) {
+      act_for(b, h / 2, after(b), h);
+      if (!had_slow) continue;
+      for (int k = 0; k < 3; ++k)
+        engine_.responses[b].half_kick(k) = 0.5 * strides.kick_of_all[b][k];
+    }
+    for (const Index b : strides.slow) act_for(b, slow_late_, after(b), h);
+    strides.long_kicks = had_slow || parts > 1;
+    strides.kick_of_all.resize(world_.bodies.owned);
     forget_slow(world_.bodies, strides);
     strides.parts_to_look = parts_between_looks;
     if (parts > 1) {
@@ -430,8 +448,8 @@ class Motion {
   World& world_;
   Elastoplastic& engine_;
   double dissipated_, since_ = 0;
-  double slow_since_ = 0, slow_late_ = 0;  // s, since slow bodies acted, and since they have for
-  double longest_ = 0;
+  double slow_since_ = 0, slow_late_ = 0;    // s, since slow bodies acted, and since they have for
+  double longest_ = 0, longest_stride_ = 0;  // s, a part by what moves now; a step
   PartBounds bounds_;
   bool current_ = false, all_act_ = true;
   RowBox velocities_;

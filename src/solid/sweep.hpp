@@ -151,9 +151,11 @@ struct MotionLanes {
 
 /// Adds to the sums of owned bodies of these paces; those of others and of ghosts mean nothing.
 /// `reach` is R of each body (m). A neighbour counts by `neighbour_weight`. Returns the largest
-/// v^2/R^2 of neighbours, v their velocity against each other (1/s^2).
+/// v^2/R^2 of neighbours, v their velocity against each other (1/s^2), that are not both slow where
+/// `is_slow` is given.
 inline double sweep_shapes(const std::vector<PieceWindow>& windows, std::uint8_t paces,
-                           const double* reach, const MotionRow* rows, ShapeRow* shapes) {
+                           const std::uint8_t* is_slow, const double* reach, const MotionRow* rows,
+                           ShapeRow* shapes) {
   double* const sums = reinterpret_cast<double*>(shapes);
   const PairLanes zero{};
   PairLanes fastest{};
@@ -188,7 +190,12 @@ inline double sweep_shapes(const std::vector<PieceWindow>& windows, std::uint8_t
         const PairLanes of_partner = select(failed & ~partner_failed, zero, weight * at.volume);
         const PairLanes p = select(failed | partner_failed, zero, j.pressure - i.pressure);
         const PairLanes u = j.u - i.u, v = j.v - i.v, w = j.w - i.w;
-        fastest = larger(fastest, select(acts, (u * u + v * v + w * w) * inverse2, zero));
+        PairLanes meets = select(acts, (u * u + v * v + w * w) * inverse2, zero);
+        if (is_slow)
+          for (std::size_t l = 0; l < pair_lanes; ++l)
+            if (is_slow[own[l] / doubles_a_row] & is_slow[partners[l] / doubles_a_row])
+              meets[l] = 0;
+        fastest = larger(fastest, meets);
         // S alone changes sign with the side that is asked.
         const PairLanes term[16] = {x * x, y * y, z * z, y * z, z * x, x * y, u * x, u * y,
                                     u * z, v * x, v * y, v * z, w * x, w * y, w * z, r2 * p};
@@ -338,8 +345,10 @@ void sweep_forces(const std::vector<PieceWindow>& windows, std::uint8_t paces, c
         // motion.
         const PairLanes left = larger(u, u - 0.5 * limiter(g_own, g_partner) * (g_own + g_partner));
         const PairLanes mu = left * inverse_r;
-        const PairLanes linear = by_own * a.linear + by_partner * b.linear;
-        const PairLanes square = by_own * a.square + by_partner * b.square;
+        // Of a stride that ended early, stress is taken back; viscosity only warms.
+        const PairLanes damps = larger(by_own, zero), partner_damps = larger(by_partner, zero);
+        const PairLanes linear = damps * a.linear + partner_damps * b.linear;
+        const PairLanes square = damps * a.square + partner_damps * b.square;
         const PairLanes q = select(mu < 0.0, mu * (linear - square * mu), zero);
 
         const PairLanes px = t[0] * x + t[1] * y + t[2] * z + q * x;
