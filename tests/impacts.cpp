@@ -151,10 +151,28 @@ double rms_speed_of_a_bed(double e) {
   return std::sqrt(sum / 400);
 }
 
+TEST(FreshImpact, what_gravity_keeps_from_bouncing_is_told_where_it_does_not_press) {
+  const double fall = 9.81, h = 0.01, e = 0.9, m = 2;
+  // Two fall side by side, slower against each other than 2 h g, or faster; one lies still.
+  for (const double closing : {0.18, 0.22}) {
+    Lab world = make_world(testing_world(),
+                           {{.radius = 1, .mass = m, .velocity = {closing, 0, 0}},
+                            {.radius = 1, .mass = m, .position = {2.001, 0, 0}},
+                            {.radius = 1, .mass = m, .position = {50, 0, -99}}},
+                           {.restitution = e});
+    world.uniform_gravity = {0, 0, -fall};
+    world.planes = {{.point = {0, 0, -100}, .normal = {0, 0, 1}}};
+    const double withheld = nonsmooth_step(world, h, {.tolerance = 1e-9}, 1).withheld;
+    const double kept = e * closing;
+    EXPECT_NEAR(withheld, closing < 2 * h * fall ? m / 2 * kept * kept / 2 : 0, 1e-9 * m)
+        << closing;
+  }
+}
+
 TEST(FreshImpact, a_bed_of_lively_grains_settles_as_one_of_dull_grains_does) {
   const double dull = rms_speed_of_a_bed(0.3), lively = rms_speed_of_a_bed(0.9);
   RecordProperty("dull", std::to_string(dull));
-  if (testing_world().rank == 0) std::printf("rms speeds %g %g m/s\n", dull, lively);
+  if (testing_world().rank == 0) std::printf("rms speeds %fall %fall m/s\n", dull, lively);
   EXPECT_LT(lively, 3 * dull + 1e-6);
 }
 

@@ -284,6 +284,22 @@ TEST(Cohesion, of_a_wall_acts_over_its_whole_range) {
   }
 }
 
+TEST(Cohesion, what_flies_past_within_its_range_is_attracted_and_not_hit) {
+  const double speed = 1000, h = 1e-3, range = 0.5, gap = 0.25;
+  for (const double cohesion : {0.0, 1.0}) {
+    Lab world = make_world(
+        testing_world(),
+        {{.radius = 1, .mass = 30},
+         {.radius = 0.25, .mass = 1, .position = {-2.3, 1.25 + gap, 0}, .velocity = {speed, 0, 0}}},
+        {.restitution = 1, .cohesion = cohesion, .cohesion_range = range});
+    for (int step = 0; step < 5; ++step) nonsmooth_step(world, h, {.tolerance = 1e-9}, 1);
+    for (const Sphere& s : spheres_of(world)) {
+      const Vec3 before = s.radius < 1 ? Vec3(speed, 0, 0) : Vec3::Zero();
+      EXPECT_LE((s.velocity - before).norm() * s.mass, cohesion * 5 * h + 1e-9) << cohesion;
+    }
+  }
+}
+
 TEST(Cohesion, as_an_impulse_takes_its_bound_in_every_step) {
   const double m = 2, reduced = 1, bound = 3, h = 0.01;
   for (double speed : {2.9, 3.1, 7.0}) {

@@ -27,6 +27,8 @@ struct StepReport {
   double gravity_work = 0;      ///< J, of the kick at the start
   double overlap = 0;           ///< largest overlap over the smaller radius, on this rank
   int correction_products = 0;  ///< of the problem that took overlaps apart
+  double withheld = 0;          ///< J of all ranks: what restitution would leave, at most, those
+                                ///< that hit slower than gravity may drive what rests in a step
 };
 
 /// What is asked of an engine.

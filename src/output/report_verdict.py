@@ -196,8 +196,8 @@ def beta(results):
 
 
 def told_by_the_run(results):
-    """Phases that were to settle and have not; lattices that lack mass."""
-    for section in ("settling", "lattices"):
+    """Phases that were to settle and have not; lattices that lack mass; hits without a bounce."""
+    for section in ("settling", "lattices", "solver"):
         if (told := results.get(section, {}).get("warning")) is not None:
             yield NOTE, f"{told[0].upper()}{told[1:]}."
 

@@ -55,16 +55,25 @@ Vec3 contact_acceleration(const Bodies& bodies, const Contacts& contacts, Index 
 
 namespace {
 
+/// The narrowest gap of two spheres `apart` (m, between their centres) that move on at `u` (m/s).
+double narrowest_gap(const Vec3& apart, const Vec3& u, double radii, double h) {
+  const double approach = -apart.dot(u);
+  if (approach <= 0) return apart.norm() - radii;
+  return (apart + std::min(h, approach / u.squaredNorm()) * u).norm() - radii;
+}
+
 /// The narrowest gap of the pair in a step `h` of free flight. What flies past at some distance is
 /// no contact, though it crosses the tangent plane on which a contact would stop it.
 double narrowest_gap(const Bodies& bodies, Index i, Index j, const Separation& s, double h) {
   if (j == ground) return s.gap + h * std::min(0.0, s.normal.dot(-bodies.velocity[i]));
-  const Vec3 apart = bodies.position[j] - bodies.position[i];
-  const Vec3 u = bodies.velocity[j] - bodies.velocity[i];
-  const double approach = -apart.dot(u);
-  if (approach <= 0) return s.gap;
-  const double nearest = std::min(h, approach / u.squaredNorm());
-  return (apart + nearest * u).norm() - bodies.radius[i] - bodies.radius[j];
+  return narrowest_gap(bodies.position[j] - bodies.position[i],
+                       bodies.velocity[j] - bodies.velocity[i], bodies.radius[i] + bodies.radius[j],
+                       h);
+}
+
+/// m, up to which contacts of this law attract.
+double range_of(const ContactLaw& law) {
+  return law.cohesion > 0 ? law.cohesion_range : 0;
 }
 
 /// The spheres of all rows as bodies lie now, row after row.
@@ -94,13 +103,6 @@ struct PlacedSpheres {
   }
 };
 
-/// The narrowest gap of two spheres `apart` (m, between their centres) that move on at `u` (m/s).
-double narrowest_gap(const Vec3& apart, const Vec3& u, double radii, double h) {
-  const double approach = -apart.dot(u);
-  if (approach <= 0) return apart.norm() - radii;
-  return (apart + std::min(h, approach / u.squaredNorm()) * u).norm() - radii;
-}
-
 /// A pair is the pairs of its spheres. That a sphere goes in a circle, not straight on, brings two
 /// of them nearer by omega^2 |offset| h^2 / 2 each.
 Contacts find_shape_contacts(const Bodies& bodies, const BodyShapes& shapes,
@@ -120,7 +122,7 @@ Contacts find_shape_contacts(const Bodies& bodies, const BodyShapes& shapes,
     const auto first = remembered;
     while (remembered != pairs.carried.end() && remembered->pair == p) ++remembered;
     if (is_held(bodies, i) && (j == ground || is_held(bodies, j))) continue;
-    const double range = law_of(laws, bodies, planes, i, j, pairs.plane[p]).cohesion_range;
+    const double range = range_of(law_of(laws, bodies, planes, i, j, pairs.plane[p]));
     const double bent = bend(i) + (j == ground ? 0 : bend(j));
     const auto add = [&](std::size_t a, std::size_t b, const Vec3& normal, double gap, double kappa,
                          double small, const Vec3& arm_i, const Vec3& arm_j) {
@@ -198,7 +200,7 @@ Contacts find_contacts(const Bodies& bodies, const BodyShapes& shapes,
     if (is_held(bodies, i) && (j == ground || is_held(bodies, j))) return false;
     const Separation s = separation_of(p);
     const double near = std::max(near_contact * smaller_radius(bodies, i, j),
-                                 law_of(laws, bodies, planes, i, j, pairs.plane[p]).cohesion_range);
+                                 range_of(law_of(laws, bodies, planes, i, j, pairs.plane[p])));
     return s.gap <= near || narrowest_gap(bodies, i, j, s, h) <= near;
   };
 
@@ -227,6 +229,18 @@ Contacts find_contacts(const Bodies& bodies, const BodyShapes& shapes,
     contacts.impulse.push_back(known ? remembered->impulse : Vec3(Vec3::Zero()));
   }
   return contacts;
+}
+
+double gap_to_close(const Bodies& bodies, const Contacts& contacts, Index c, double h) {
+  const double gap = contacts.gap[c], near = near_contact * smaller_radius(bodies, contacts, c);
+  if (contacts.j[c] == ground || gap <= near) return gap;
+  const double kappa = contacts.kappa[c], radii = gap / (kappa - 1);
+  const Vec3& n = contacts.normal[c];
+  const Vec3 u = contacts.spheres.empty()
+                     ? Vec3(bodies.velocity[contacts.j[c]] - bodies.velocity[contacts.i[c]])
+                     : contact_velocity(bodies, contacts, c);
+  const double narrowest = narrowest_gap(kappa * radii * n, u, radii, h);
+  return narrowest > near ? narrowest - h * std::min(0.0, u.dot(n)) : gap;
 }
 
 LeverArms lever_arms(const World& world, const Contacts& contacts) {

@@ -44,6 +44,10 @@ inline double smaller_radius(const Bodies& bodies, const Contacts& contacts, Ind
                                   : contacts.spheres[c].radius;
 }
 
+/// m: the gap that a contact may close within a step `h`. That of two that attract each other from
+/// afar and fly past is wider by as much as they will miss each other.
+double gap_to_close(const Bodies& bodies, const Contacts& contacts, Index c, double h);
+
 /// What a contact problem has in place of kappa where bodies have shapes; else empty.
 struct LeverArms {
   std::vector<Vec3> arm_i, arm_j;  ///< over the radius

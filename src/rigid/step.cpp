@@ -48,6 +48,9 @@ struct ProblemData {
   std::vector<double> friction, cohesive_impulse;
   LeverArms levers;
   bool impact = false;  ///< a pair meets faster than what drives resting contacts makes it
+  /// J of this rank, at most: what restitution would leave those that meet faster than what drives
+  /// them both, and yet no faster than what drives others may make a resting contact.
+  double withheld = 0;
 
   /// What a solver has in its own form.
   void let_go_of_packed() { let_go(free_velocity, friction, levers.arm_i, levers.arm_j); }
@@ -101,8 +104,8 @@ ProblemData pose(const World& world, const Contacts& contacts, const Push& push,
   data.levers = lever_arms(world, contacts);
   const GravityKick& kick = world.kick;
   // A kick closes the interval before it, which may have been longer.
-  const double by_gravity =
-      world.has_gravity() ? std::max(kick.interval, kick.load) * kick.largest : 0;
+  const double interval = world.has_gravity() ? std::max(kick.interval, kick.load) : 0;
+  const double by_gravity = interval * kick.largest;
   const auto driven_by = [&](Index b) {
     if (accelerations.empty() || b == ground) return 0.0;
     const std::int32_t group = bodies.group[b];  // an impactor has none
@@ -125,13 +128,22 @@ ProblemData pose(const World& world, const Contacts& contacts, const Push& push,
                                : n.dot(delassus_block(data.view(contacts, 3), c) * n));
       data.cohesive_impulse[c] = cohesive;
     }
-    const double open = std::max(gap, 0.0);
+    const double to_close = gap_to_close(bodies, contacts, c, h);
+    const double open = std::max(to_close, 0.0);
     double bias = open / h;
     const double driven = 2 * (by_gravity + push.driven + std::max(driven_by(i), driven_by(j)));
-    const bool meets = gap + h * closing < 0 && -closing > driven + 2 * pulled;
+    const bool meets = to_close + h * closing < 0 && -closing > driven + 2 * pulled;
     data.impact |= meets;
+    const double a_n = law.restitution > 0 && world.has_gravity()
+                           ? contact_acceleration(bodies, contacts, c).dot(n)
+                           : 0;
+    if (!meets && law.restitution > 0 && to_close + h * closing < 0 &&
+        -closing > driven - 2 * by_gravity + 2 * interval * std::max(0.0, -a_n) + 2 * pulled) {
+      const double kept = law.restitution * closing;
+      const double inverse = data.inverse_mass[i] + (j == ground ? 0 : data.inverse_mass[j]);
+      data.withheld += kept * kept / (2 * inverse) * (c < contacts.boundary ? 0.5 : 1);
+    }
     if (meets && law.restitution > 0) {
-      const double a_n = contact_acceleration(bodies, contacts, c).dot(n);
       const double leaves = rebound(closing - ahead * a_n, open, a_n, law.restitution);
       bias = std::min(bias, -(leaves + ahead * a_n));
     }
@@ -358,7 +370,10 @@ void push_contacts(World& world, Rigid& rigid, Contacts& contacts, const Push& p
   // Without friction both laws are one, and methods that minimise want it named so.
   if (!has_friction(world.contact)) settings.friction = FrictionModel::convex;
   // A kick's step has impulses of the last one to be judged by; between kicks there are none.
-  const bool met = world.comm.any(data.impact);
+  std::array<double, 2> sums{data.impact ? 1.0 : 0.0, data.withheld};
+  world.comm.sum(sums);
+  const bool met = sums[0] > 0;
+  report.withheld = sums[1];
   settings.impact = met || kick.load > 0;
   if (!settings.impact) settings.least_scale = kick.remembered_scale;
   const SolverResult result =

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "run/record.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -57,6 +59,7 @@ void Record::book(const StepReport& report, bool solved) {
   unconverged_ += report.solver.converged ? 0 : 1;
   over_tolerance_ += report.solver.over_tolerance ? 1 : 0;
   relaxed_ += report.solver.relaxed ? 1 : 0;
+  withheld_ += report.withheld;
   double& overlap = solved ? overlap_ : soft_overlap_;
   overlap = std::max(overlap, report.overlap);
 }
@@ -65,6 +68,7 @@ void Record::save(Scalars& scalars) const {
   save_scalars(*this, scalars);
   scalars["record.overlap"] = overlap_;
   scalars["record.soft_overlap"] = soft_overlap_;
+  scalars["record.withheld"] = withheld_;
 }
 void Record::load(const Scalars& scalars) {
   load_scalars(*this, scalars);
@@ -73,6 +77,7 @@ void Record::load(const Scalars& scalars) {
   };
   take("record.overlap", overlap_);
   take("record.soft_overlap", soft_overlap_);
+  take("record.withheld", withheld_);
 }
 
 std::vector<Column> Record::columns() {
@@ -92,6 +97,16 @@ std::vector<double> Record::row(std::int64_t phase, std::int64_t contacts, const
                   [&](const std::string&, const char*, double value) { values.push_back(value); });
   for (const auto& stage : stages) values.push_back(uses.at(stage).seconds);
   return values;
+}
+
+std::string Record::warning(double dissipated) const {
+  constexpr double seen = 0.05;  // as energy that no entry explains
+  if (withheld_ <= seen * std::max(dissipated, 0.0)) return "";
+  return fmt::format(
+      "hits that restitution would have left up to {:.2g} J, beside {:.2g} J that were dissipated, "
+      "did not bounce: gravity drives some body as fast within a step, though not these. Shorter "
+      "steps let slower hits bounce",
+      withheld_, dissipated);
 }
 
 void Record::add_to(ResultTable& table, std::int64_t steps, bool solves) const {
@@ -115,6 +130,9 @@ void Record::add_to(ResultTable& table, std::int64_t steps, bool solves) const {
   table.add("solver", "steps_relaxed", static_cast<std::int64_t>(relaxed_), "",
             "that found impulses by convex friction alone");
   table.add("solver", "correction_products", static_cast<std::int64_t>(correction_products_));
+  if (withheld_ > 0)
+    table.add("solver", "withheld", withheld_, "J",
+              "at most: what restitution would have left hits slower than 2 h g, g the largest");
 }
 
 }  // namespace spall

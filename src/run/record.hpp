@@ -38,6 +38,9 @@ class Record {
 
   /// Adds [solver]; without solved contacts it holds the number of steps alone.
   void add_to(ResultTable& table, std::int64_t steps, bool solves) const;
+  /// What a reader must know of hits that did not bounce, beside what was `dissipated` (J); or
+  /// nothing.
+  std::string warning(double dissipated) const;
 
   /// What a restart file keeps.
   template <class Self, class F>
@@ -57,6 +60,7 @@ class Record {
   double solved_ = 0;  // steps
   double products_ = 0, correction_products_ = 0, residual_max_ = 0, squares_ = 0;
   double worst_relative_ = 0, unconverged_ = 0, over_tolerance_ = 0, relaxed_ = 0;
+  double withheld_ = 0;                    // J
   double overlap_ = 0, soft_overlap_ = 0;  // largest over the smaller radius, rigid or by springs
 };
 

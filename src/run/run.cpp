@@ -438,6 +438,8 @@ class Run {
         std::ranges::any_of(scene_.phases, [](const Phase& one) { return one.engine->solves; });
     record_.meet(comm_);
     record_.add_to(table, clock().step, solves);
+    const std::string slow_hits = record_.warning(sums.dissipated);
+    if (!slow_hits.empty()) table.add("solver", "warning", slow_hits);
     table.add("gravity", "evaluations", world().kick.evaluations);
     const double total = MPI_Wtime() - seconds_at_start_ + seconds_before_;
     table.add("time", "total_s", comm_.max(total), "s");
@@ -452,6 +454,7 @@ class Run {
     if (const std::string warning = verdict_.warning(); !warning.empty()) progress_.say(warning);
     if (const std::string open = simulation_->account().warning(sums); !open.empty())
       progress_.say("WARNING: " + open);
+    if (!slow_hits.empty()) progress_.say("WARNING: " + slow_hits);
     if (record_.relaxed() > 0)
       progress_.say(fmt::format(
           "WARNING: in {} of {} steps Coulomb's law and restitution gave contacts no impulses that "
