@@ -284,7 +284,6 @@ TEST(Deflection, momentum_closes_and_dv_is_the_sum_of_its_three_parts) {
   EXPECT_NEAR(result.ejecta.v_ejecta, 3 + back, 1e-12);
   EXPECT_NEAR(result.ejecta.back_momentum, 1047 * 3 + 1048 * back, 1e-8);
   EXPECT_NEAR(result.ejecta.fastest, 3, 1e-12);
-  EXPECT_FALSE(result.impactor_bound);
   // Cheng et al.'s equation holds along E.
   const Vec3 E = (impact.m * impact.impactor_after + impact.ejected).normalized();
   const Vec3 right = impact.m * impact.U + impact.m * (result.beta - 1) * E.dot(impact.U) * E;
@@ -312,6 +311,42 @@ TEST(Deflection, beta_is_one_if_nothing_left_and_agrees_with_its_one_dimensional
   EXPECT_NEAR(result.beta, result.beta_along, 1e-9);
   EXPECT_NEAR(result.beta_along,
               1 + (30 * straight.m + 2 * 1049) / (straight.m * straight.U.norm()), 1e-9);
+}
+
+TEST(Deflection, there_is_no_beta_along_what_leaves_across_the_flight) {
+  const Vec3 flight = Vec3(2000, 1000, -500).normalized(), across = flight.unitOrthogonal();
+  for (const double degrees : {0.0, 55.0, 65.0, 90.0, 115.0, 125.0}) {
+    const double angle = degrees * pi / 180;
+    Impact impact({});
+    // The rebound alone leaves.
+    const Vec3 rebound = 900 * (-std::cos(angle) * flight + std::sin(angle) * across);
+    const double mass = 50 * 1000 + 49 * 25;
+    impact.after.velocity[50] = impact.drift + rebound;
+    for (Index b = 0; b < 50; ++b)
+      impact.after.velocity[b] = impact.drift + impact.m * (impact.U - rebound) / mass;
+    const Deflection result = measured(impact);
+    EXPECT_LT(result.closure, 1e-10);
+    if (degrees > 60 && degrees < 120)
+      EXPECT_TRUE(std::isnan(result.beta)) << degrees;
+    else
+      EXPECT_NEAR(result.beta, 1 + 900 / (impact.U.norm() * std::cos(angle)), 1e-9) << degrees;
+  }
+}
+
+TEST(Deflection, tells_whether_the_body_that_was_hit_belongs_to_the_largest_clump) {
+  const Impact impact({Vec3(-3, 0, 0), Vec3(0, 2, 0)});  // the last two of the target leave
+  const Comm comm = testing_world();
+  std::mt19937_64 random(11);
+  const auto owner = random_owners(random, comm, 51);
+  const Dealt first = deal(comm, impact.all, owner, impact.links);
+  const Dealt last = deal(comm, impact.after, owner, impact.links);
+  BeforeImpact before = before_impact(comm, first.bodies, 50);
+  for (const BodyId struck : {-1, 0, 48, 49}) {
+    before.struck = struck;
+    const Deflection result =
+        measure_deflection(comm, last.ghosts, last.bodies, last.links, 0, before, 7);
+    EXPECT_EQ(result.has_struck, struck < 48) << struck;
+  }
 }
 
 TEST(Deflection, cones_hold_their_part_of_the_momentum) {

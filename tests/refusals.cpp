@@ -79,6 +79,8 @@ const std::vector<Refused> table = {
     {"read_out = [0.0005]\n" + bodies + phase + impactor,
      "x.toml:1:12: read_out = 0.0005 s: the impactor of x.toml:12:1: phases.only has not "
      "arrived by then, it flies 1 m at 1000 m/s"},
+    {"read_out = [0.0005, 5]\n" + bodies + phase + impactor,
+     "x.toml:1:12: read_out = 0.0005 s: the impactor of x.toml:12:1: phases.only has not "},
     {"read_out = [5]\n" + bodies + phase,
      "x.toml:1:12: read_out tells times after the impact, but no phase has an impactor"},
     {bodies + phase + impactor + "[[phases]]\nname = \"again\"\nstep = 1\nduration = 1\n" +
@@ -216,6 +218,16 @@ const std::vector<Refused> table = {
      "x.toml:12:1: phases.only.step = 0.001 s is 0.143 of a turn or an oscillation"},
     {bodies + "motion.rotation = {axis = [0, 0, 1], rate = \"150 rev/s\"}\n" + phase,
      "x.toml:12:1: phases.only.step = 0.001 s is 0.15 of a turn or an oscillation"},
+    {bodies +
+         "motion.table = {times = [1, 1.0002, 1.0004], displacements = [[0, 0, 0], [0, 6, 0], "
+         "[0, 0, 0]]}\n" +
+         phase,
+     "x.toml:12:1: phases.only.step = 0.001 s does not see 1 of the range of x.toml:"},
+    {bodies +
+         "motion.table = {times = [1, 1.0002, 1.0004, 1.0006], velocities = [[0, 0, 0], [0, 9, "
+         "0], [0, -9, 0], [0, 0, 0]]}\n" +
+         phase,
+     "x.toml:12:1: phases.only.step = 0.001 s does not see 1 of the range of x.toml:"},
     // Angles are no coefficients.
     {bodies + "[contact]\nfriction = \"30 deg\"\n" + phase,
      "x.toml:12:12: contact.friction = \"30 deg\" is an angle; a number such as 0.5 is wanted"},

@@ -388,7 +388,7 @@ packing = {kind = "simple_cubic", radius = 1}
 name = "hit"
 step = 0.1
 duration = 0.3
-impactor = {mass = 1, radius = 0.1, speed = 10, distance = 0.5}
+impactor = {mass = 1, radius = 0.1, speed = 10, distance = 0.3}
 [[phases]]
 name = "after"
 step = 0.5

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "spall/error.hpp"
@@ -109,18 +110,17 @@ Ejecta measure_ejecta(const Comm& comm, std::span<const Vec3> velocity,
   return ejecta;
 }
 
-/// The impactor's position and velocity, from the rank that owns it.
-std::array<Vec3, 2> find_impactor(const Comm& comm, const Bodies& bodies, BodyId impactor) {
-  std::array<double, 7> found{};
+/// From the rank that owns it, m/s.
+Vec3 velocity_of_impactor(const Comm& comm, const Bodies& bodies, BodyId impactor) {
+  std::array<double, 4> found{};
   for (Index b = 0; b < bodies.owned; ++b)
     if (bodies.id[b] == impactor) {
-      Eigen::Map<Vec3>(found.data()) = bodies.position[b];
-      Eigen::Map<Vec3>(found.data() + 3) = bodies.velocity[b];
-      found[6] = 1;
+      Eigen::Map<Vec3>(found.data()) = bodies.velocity[b];
+      found[3] = 1;
     }
   comm.sum(found);
-  require(found[6] == 1, "the impactor (body {}) is there {} times", impactor, found[6]);
-  return {Eigen::Map<Vec3>(found.data()), Eigen::Map<Vec3>(found.data() + 3)};
+  require(found[3] == 1, "the impactor (body {}) is there {} times", impactor, found[3]);
+  return Eigen::Map<Vec3>(found.data());
 }
 
 }  // namespace
@@ -148,9 +148,13 @@ BeforeImpact before_impact(const Comm& comm, const Bodies& bodies, BodyId impact
   before.impactor_mass = sums[0];
   before.target_mass = sums[1];
   before.target_velocity = Vec3(sums[2], sums[3], sums[4]) / sums[1];
-  before.relative_velocity = find_impactor(comm, bodies, impactor)[1] - before.target_velocity;
+  before.relative_velocity = velocity_of_impactor(comm, bodies, impactor) - before.target_velocity;
   return before;
 }
+
+/// The cosine of the angle from the flight beyond which a degree changes beta - 1 by 3 % and more.
+constexpr double across = 0.5;
+constexpr double round_off = 1e-9;  // of m U: no more has left
 
 Deflection measure_deflection(const Comm& comm, const Ghosts& ghosts, const Bodies& bodies,
                               const Links& links, double gravity_constant,
@@ -172,6 +176,11 @@ Deflection measure_deflection(const Comm& comm, const Ghosts& ghosts, const Bodi
   result.clumps = list.clumps;
   result.clump = add_bound_bodies(comm, bodies, gravity_constant, list.largest[0], name);
 
+  bool lost = false;
+  for (Index b = 0; b < bodies.owned; ++b)
+    lost |= bodies.id[b] == before.struck && name[b] != result.clump.name;
+  result.has_struck = !comm.any(lost);
+
   std::vector<Vec3> velocity;  // of the ejecta
   std::vector<double> mass;
   for (Index b = 0; b < bodies.owned; ++b)
@@ -182,10 +191,8 @@ Deflection measure_deflection(const Comm& comm, const Ghosts& ghosts, const Bodi
   const Vec3 flight = before.direction();
   result.ejecta = measure_ejecta(comm, velocity, mass, flight);
 
-  const auto [position, impactor_velocity] = find_impactor(comm, bodies, before.impactor);
-  result.impactor_velocity = impactor_velocity - before.target_velocity;
-  result.impactor_bound =
-      is_bound(position, impactor_velocity, before.impactor_mass, result.clump, gravity_constant);
+  result.impactor_velocity =
+      velocity_of_impactor(comm, bodies, before.impactor) - before.target_velocity;
 
   const double M = result.clump.mass, m = before.impactor_mass;
   const Vec3 U = before.relative_velocity, kept = m * result.impactor_velocity;
@@ -193,7 +200,11 @@ Deflection measure_deflection(const Comm& comm, const Ghosts& ghosts, const Bodi
   result.dv = result.dv_vector.dot(flight);
   result.beta_along = M * result.dv / (m * before.speed());
   const Vec3 left = kept + result.ejecta.momentum;
-  result.beta = left.isZero(0) ? 1 : M * result.dv_vector.dot(left) / (m * U.dot(left));
+  const double share = left.norm() / (m * before.speed());
+  if (share > round_off && std::abs(U.dot(left)) < across * U.norm() * left.norm())
+    result.beta = std::numeric_limits<double>::quiet_NaN();
+  else if (share > round_off)
+    result.beta = M * result.dv_vector.dot(left) / (m * U.dot(left));
   result.dv_impactor = m * before.speed() / M;
   result.dv_rebound = -kept.dot(flight) / M;
   result.dv_ejecta = -result.ejecta.momentum.dot(flight) / M;

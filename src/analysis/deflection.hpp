@@ -17,6 +17,7 @@ struct BeforeImpact {
   BodyId impactor = -1;
   double impactor_mass = 0;  ///< kg, m
   double target_mass = 0;    ///< kg, M
+  BodyId struck = -1;        ///< the body that the impactor meets first; -1: not known
   double struck_mass = 0;    ///< kg, of the body that the impactor meets first; 0 where
                              ///< bodies are parts of a solid, not bodies that meet
   double stirred = 0;  ///< kg m/s, of the target's largest clump against all of it: read-outs take
@@ -31,7 +32,7 @@ struct BeforeImpact {
 /// bodies the ejecta, and with them beta, grow with this share: it is set by the size of the body.
 double rigid_share(const BeforeImpact& before, double restitution);
 
-/// `struck_mass` and `stirred` are left as they are made. Collective.
+/// `struck`, `struck_mass` and `stirred` are left as they are made. Collective.
 BeforeImpact before_impact(const Comm& comm, const Bodies& bodies, BodyId impactor);
 
 /// What of the ejecta is faster than a speed (m/s): bodies and their mass (kg).
@@ -64,16 +65,17 @@ struct Deflection {
   double dv = 0;                  ///< m/s, of the clump, along the impactor's direction of flight
   Vec3 dv_vector = Vec3::Zero();  ///< m/s
   /// Momentum enhancement from M dv = m U + m (beta - 1) (E.U) E (Cheng et al. 2023, Nature 616),
-  /// E the direction of what left (ejecta and impactor): M (dv.E) / (m U.E); 1 if nothing left.
+  /// E the direction of what left (ejecta and impactor): M (dv.E) / (m U.E); 1 if nothing left, nan
+  /// where E lies across the flight, so that it is one small number over another.
   double beta = 1;
   double beta_along = 1;  ///< M dv / (m |U|): the same in one dimension
   Ejecta ejecta;
   Vec3 impactor_velocity = Vec3::Zero();  ///< m/s, relative to the target before the impact
-  bool impactor_bound = false;            ///< held by the clump's gravity
   /// dv = dv_impactor + dv_rebound + dv_ejecta: what m U brought, what the impactor kept, what the
   /// ejecta took; each over the clump's mass, m/s.
   double dv_impactor = 0, dv_rebound = 0, dv_ejecta = 0;
-  double closure = 0;  ///< |clump + ejecta + impactor - m U| / (m |U|)
+  bool has_struck = true;  ///< the body that was hit is one of the clump's
+  double closure = 0;      ///< |clump + ejecta + impactor - m U| / (m |U|)
 };
 
 /// `links` connect bodies that hang together; those of the impactor do not count, so it neither

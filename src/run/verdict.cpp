@@ -50,6 +50,7 @@ std::string Verdict::impactor_added(const PhaseEvents& events, double restitutio
                                     double struck_mass) {
   before_ = events.before;
   flow_ = events.flow;
+  before_.struck = events.aim ? events.aim->struck : -1;
   before_.struck_mass = flow_ ? 0 : struck_mass;
   restitution_ = restitution;
   rows_.clear();
@@ -75,6 +76,7 @@ void Verdict::look_at_target(const World& world, const Engine& engine) {
   const Deflection d = measure_deflection(world.comm, linked.ghosts, linked.bodies, linked.links,
                                           binding_constant(world), before_, 0);
   before_.stirred = d.clump.mass * d.dv_vector.norm();
+  has_struck_ = d.has_struck;
 }
 
 std::string Verdict::read_out(const World& world, const Engine& engine, double since_impact) {
@@ -134,8 +136,19 @@ std::string Verdict::warning() const {
         "WARNING: the target is shattered: its largest clump has {:.2g} of its mass. dv, beta and "
         "an orbit are those of this remnant, which say nothing of the target as a whole",
         last.clump_mass / before_.target_mass);
+  if (!has_struck_)
+    return fmt::format(
+        "WARNING: dv, beta and ejecta are of the largest clump, {:.4g} kg, which the body that was "
+        "hit did not belong to: it counts as an ejectum",
+        last.clump_mass);
   if (flow_ || before_.struck_mass == 0) return "";
-  if (last.dv_ejecta > resolved * last.dv_impactor) return "";
+  if (last.dv_ejecta > resolved * last.dv_impactor) {
+    if (std::isfinite(last.beta)) return "";
+    return fmt::format(
+        "WARNING: no beta: what left flies across the flight, more than 60 degrees beside it both "
+        "ways. beta_along, {:.4g}, is along the flight alone",
+        last.beta_along);
+  }
   return fmt::format(
       "WARNING: beta {:.4g} is that of a bounce alone, 1 + e at most: ejecta brought {:.2g} of m "
       "U. "
@@ -170,7 +183,8 @@ void Verdict::add_to(ResultTable& table, const std::optional<Binary>& binary) co
             "m v / M: impactor stuck, no ejecta");
   table.add("deflection", "dv_elastic", without_ejecta * (1 + restitution_), "m/s",
             "m v (1 + e) / M: impactor rebounds, no ejecta");
-  table.add("deflection", "beta", last.beta, "", "vector formula of Cheng et al. 2023");
+  table.add("deflection", "beta", last.beta, "",
+            "vector formula of Cheng et al. 2023; nan: what left flies across the flight");
   table.add("deflection", "beta_along", last.beta_along, "", "M dv / (m v)");
   table.add("deflection", "momentum_closure", closure_, "", "largest of all read-outs, of m v");
   if (before_.struck_mass > 0) {
@@ -261,6 +275,7 @@ void Verdict::for_each_scalar(Self& self, F&& f) {
 void Verdict::save(Scalars& scalars) const {
   scalars["verdict.has_flow"] = flow_ ? 1 : 0;
   scalars["verdict.impactor"] = static_cast<double>(before_.impactor);
+  scalars["verdict.has_struck"] = has_struck_ ? 1 : 0;
   scalars["verdict.read_outs"] = static_cast<double>(rows_.size());
   scalars["verdict.speeds"] = static_cast<double>(faster_.size());
   save_scalars(*this, scalars);
@@ -269,10 +284,13 @@ void Verdict::save(Scalars& scalars) const {
 void Verdict::load(const Scalars& scalars) {
   before_.impactor = static_cast<BodyId>(find_scalar(scalars, "verdict.impactor"));
   rows_.resize(static_cast<std::size_t>(find_scalar(scalars, "verdict.read_outs")));
-  const auto flow = scalars.find("verdict.has_flow");  // files of before know none
-  if (flow != scalars.end() && flow->second != 0) flow_.emplace();
-  const auto speeds = scalars.find("verdict.speeds");  // the same
-  if (speeds != scalars.end()) faster_.resize(static_cast<std::size_t>(speeds->second));
+  const auto known = [&](const char* name, double otherwise) {  // files of before lack some
+    const auto found = scalars.find(name);
+    return found == scalars.end() ? otherwise : found->second;
+  };
+  has_struck_ = known("verdict.has_struck", 1) != 0;
+  if (known("verdict.has_flow", 0) != 0) flow_.emplace();
+  faster_.resize(static_cast<std::size_t>(known("verdict.speeds", 0)));
   load_scalars(*this, scalars);
 }
 

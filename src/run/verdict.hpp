@@ -64,7 +64,8 @@ class Verdict {
   Interior pile_;
   std::optional<HandOver> flow_;
   double restitution_ = 0;
-  double closure_ = 0;  // largest of the read-outs
+  double closure_ = 0;      // largest of the read-outs
+  bool has_struck_ = true;  // the largest clump, before the impact
   std::vector<Row> rows_;
   std::vector<FasterThan> faster_;  // of the last read-out
 };

@@ -3,6 +3,7 @@
 #include "scene/consistency.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "scene/orbit.hpp"
 #include "scene/shape.hpp"
@@ -40,9 +41,10 @@ void check_read_outs(const Case& scene, Groups groups) {
           scene.read_out_place, last, end);
   const Impactor& impactor = *hit->impactor;
   const double flight = impactor.distance / impactor.speed;
-  require(last > flight,
+  const double first = std::ranges::min(scene.read_out);
+  require(first > flight,
           "{} = {:g} s: the impactor of {} has not arrived by then, it flies {:g} m at {:g} m/s",
-          scene.read_out_place, last, hit->place, impactor.distance, impactor.speed);
+          scene.read_out_place, first, hit->place, impactor.distance, impactor.speed);
 }
 
 /// The centre of mass moves to the origin, and with it all bodies: nothing else may be anywhere.
@@ -111,6 +113,16 @@ void check_motions(const Case& scene) {
               "{}.step = {:g} s is {:.3g} of a turn or an oscillation of {}.motion, which is gone "
               "through straight on: an eighth, {:g} s, is the most",
               phase.place, phase.step, phase.step * turns, group.place, most / turns);
+    // What steps of that length do not see of an oscillation's turning points, of its range.
+    static const double turns_back = (1 - std::cos(pi * most)) / 2;
+    for (const Phase& phase : scene.phases) {
+      const double unseen = group.motion->unseen_by_steps(phase.step);
+      require(
+          unseen <= turns_back,
+          "{}.step = {:g} s does not see {:.2g} of the range of {}.motion.table, where it turns "
+          "back within a step: {:.2g} is the most",
+          phase.place, phase.step, unseen, group.place, turns_back);
+    }
   }
 }
 

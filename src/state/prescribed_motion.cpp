@@ -74,6 +74,23 @@ RigidDisplacement PrescribedMotion::displacement(double from, double to) const {
   return moved;
 }
 
+double PrescribedMotion::unseen_by_steps(double h) const {
+  double left = 0;
+  Vec3 low = Vec3::Constant(infinity), high = Vec3::Constant(-infinity);
+  const auto look = [&](double t) {
+    const Vec3 place = tabulated(t), from = tabulated(t - h / 2), to = tabulated(t + h / 2);
+    const Vec3 between = place.cwiseMax(from.cwiseMin(to)).cwiseMin(from.cwiseMax(to));
+    left = std::max(left, (place - between).norm());
+    low = low.cwiseMin(place);
+    high = high.cwiseMax(place);
+  };
+  for (std::size_t k = 0; k < times_.size(); ++k) {
+    if (k > 0) look((times_[k - 1] + times_[k]) / 2);
+    look(times_[k]);
+  }
+  return left > 0 ? left / (high - low).norm() : 0;
+}
+
 double PrescribedMotion::largest_acceleration(const Vec3& anchor, double from, double to) const {
   const double w = 2 * pi / period;
   double largest = w * w * amplitude.norm() + rate * rate * axis.cross(anchor - point).norm();

@@ -54,6 +54,9 @@ struct PrescribedMotion {
   /// From time `from` to time `to`, s; differences do not cancel for short intervals.
   RigidDisplacement displacement(double from, double to) const;
   Vec3 spin() const { return rate * axis; }  ///< rad/s
+  /// What steps of `h` (s) do not see of the table's way, of its range: how far it is, at its own
+  /// times and half-way between them, beyond all places between those h/2 before and h/2 after.
+  double unseen_by_steps(double h) const;
   /// m/s^2: no larger one drives the body that was at `anchor`, from time `from` to time `to`.
   /// Jumps of velocity are no accelerations: they are impacts.
   double largest_acceleration(const Vec3& anchor, double from = -infinity,
