@@ -116,8 +116,8 @@ def main():
         for problem in problems:
             compare(build, driver, problem, folder, rows)
     from readme import replace_section
-    commit = subprocess.run(["git", "-C", str(HERE), "rev-parse", "--short", "HEAD"],
-                            capture_output=True, text=True).stdout.strip()
+    commit = subprocess.run([HERE / "commit.sh"], check=True, capture_output=True,
+                            text=True).stdout.strip()
     with open(HERE / "results/siconos.csv", "w", newline="") as file:
         file.write(f"# commit {commit}\n")
         writer = csv.DictWriter(file, rows[0].keys(), lineterminator="\n")

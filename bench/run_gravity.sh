@@ -9,7 +9,7 @@ counts=${3:-"1 2"}
 here=$(dirname "$0")
 mkdir -p "$here/results"
 csv=$here/results/gravity.csv
-echo "# commit $(git -C "$here" rev-parse --short HEAD), $(date +%F), $(sed -n 's/^model name.*: //p' /proc/cpuinfo | head -n 1), $(nproc) cores" > "$csv"
+echo "# commit $("$here"/commit.sh), $(date +%F), $(sed -n 's/^model name.*: //p' /proc/cpuinfo | head -n 1), $(nproc) cores" > "$csv"
 echo "set,bodies,ranks,order,asked,rms,p99,max,tree_s,build_s,exchange_s,direct_s,plain_s,bytes,net_force,net_torque" >> "$csv"
 for set in $sets; do
   for ranks in $counts; do

@@ -9,6 +9,6 @@ shift
 here=$(dirname "$0")
 mkdir -p "$here/results"
 csv=$here/results/work_precision.csv
-echo "# commit $(git -C "$here" rev-parse --short HEAD), $(date +%F), $(sed -n 's/^model name.*: //p' /proc/cpuinfo | head -n 1), $(nproc) cores" > "$csv"
+echo "# commit $("$here"/commit.sh), $(date +%F), $(sed -n 's/^model name.*: //p' /proc/cpuinfo | head -n 1), $(nproc) cores" > "$csv"
 "$build/bench/bench_work_precision" "$@" >> "$csv"
 /usr/bin/python3 "$here/plot_work_precision.py" "$csv"

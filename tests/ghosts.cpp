@@ -55,12 +55,5 @@ TEST(Ghosts, gather_of_several_fields_is_one_message_to_each_rank) {
   }
 }
 
-TEST(Ghosts, holders_are_all_other_ranks) {
-  Everything all;
-  const auto holders = all.ghosts.holders();
-  for (Index b = 0; b < all.owned; ++b)
-    EXPECT_EQ(holders.start[b + 1] - holders.start[b], all.comm.size - 1);
-}
-
 }  // namespace
 }  // namespace spall

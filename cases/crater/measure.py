@@ -53,7 +53,7 @@ def metal(hardness, density):
 
 def glass(diameter):
     """mm. Cour-Palais's depth in fused silica, as NASA/TM-2009-214785 has it (6-8)."""
-    return 10 * 0.53 * (diameter / 10)**(19 / 18) * BALL_DENSITY**0.5 * SPEED**(2 / 3)
+    return 10 * 0.53 * (diameter / 10)**1.06 * BALL_DENSITY**0.5 * SPEED**(2 / 3)
 
 
 # Brinell's hardness: 95 of 6061-T6, 23 of 1100-O, usual handbook values.

@@ -46,8 +46,8 @@ inline constexpr unsigned kept = migrated | restarted;
   X(Vec3, angular_acceleration, Vec3::Zero(), "rad s-2", kept | ghosted | refreshed | written,     \
     "of clumps, by the gravity of those that are near")                                            \
   X(Vec3, anchor, Vec3::Zero(), "m", kept, "at the start, of bodies that move as prescribed")      \
-  X(double, heat, 0, "J", kept | written, "left by damping, less the work of its pressure")        \
-  X(Vec3, kick, Vec3::Zero(), "m s-1", kept | ghosted | written, "by potentials in the last step") \
+  X(double, heat, 0, "J", kept | written, "beyond its cold energy; of pairs: left by damping")     \
+  X(Vec3, kick, Vec3::Zero(), "m s-1", kept | ghosted | written, "by smooth forces when it acted") \
   X(std::int32_t, bonds, 0, "", kept | written, "that the body was made with")                     \
   X(double, damage, 0, "", kept | ghosted | written,                                               \
     "share of its bonds that are broken; of a solid with a stress: from 1 on it has failed")       \

@@ -40,13 +40,20 @@ MPI_Datatype mpi_type<std::uint64_t>() {
   return MPI_UINT64_T;
 }
 
+/// As MPI counts. Throws Error where it cannot, on all ranks where all have as many.
+int mpi_count(std::size_t numbers) {
+  require(numbers <= std::numeric_limits<int>::max(),
+          "a message of {} numbers: MPI takes 2^31 - 1 at most", numbers);
+  return static_cast<int>(numbers);
+}
+
 template <class T>
 void reduce(MPI_Comm comm, std::span<T> values, MPI_Op op) {
   ++traffic().collectives;
   traffic().reduced += static_cast<std::int64_t>(values.size_bytes());
-  check_mpi(MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()),
-                          mpi_type<T>(), op, comm),
-            "MPI_Allreduce");
+  check_mpi(
+      MPI_Allreduce(MPI_IN_PLACE, values.data(), mpi_count(values.size()), mpi_type<T>(), op, comm),
+      "MPI_Allreduce");
 }
 
 template <class T>
@@ -74,10 +81,11 @@ void add_and_compare(void* from, void* to, int* rows, MPI_Datatype* type) {
 template <class T>
 std::vector<T> all_gather_values(const Comm& comm, std::span<const T> values,
                                  std::size_t* first = nullptr) {
-  const int count = static_cast<int>(values.size());
+  const int count = mpi_count(values.size());
   std::vector<int> counts(comm.size), starts(comm.size + 1, 0);
   check_mpi(MPI_Allgather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, comm.raw),
             "MPI_Allgather");
+  mpi_count(std::accumulate(counts.begin(), counts.end(), std::size_t{0}));
   std::partial_sum(counts.begin(), counts.end(), starts.begin() + 1);
   if (first) *first = static_cast<std::size_t>(starts[comm.rank]);
   std::vector<T> all(starts.back());
@@ -99,10 +107,8 @@ ByRank<T> exchange_rows(const Comm& comm, ByRank<T> outgoing) {
   if (comm.size == 1) return incoming;
   std::vector<PetscMPIInt> to, lengths;
   for (const auto& [rank, rows] : outgoing) {
-    require(rows.size() <= std::numeric_limits<int>::max(),
-            "a message of {} numbers to rank {}: MPI takes 2^31 at most", rows.size(), rank);
     to.push_back(rank);
-    lengths.push_back(static_cast<int>(rows.size()));
+    lengths.push_back(mpi_count(rows.size()));
   }
   // Up to 1,024 ranks by a reduction, beyond by messages and a barrier that does not block
   // (Hoefler, Siebert, Lumsdaine 2010).
@@ -254,8 +260,7 @@ std::int64_t Comm::sum_before(std::int64_t value) const {
 
 void Comm::broadcast(std::span<double> values, int root) const {
   ++traffic().collectives;
-  check_mpi(MPI_Bcast(values.data(), static_cast<int>(values.size()), MPI_DOUBLE, root, raw),
-            "MPI_Bcast");
+  check_mpi(MPI_Bcast(values.data(), mpi_count(values.size()), MPI_DOUBLE, root, raw), "MPI_Bcast");
 }
 
 std::vector<double> Comm::all_gather(std::span<const double> values) const {

@@ -170,19 +170,4 @@ void Ghosts::gather(std::span<const FieldRows> fields) const {
     }
 }
 
-Ghosts::Holders Ghosts::holders() const {
-  Holders result;
-  result.start.assign(plan_->owned + 1, 0);
-  if (!plan_->sf) return result;
-  const RowsByRank wanted = plan_->wanted();
-  for (PetscInt k = 0; k < wanted.start[wanted.ranks]; ++k) ++result.start[wanted.row[k] + 1];
-  for (Index b = 0; b < plan_->owned; ++b) result.start[b + 1] += result.start[b];
-  result.ranks.resize(result.start.back());
-  std::vector<Index> next(result.start.begin(), result.start.end() - 1);
-  for (PetscInt r = 0; r < wanted.ranks; ++r)
-    for (PetscInt k = wanted.start[r]; k < wanted.start[r + 1]; ++k)
-      result.ranks[next[wanted.row[k]]++] = wanted.rank[r];
-  return result;
-}
-
 }  // namespace spall

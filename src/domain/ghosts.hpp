@@ -55,13 +55,6 @@ class Ghosts {
   }
   void gather(std::span<const FieldRows> fields) const;
 
-  /// For every owned row, the ranks that hold a copy (rows [start[b], start[b+1]) of `ranks`).
-  struct Holders {
-    std::vector<Index> start;
-    std::vector<int> ranks;
-  };
-  Holders holders() const;
-
  private:
   struct Plan;
   std::unique_ptr<Plan> plan_;

@@ -20,7 +20,6 @@ namespace {
 
 constexpr double cells_a_rank = 64;
 constexpr std::int64_t most_cells_a_rank = 512;
-constexpr double imbalance_limit = 1.1;   // against the state just after the last cut
 constexpr double ghost_limit = 1.5;       // beyond it the bodies of two ranks have mixed
 constexpr int longest_without_cut = 100;  // searches: bodies' order in memory ages as they move
 

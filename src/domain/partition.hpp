@@ -18,6 +18,9 @@ namespace spall {
 std::vector<int> partition(const Comm& comm, const Bodies& bodies, std::span<const double> work,
                            Cut by = Cut::bisection);
 
+/// The domain is cut anew where the ranks' work is so many times as uneven as after the last cut.
+inline constexpr double imbalance_limit = 1.1;
+
 /// Largest over mean work of the ranks; 1 where there is none. Collective.
 double imbalance(const Comm& comm, double work);
 

@@ -22,7 +22,7 @@ enum class Match { solid, bulk };
 ///          pressure: bulk modulus, Hugoniot and heat's, with half of Gruneisen's parameter.
 ///          Above d bonds are springs with the k of `bulk`: so much energy breaks them as the
 ///          solid's modulus says
-///   D = k / (2 (a d)^2),  bonds break at the force F_b = 6 V sigma / (0.725 Z d).
+///   D = k d^2 / (2 (a d)^2),  bonds break at the force F_b = 6 V sigma / (0.725 Z d).
 ///
 /// `place` says in messages who asks. Throws Error where a constant is missing or a strength is
 /// more than the whole law bears.

@@ -94,12 +94,11 @@ RankShares share_out(const SharedState& state, int ranks, int most) {
   const Bodies& bodies = state.bodies;
   require(bodies.owned >= ranks, "{} bodies on {} ranks: plan for at most {}", bodies.owned, ranks,
           bodies.owned);
-  constexpr double uneven = 1.1;  // as `needs_cut`, after a first cut
   const Comm alone(MPI_COMM_SELF);
   RankShares shares;
   shares.ranks = ranks;
   std::vector<int> owner = bisect(alone, bodies, state.first_work(), ranks);
-  shares.by_work = most_over_mean(sum_by_rank(owner, ranks, state.work)) > uneven;
+  shares.by_work = most_over_mean(sum_by_rank(owner, ranks, state.work)) > imbalance_limit;
   if (shares.by_work) owner = bisect(alone, bodies, state.work, ranks);
 
   std::vector<RankShare> all(ranks);

@@ -25,17 +25,21 @@ void read_solid(Section& in, Solid& solid) {
   in.take("sound_speed", "c0 of the shock speed c0 + s up", solid.sound_speed, positive(speed));
   in.take("hugoniot_slope", "s of it", solid.hugoniot_slope, positive(number));
   in.take("gruneisen", "Gruneisen's parameter", solid.gruneisen, positive(number));
-  in.take("youngs_modulus", "", solid.youngs_modulus, positive(pressure));
+  in.take("youngs_modulus", "of small strains", solid.youngs_modulus, positive(pressure));
   in.take("poisson_ratio", "", solid.poisson_ratio, Quantity{number, -1, 0.5, false});
-  in.take("yield_strength", "", solid.yield_strength, positive(pressure));
-  in.take("tensile_strength", "", solid.tensile_strength, positive(pressure));
+  in.take("yield_strength",
+          "where johnson_cook_a, steinberg_y0 and lundborg_cohesion are not given",
+          solid.yield_strength, positive(pressure));
+  in.take("tensile_strength", "at which pair potentials break; method solid takes spall_strength",
+          solid.tensile_strength, positive(pressure));
   in.take("spall_strength", "at which a shock tears it", solid.spall_strength, positive(pressure));
   in.take("fracture_energy",
           "K_Ic^2 (1 - nu^2)/E of its toughness K_Ic: what parts an area of a metal",
           solid.fracture_energy, positive(spring_constant));
-  in.take("specific_heat", "from which snapshots tell the temperature", solid.specific_heat,
-          positive(specific_heat));
-  in.take("melting_point", "", solid.melting_point, positive(dimension::temperature));
+  in.take("specific_heat", "of heat: what softens and melts it, and what snapshots tell",
+          solid.specific_heat, positive(specific_heat));
+  in.take("melting_point", "at which Johnson and Cook's metal has no strength", solid.melting_point,
+          positive(dimension::temperature));
   in.take("melt_energy", "from room temperature to liquid", solid.melt_energy,
           positive(specific_energy));
   in.take("sublimation_energy", "its enthalpy: debris with more heat is vapour",
