@@ -196,7 +196,7 @@ RowBox kick_and_drift(World& world, Elastoplastic& engine, std::uint8_t paces, d
     if (response.acts()) {
       // A brisk body beside slow ones gets another kick when all act than in between.
       if (strides.long_kicks && !strides.is_slow[b])
-        strides.kick_of_all[b] = vector_of(kick);
+        strides.kick_by_slow[b] = vector_of(kick) - bodies.kick[b];
       else if (time >= h)
         bodies.kick[b] = h / time * vector_of(kick);
       row.place[3] = engine.rest_volume[b] / std::max(1.0, bodies.compression[b]);
@@ -420,11 +420,11 @@ class Motion {
       act_for(b, h / 2, after(b), h);
       if (!had_slow) continue;
       for (int k = 0; k < 3; ++k)
-        engine_.responses[b].half_kick(k) = 0.5 * strides.kick_of_all[b][k];
+        engine_.responses[b].half_kick(k) += 0.5 * strides.kick_by_slow[b][k];
     }
     for (const Index b : strides.slow) act_for(b, slow_late_, after(b), h);
     strides.long_kicks = had_slow || parts > 1;
-    strides.kick_of_all.resize(world_.bodies.owned);
+    strides.kick_by_slow.resize(world_.bodies.owned);
     forget_slow(world_.bodies, strides);
     strides.parts_to_look = parts_between_looks;
     if (parts > 1) {
