@@ -129,6 +129,31 @@ TEST(Strides, warm_nothing_that_is_at_rest_under_pressure) {
   EXPECT_GT(std::log2(errors[0] / errors[1]), 1.5);
 }
 
+TEST(Strides, slow_bodies_are_strained_by_all_that_moves_within_them) {
+  // Bodies that are held to a motion; a cap is lighter, so that its sound is faster.
+  auto spheres = ball(d, elastic.density, turned, 4.2 * d);
+  for (Sphere& s : spheres) s.mass = infinity;
+  Lab world = world_of(testing_world(), spheres, elastic);
+  SolidLaw light = elastic;
+  light.density /= 16;
+  world.solid.laws.push_back(light);
+  world.materials.push_back({.name = "light"});
+  world.solid.courant = usual_courant;
+  Bodies& bodies = world.bodies;
+  const double strain = -0.02, lasts = 8 * crossing;
+  for (Index b = 0; b < bodies.owned; ++b) {
+    bodies.material[b] = bodies.position[b].z() > 2 * d ? 1 : 0;
+    bodies.velocity[b] = strain / lasts * bodies.position[b];
+  }
+  solid_steps(world, lasts, 1);
+  EXPECT_LT(acting_share(world), 0.8);
+  const double dense = std::pow(1 + strain, -3);
+  for (Index b = 0; b < bodies.owned; ++b) {
+    if (bodies.position[b].norm() > 2 * d) continue;
+    EXPECT_NEAR(bodies.compression[b], dense, 1e-3 * (dense - 1)) << bodies.material[b];
+  }
+}
+
 TEST(Strides, what_nothing_has_reached_is_at_rest_to_the_last_bit) {
   Lab world = world_of_shot(testing_world(), 4000, ductile);
   std::vector<Vec3> places;
