@@ -32,6 +32,10 @@ struct RowBox {
     add(half_row(v, 0) - r);
     add(half_row(v, 0) + r);
   }
+  void add(const RowBox& other) {
+    low = smaller(other.low, low);
+    high = larger(other.high, high);
+  }
   /// Of the boxes of all ranks. Collective.
   RowBox united(const Comm& comm) const;
   Vec3 centre() const { return vector_of((low + high) / 2); }

@@ -131,14 +131,15 @@ ProblemData pose(const World& world, const Contacts& contacts, const Push& push,
     const double to_close = gap_to_close(bodies, contacts, c, h);
     const double open = std::max(to_close, 0.0);
     double bias = open / h;
-    const double driven = 2 * (by_gravity + push.driven + std::max(driven_by(i), driven_by(j)));
+    const double by_others = push.driven + std::max(driven_by(i), driven_by(j));
+    const double driven = 2 * (by_gravity + by_others);
     const bool meets = to_close + h * closing < 0 && -closing > driven + 2 * pulled;
     data.impact |= meets;
     const double a_n = law.restitution > 0 && world.has_gravity()
                            ? contact_acceleration(bodies, contacts, c).dot(n)
                            : 0;
     if (!meets && law.restitution > 0 && to_close + h * closing < 0 &&
-        -closing > driven - 2 * by_gravity + 2 * interval * std::max(0.0, -a_n) + 2 * pulled) {
+        -closing > 2 * (interval * std::max(0.0, -a_n) + by_others + pulled)) {
       const double kept = law.restitution * closing;
       const double inverse = data.inverse_mass[i] + (j == ground ? 0 : data.inverse_mass[j]);
       data.withheld += kept * kept / (2 * inverse) * (c < contacts.boundary ? 0.5 : 1);

@@ -104,18 +104,17 @@ void check_coupling(const Case& scene, const Phase& phase) {
 /// Bodies that move as prescribed fly straight from where a step begins to where it ends.
 void check_motions(const Case& scene) {
   constexpr double most = 1.0 / 8;  // of a turn or a period: 3 % of a speed
+  // What steps of that length do not see of an oscillation's turning points, of its range.
+  const double turns_back = (1 - std::cos(pi * most)) / 2;
   for (const Group& group : scene.groups) {
     if (!group.motion) continue;
     const double turns = std::max(std::abs(group.motion->rate) / (2 * pi),
                                   group.motion->amplitude.isZero(0) ? 0 : 1 / group.motion->period);
-    for (const Phase& phase : scene.phases)
+    for (const Phase& phase : scene.phases) {
       require(phase.step * turns <= most,
               "{}.step = {:g} s is {:.3g} of a turn or an oscillation of {}.motion, which is gone "
               "through straight on: an eighth, {:g} s, is the most",
               phase.place, phase.step, phase.step * turns, group.place, most / turns);
-    // What steps of that length do not see of an oscillation's turning points, of its range.
-    static const double turns_back = (1 - std::cos(pi * most)) / 2;
-    for (const Phase& phase : scene.phases) {
       const double unseen = group.motion->unseen_by_steps(phase.step);
       require(
           unseen <= turns_back,

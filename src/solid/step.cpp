@@ -154,19 +154,21 @@ double find_shapes(Elastoplastic& engine, Pace pace, const std::vector<MotionRow
     for (const Index b : pace == Pace::slow ? strides.slow : strides.brisk)
       engine.shapes[b] = ShapeRow{};
   }
-  return sweep_shapes(engine.pairs, pace, strides.lasts > 0 ? strides.is_slow.data() : nullptr,
+  // Where slow ones are swept, brisk ones follow, and tell who is fastest.
+  const bool tells = pace == Pace::brisk && strides.lasts > 0;
+  return sweep_shapes(engine.pairs, pace, tells ? strides.is_slow.data() : nullptr,
                       engine.reach.data(), rows.data(), engine.shapes.data());
 }
 
-/// Forces of `paces` at the present places, the kick by them in a part of `h`, and drifts over two
-/// times.
-RowBox kick_and_drift(World& world, Elastoplastic& engine, std::uint8_t paces, double h,
-                      double first, double second) {
+/// Forces of brisk bodies, or of `all`, at the present places, the kick by them in a part of `h`,
+/// and drifts over two times.
+RowBox kick_and_drift(World& world, Elastoplastic& engine, bool all, double h, double first,
+                      double second) {
   StageTimer timer(world.stages, "forces");
   Bodies& bodies = world.bodies;
   const RowHalf field = half_row(world.steady_gravity(), 0);
   Strides& strides = engine.strides;
-  const bool all = paces & Pace::slow, waits = !all && world.own_forces.empty();
+  const bool waits = !all && world.own_forces.empty();
   RowBox box = all ? RowBox{} : strides.slow_box, slow_box;
   const auto none = [](const RowHalf& v) {
     return v[0] == 0 && v[1] == 0 && v[2] == 0 && v[3] == 0;
@@ -213,16 +215,12 @@ RowBox kick_and_drift(World& world, Elastoplastic& engine, std::uint8_t paces, d
   };
   push_by_contacts(world, engine.laws, engine.contacts, h, engine.rows.data(),
                    engine.responses.data(), engine.impulses.data());
-  sweep_forces(engine.pairs, paces, engine.reach.data(), engine.rows.data(),
-               engine.responses.data(), engine.impulses.data(), finish);
+  sweep_forces(engine.pairs, all ? Pace::brisk | Pace::slow : Pace::brisk, engine.reach.data(),
+               engine.rows.data(), engine.responses.data(), engine.impulses.data(), finish);
   world.ledger.dissipated += taken;
   if (all) strides.slow_box = {};
-  const auto unite = [](RowBox& into, const RowBox& from) {
-    into.low = smaller(from.low, into.low);
-    into.high = larger(from.high, into.high);
-  };
-  unite(strides.slow_box, slow_box);
-  unite(box, strides.slow_box);
+  strides.slow_box.add(slow_box);
+  box.add(strides.slow_box);
   return box;
 }
 
@@ -279,7 +277,7 @@ class Motion {
   void kick(double h, double first, double second) {
     update(since_ / 2);  // strains are of the motion before any kick
     for (Index b = 0; b < world_.bodies.owned; ++b) act_for(b, h / 2, h / 2, h);
-    push(h, first, second, Pace::brisk);
+    push(h, first, second);
   }
   void end() {
     update(since_ / 2);
@@ -307,7 +305,6 @@ class Motion {
 
   // Of parts alone:
 
-  bool all_act() const { return all_act_; }
   /// s, that a part may last from here, where pairs and shapes are current: of brisk bodies' waves
   /// and of all that meet. Bodies come no nearer meanwhile than by half of the gap in which those
   /// that meet are seen and do not touch yet. Collective.
@@ -332,14 +329,13 @@ class Motion {
   /// may begin, of parts that last `next` and end no later than `left` (s) from here.
   void kick_part(double h, double next, double left) {
     Strides& strides = engine_.strides;
-    const std::uint8_t paces = all_act_ ? Pace::brisk | Pace::slow : Pace::brisk;
     strides.long_kicks = false;
     if (all_act_ && (strides.lasts > 0 || (left > 0 && strides.parts_to_look-- <= 0))) {
       begin_stride(h, next, left);
     } else {
       for (const Index b : strides.brisk) act_for(b, h / 2, h / 2, h);
     }
-    push(h, h / 2, next / 2, paces);
+    push(h, h / 2, next / 2);
   }
 
  private:
@@ -355,7 +351,7 @@ class Motion {
     world_.ledger.dissipated +=
         update_bodies(world_.bodies, engine_.laws, engine_.rest_volume, which, since, late,
                       engine_.shapes.data(), engine_.rows.data(), engine_.responses.data());
-    find_waves(world_, engine_, which);
+    if (engine_.courant > 0) find_waves(world_, engine_, which);
   }
   /// Its time is over, or bodies have become faster than it allows.
   bool stride_ends() const {
@@ -381,16 +377,15 @@ class Motion {
     const double share = (before + after) / h;
     for (int k = 0; k < 3; ++k) response.half_kick(k) = 0.5 * share * world_.bodies.kick[b][k];
   }
-  void push(double h, double first, double second, std::uint8_t paces) {
+  void push(double h, double first, double second) {
     engine_.near.ghosts.gather(doubles(engine_.responses), response_width);
     if (!world_.own_forces.empty()) {
       take_positions(world_, engine_);
       kick_by_own_forces(world_, h);
     }
     ++engine_.parts;
-    const bool all = engine_.strides.lasts == 0 || paces & Pace::slow;
-    engine_.acts += all ? world_.bodies.owned : static_cast<Index>(engine_.strides.brisk.size());
-    velocities_ = kick_and_drift(world_, engine_, paces, h, first, second);
+    engine_.acts += all_act_ ? world_.bodies.owned : std::ssize(engine_.strides.brisk);
+    velocities_ = kick_and_drift(world_, engine_, all_act_, h, first, second);
     StageTimer timer(world_.stages, "motion");
     if (world_.walls().size() > 0) velocities_.add(Vec3(Vec3::Zero()));
     move(first + second);
