@@ -211,6 +211,8 @@ class Verdicts(unittest.TestCase):
             self.check(books(energy_unexplained=rest), grade, "The energy account")
             self.check(books(energy_unexplained=rest, dissipated=0.0, energy_measure=2.0), grade,
                        "of the kinetic energy, as next to nothing")
+        self.check(books(energy_unexplained=1e-9, dissipated=0.0, energy_measure=2.0, kinetic=0.0),
+                   "good", "of what gravity gives in a step, as bodies rest")
         lost = {"energy_unexplained": 1e-9, "dissipated": -40.0, "energy_measure": 280.0}
         self.check(books(**lost), "good", "as energy was gained and not dissipated")
         self.check(books(**lost, gained_by_restitution=44.0), "bad", "Hits gave 44 J to clumps")

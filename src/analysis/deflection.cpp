@@ -207,7 +207,7 @@ Deflection measure_deflection(const Comm& comm, const Ghosts& ghosts, const Bodi
     result.beta = M * result.dv_vector.dot(left) / (m * U.dot(left));
   result.dv_impactor = m * before.speed() / M;
   result.dv_rebound = -kept.dot(flight) / M;
-  result.dv_ejecta = -result.ejecta.momentum.dot(flight) / M;
+  result.dv_ejecta = 0 - result.ejecta.momentum.dot(flight) / M;  // none is no -0
   result.closure = (M * result.dv_vector + left - m * U).norm() / (m * before.speed());
   return result;
 }

@@ -11,7 +11,7 @@ namespace spall {
 Diagnostics diagnose(const World& world) {
   const Bodies& bodies = world.bodies;
   Diagnostics d;
-  double translation = 0, rotation = 0, squares = 0;
+  double translation = 0, rotation = 0, squares = 0, pull = 0;
   Vec3 moment = Vec3::Zero();
   for (Index b = 0; b < bodies.owned; ++b) {
     const double m = bodies.mass[b];
@@ -25,6 +25,7 @@ Diagnostics diagnose(const World& world) {
     d.momentum_scale += m * v.norm();
     d.angular_momentum_scale += m * x.norm() * v.norm();
     translation += m * v.squaredNorm() / 2;
+    if (world.has_gravity()) pull += m * bodies.acceleration[b].squaredNorm() / 2;
     if (!bodies.has(Field::angular_velocity)) continue;
     if (!world.shapes.empty()) {
       const Vec3 spin = spin_momentum(world.shapes, bodies, b);
@@ -68,7 +69,8 @@ Diagnostics diagnose(const World& world) {
                               received.moment[0],
                               received.moment[1],
                               received.moment[2],
-                              world.ledger.gained};
+                              world.ledger.gained,
+                              pull};
   world.comm.sum(sums);
   d.mass = sums[0];
   d.centre = d.mass > 0 ? Vec3(Vec3(sums[1], sums[2], sums[3]) / d.mass) : Vec3::Zero();
@@ -86,6 +88,8 @@ Diagnostics diagnose(const World& world) {
   d.fallen = sums[18];
   d.prescribed_work = sums[19];
   d.gained = sums[26];
+  const double h = std::max(world.kick.interval, world.kick.closed);
+  d.fall = sums[27] * h * h;
   d.given_momentum = -Vec3(sums[20], sums[21], sums[22]);
   d.given_angular_momentum = -Vec3(sums[23], sums[24], sums[25]);
   return d;

@@ -20,6 +20,7 @@ struct Diagnostics {
   double dissipated = 0, corrections = 0;      ///< J, of the ledger
   double own_work = 0, fallen = 0;             ///< J, of the ledger
   double prescribed_work = 0, gained = 0;      ///< J, of the ledger
+  double fall = 0;                             ///< J, by gravity in its last interval, from rest
   Vec3 given_momentum = Vec3::Zero();          ///< kg m/s, by walls and held bodies so far
   Vec3 given_angular_momentum = Vec3::Zero();  ///< kg m^2/s, about the origin
 };

@@ -128,7 +128,7 @@ def books(results):
     if rest is None:
         return
     dissipated = conservation.get("dissipated", 0)
-    kinetic = conservation.get("energy_measure")  # only where next to nothing was dissipated
+    kinetic = conservation.get("energy_measure")  # unless it is what was dissipated
     if (gained := conservation.get("gained_by_restitution")) is not None:
         small = gained <= ENERGY_CLOSED * (kinetic or dissipated)
         yield NOTE if small else BAD, (
@@ -136,6 +136,8 @@ def books(results):
             "in all: restitution with friction may give energy where a hit is eccentric.")
     if kinetic is None:
         measure = "what was dissipated."
+    elif kinetic > conservation.get("kinetic", kinetic):
+        measure = "what gravity gives in a step, as bodies rest."
     elif dissipated < -NEXT_TO_NOTHING * kinetic:
         measure = "the kinetic energy, as energy was gained and not dissipated."
     else:

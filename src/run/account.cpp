@@ -62,41 +62,54 @@ void Account::add_drifts(ResultTable& table, double momentum,
 
 namespace {
 
-/// Where next to nothing is dissipated, of the kinetic energy, what is would make any error look
-/// large, or none at all.
-constexpr double next_to_nothing = 1e-6;
-bool conserves(const Diagnostics& sums) {
-  return sums.dissipated <= next_to_nothing * sums.kinetic;
+/// What the energy that no entry explains is compared with.
+struct Measure {
+  double energy;  // J
+  std::string_view name, reason;
+};
+
+Measure measure(const Diagnostics& sums) {
+  // Where next to nothing is dissipated, of the kinetic energy, what is would make any error look
+  // large, or none at all.
+  constexpr double next_to_nothing = 1e-6;
+  if (sums.fall > std::max(sums.kinetic, sums.dissipated))  // both are little but round-off
+    return {sums.fall, "what gravity gives in a step", "bodies rest"};
+  if (sums.dissipated > next_to_nothing * sums.kinetic)
+    return {sums.dissipated, "what was dissipated", ""};
+  return {sums.kinetic, "the kinetic energy",
+          sums.dissipated < -next_to_nothing * sums.kinetic
+              ? "energy was gained, dissipated is negative"
+              : "next to nothing was dissipated"};
 }
 
 }  // namespace
 
 double Account::open_share(const Diagnostics& sums) const {
-  const double measure = conserves(sums) ? sums.kinetic : sums.dissipated;
-  return measure > 0 ? unexplained_ / measure : 0;
+  const double whole = measure(sums).energy;
+  return whole > 0 ? unexplained_ / whole : 0;
 }
 
 std::string Account::warning(const Diagnostics& sums) const {
   constexpr double open = 0.05;  // the report's bound, too
   // What is lost of little that was dissipated says nothing about motion.
-  constexpr double seen = 1e-3;  // of the kinetic energy
+  constexpr double seen = 1e-3;
   const double share = open_share(sums);
-  if (std::abs(share) <= open || std::abs(unexplained_) <= seen * sums.kinetic) return "";
+  if (std::abs(share) <= open || std::abs(unexplained_) <= seen * std::max(sums.kinetic, sums.fall))
+    return "";
   return fmt::format("{:.3g} J, {:.2g} of {}, {}: do not believe this run", std::abs(unexplained_),
-                     std::abs(share),
-                     conserves(sums) ? "the kinetic energy" : "what was dissipated",
+                     std::abs(share), measure(sums).name,
                      unexplained_ > 0 ? "come out of nothing" : "are lost without an entry");
 }
 
 void Account::add_energies(ResultTable& table, const Diagnostics& sums, double potential) const {
+  const Measure of = measure(sums);
+  const bool other = !of.reason.empty() && of.energy > 0;
   table.add("conservation", "energy_unexplained", open_share(sums), "",
-            conserves(sums) ? "energy that no entry explains, of energy_measure"
-                            : "energy that no entry explains, of what was dissipated");
-  if (conserves(sums) && sums.kinetic > 0)
-    table.add("conservation", "energy_measure", sums.kinetic, "J",
-              sums.dissipated < -next_to_nothing * sums.kinetic
-                  ? "kinetic: energy was gained, dissipated is negative"
-                  : "kinetic: next to nothing was dissipated");
+            fmt::format("energy that no entry explains, of {}",
+                        other ? "energy_measure" : "what was dissipated"));
+  if (other)
+    table.add("conservation", "energy_measure", of.energy, "J",
+              fmt::format("{}: {}", of.name, of.reason));
   if (const std::string told = warning(sums); !told.empty())
     table.add("conservation", "warning", told);
   table.add("conservation", "dissipated", sums.dissipated, "J");

@@ -154,7 +154,7 @@ std::string Verdict::warning() const {
       "U. "
       "The body that was hit weighs {:.3g} impactors, so nothing of a crater is resolved. Bodies "
       "lighter than the impactor at the site, or impactor.coupling, would tell of ejecta",
-      last.beta_along, last.dv_ejecta / last.dv_impactor + 0.0,  // none is no -0
+      last.beta_along, last.dv_ejecta / last.dv_impactor,
       before_.struck_mass / before_.impactor_mass);
 }
 
