@@ -1,6 +1,8 @@
 // Bodies of solids that are worked on at once: laws, and what becomes of each by itself.
 // SPDX-License-Identifier: BSD-3-Clause
+#include <Eigen/QR>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <map>
@@ -13,6 +15,7 @@
 #include "solid/bodies_step.hpp"
 #include "solid/cold_curve.hpp"
 #include "solid/flow_stress.hpp"
+#include "solid/lane_eigen.hpp"
 #include "solid_worlds.hpp"
 
 namespace spall {
@@ -122,6 +125,50 @@ TEST(ColdCurve, is_the_same_of_lanes) {
     EXPECT_NEAR(all.energy[l], one.energy, 1e-13 * std::abs(one.energy));
     EXPECT_NEAR(all.slope2[l], one.slope2, 1e-14 * one.slope2);
     EXPECT_NEAR(all.by_eta[l], one.by_eta, 1e-13 * std::abs(one.by_eta));
+  }
+}
+
+// Any, of any size, with eigenvalues that are equal or zero, and nothing at all.
+TEST(LaneEigen, has_the_eigenvalues_and_vectors_of_each_lane) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  for (int trial = 0; trial < 200; ++trial) {
+    LaneTensor t{};
+    PairLanes values[3] = {};
+    for (std::size_t l = 0; l < pair_lanes; ++l) {
+      Mat3 any;
+      for (int k = 0; k < 9; ++k) any(k / 3, k % 3) = uniform(random);
+      const Mat3 turn = Eigen::HouseholderQR<Mat3>(any).householderQ();
+      const double a = uniform(random), size = std::pow(10, 30 * uniform(random));
+      const int kind = (trial + static_cast<int>(l)) % 5;
+      const Vec3 value = size * (kind == 0   ? Vec3(a, uniform(random), uniform(random))
+                                 : kind == 1 ? Vec3(a, a, uniform(random))
+                                 : kind == 2 ? Vec3(a, a * (1 + 1e-9), 0)
+                                 : kind == 3 ? Vec3(0, 0, a)
+                                             : Vec3::Zero());
+      const Mat3 whole = turn * value.asDiagonal() * turn.transpose();
+      for (int i = 0; i < 3; ++i) {
+        values[i][l] = value[i];
+        for (int j = 0; j < 3; ++j) t.at[i][j][l] = (whole(i, j) + whole(j, i)) / 2;
+      }
+    }
+    const LaneEigen found = eigen_of(t);
+    const LaneTensor again = found.with(found.value), &v = found.vector;
+    const LaneTensor one = v.transposed() * v;
+    for (std::size_t l = 0; l < pair_lanes; ++l) {
+      std::array<double, 3> right, got;
+      for (int e = 0; e < 3; ++e) right[e] = values[e][l], got[e] = found.value[e][l];
+      std::ranges::sort(right);
+      std::ranges::sort(got);
+      const double most = std::max(std::abs(right[0]), std::abs(right[2]));
+      for (int i = 0; i < 3; ++i) {
+        EXPECT_NEAR(got[i], right[i], 4e-15 * most);
+        for (int j = 0; j < 3; ++j) {
+          EXPECT_NEAR(again.at[i][j][l], t.at[i][j][l], 4e-15 * most);
+          EXPECT_NEAR(one.at[i][j][l], i == j, 4e-15);
+        }
+      }
+    }
   }
 }
 

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "solid/bodies_step.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,6 +10,7 @@
 #include "base/kernels.hpp"
 #include "solid/flaws.hpp"
 #include "solid/flow_stress.hpp"
+#include "solid/lane_eigen.hpp"
 #include "solid/pressed.hpp"
 #include "solid/rock.hpp"
 #include "solid/tensors.hpp"
@@ -49,40 +49,26 @@ struct Shapes {
 };
 
 /// `least`: of what eigenvalues are shares, if they are all less.
-void resolve(const LaneTensor& K, double least, std::size_t l, Shapes& shapes) {
-  Eigen::Matrix3d k;
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) k(i, j) = K.at[i][j][l];
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> of(k);
-  const Vec3 value = of.eigenvalues();
-  const double whole = std::max(value[2], least);
-  Vec3 share = Vec3::Zero(), inverse = Vec3::Zero();
-  for (int e = 0; e < 3; ++e) {
-    if (!(value[e] > unresolved * whole)) continue;
-    const double t = std::min(1.0, (value[e] / whole - unresolved) / (resolved - unresolved));
-    share[e] = t * t * (3 - 2 * t);
-    inverse[e] = 1 / value[e];
-  }
-  const Eigen::Matrix3d& v = of.eigenvectors();
-  const Eigen::Matrix3d p = v * share.asDiagonal() * v.transpose();
-  const Eigen::Matrix3d n = v * inverse.asDiagonal() * v.transpose();
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) {
-      shapes.projector.at[i][j][l] = p(i, j);
-      shapes.inverse.at[i][j][l] = n(i, j);
-    }
-}
-
 Shapes shapes_of(const LaneTensor& K, const PairLanes& least) {
   const LaneTensor adjoint = adjugate(K);
   const PairLanes det = determinant(K, adjoint), mean = K.trace() / 3.0;
   const PairMask sure = (det > surely_resolved * mean * mean * mean) & (mean > least);
-  Shapes shapes{.inverse = select(sure, 1.0 / det, PairLanes{}) * adjoint,
-                .projector = LaneTensor::diagonal(spread_pairs(1))};
-  const std::uint8_t unsure = static_cast<std::uint8_t>(~bits_of_mask(sure));
-  shapes.projected = unsure != 0;
-  for (std::size_t l = 0; l < pair_lanes; ++l)
-    if (unsure >> l & 1) resolve(K, least[l], l, shapes);
+  const PairLanes none{}, one = spread_pairs(1);
+  Shapes shapes{.inverse = select(sure, 1.0 / det, none) * adjoint,
+                .projector = LaneTensor::diagonal(one),
+                .projected = any_lane(~sure)};
+  if (!shapes.projected) return shapes;
+  const LaneEigen of = eigen_of(K);
+  const PairLanes whole = larger(least, larger(of.value[0], larger(of.value[1], of.value[2])));
+  PairLanes share[3], inverse[3];
+  for (int e = 0; e < 3; ++e) {
+    const PairMask seen = of.value[e] > unresolved * whole;
+    const PairLanes t = smaller(one, (of.value[e] / whole - unresolved) / (resolved - unresolved));
+    share[e] = select(seen, t * t * (3.0 - 2.0 * t), none);
+    inverse[e] = select(seen, 1.0 / of.value[e], none);
+  }
+  shapes.inverse = select(sure, shapes.inverse, of.with(inverse));
+  shapes.projector = select(sure, shapes.projector, of.with(share));
   return shapes;
 }
 

@@ -309,6 +309,7 @@ class Motion {
   /// and of all that meet. Bodies come no nearer meanwhile than by half of the gap in which those
   /// that meet are seen and do not touch yet. Collective.
   double longest() {
+    StageTimer timer(world_.stages, "forces");
     if (bounds_.narrowest == 0) bounds_ = part_bounds(world_, engine_);
     std::array<double, 2> most{0, fastest_meeting(world_, engine_)};
     const auto look = [&](Index b) { most[0] = std::max(most[0], engine_.waves[b]); };
@@ -395,6 +396,7 @@ class Motion {
   /// Where all act in a part of `h`, a stride may begin, of parts that last `next` and end within
   /// `left` (s).
   void begin_stride(double h, double next, double left) {
+    StageTimer timer(world_.stages, "forces");
     Strides& strides = engine_.strides;
     Stride stride;
     std::vector<double> limit;

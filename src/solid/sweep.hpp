@@ -4,7 +4,7 @@
 #pragma once
 
 #include <algorithm>
-#include <compare>
+#include <bit>
 #include <cstdint>
 #include <span>
 #include <tuple>
@@ -37,17 +37,18 @@ enum Pace : std::uint8_t { brisk = 1, slow = 2 };
 inline std::vector<PieceWindow> pairs_of_pieces(const Bodies& bodies, const double* reach,
                                                 const std::vector<NearWindow>& windows,
                                                 const std::vector<std::uint8_t>& is_slow) {
-  struct Partner {
-    std::uint8_t slow;
-    double distance2;
-    Index place;
-    auto operator<=>(const Partner&) const = default;
+  // Whether a partner is slow, its distance squared, its place: one number is sorted soonest.
+  const auto key_of = [](std::uint8_t slow, double distance2, Index place) {
+    return std::uint64_t{slow} << 63 |
+           std::uint64_t{std::bit_cast<std::uint32_t>(static_cast<float>(distance2))} << 32 |
+           static_cast<std::uint32_t>(place);
   };
+  const auto place_of = [](std::uint64_t key) { return static_cast<Index>(key & 0xffffffff); };
   struct Row {
     Index place;
     std::uint8_t slow;
-    std::ptrdiff_t within;
-    std::vector<Partner> partners;
+    int within;  // partners
+    std::vector<std::uint64_t> partners;
   };
   std::vector<PieceWindow> pieces(windows.size());
   std::vector<Row> all;  // their partners keep their memory from window to window
@@ -56,6 +57,8 @@ inline std::vector<PieceWindow> pairs_of_pieces(const Bodies& bodies, const doub
     all.resize(std::max(all.size(), window.rows.size()));
     for (std::size_t r = 0; r < window.rows.size(); ++r) {
       all[r].place = window.rows[r];
+      all[r].slow = is_slow[window.rows[r] / doubles_a_row];
+      all[r].within = 0;
       all[r].partners.clear();
     }
     const Index* partners = window.partners.data();
@@ -65,19 +68,15 @@ inline std::vector<PieceWindow> pairs_of_pieces(const Bodies& bodies, const doub
           Row& row = all[g * lane_count + l];
           const Index place = *partners++, i = row.place / doubles_a_row, j = place / doubles_a_row;
           if (place == row.place || bodies.group[i] != bodies.group[j]) continue;
-          row.partners.push_back(
-              {is_slow[j], (bodies.position[j] - bodies.position[i]).squaredNorm(), place});
+          const double distance2 = (bodies.position[j] - bodies.position[i]).squaredNorm();
+          row.within += distance2 < reach[i] * reach[i];
+          row.partners.push_back(key_of(is_slow[j], distance2, place));
         }
     const std::span rows(all.data(), static_cast<std::size_t>(window.count));
     PieceWindow& piece = pieces[n];
     for (Row& row : rows) {
-      const Index b = row.place / doubles_a_row;
-      const double R2 = reach[b] * reach[b];
       std::ranges::sort(row.partners);
-      row.slow = is_slow[b];
-      row.within =
-          std::ranges::count_if(row.partners, [&](const Partner& p) { return p.distance2 < R2; });
-      piece.bodies.push_back(b);
+      piece.bodies.push_back(row.place / doubles_a_row);
     }
     std::ranges::stable_sort(rows, [](const Row& a, const Row& b) {
       return std::tuple(a.slow, b.within) < std::tuple(b.slow, a.within);
@@ -94,7 +93,7 @@ inline std::vector<PieceWindow> pairs_of_pieces(const Bodies& bodies, const doub
       for (std::size_t s = 0; s < most; ++s)
         for (std::size_t r = first; r < first + pair_lanes; ++r) {
           const bool has = r < rows.size() && s < rows[r].partners.size();
-          piece.partners.push_back(has ? rows[r].partners[s].place
+          piece.partners.push_back(has ? place_of(rows[r].partners[s])
                                        : rows[std::min(r, rows.size() - 1)].place);
         }
     }

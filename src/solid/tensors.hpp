@@ -49,6 +49,12 @@ inline PairLanes contracted(const LaneTensor& a, const LaneTensor& b) {
   return sum;
 }
 
+inline LaneTensor select(const PairMask& mask, LaneTensor a, const LaneTensor& b) {
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) a.at[i][j] = select(mask, a.at[i][j], b.at[i][j]);
+  return a;
+}
+
 /// The adjugate: the inverse times the determinant.
 inline LaneTensor adjugate(const LaneTensor& t) {
   LaneTensor c;
