@@ -292,6 +292,12 @@ std::vector<double> rest_volumes(const Bodies& bodies, const std::vector<SolidLa
   return volumes;
 }
 
+double elastic_energy(const Bodies& bodies) {
+  double energy = 0;
+  for (Index b = 0; b < bodies.owned; ++b) energy += bodies.internal_energy[b] - bodies.heat[b];
+  return energy;
+}
+
 SPALL_KERNEL(double, update_bodies,
              (Bodies & bodies, const std::vector<SolidLaw>& laws,
               const std::vector<double>& rest_volume, std::span<const Index> which, double h,

@@ -13,6 +13,8 @@ namespace spall {
 
 /// m^3, of each body at rest: its mass at the solid's density; of a held one its cell of fcc.
 std::vector<double> rest_volumes(const Bodies& bodies, const std::vector<SolidLaw>& laws);
+/// J, of owned bodies.
+double elastic_energy(const Bodies& bodies);
 
 /// Brings the density, stress and energy of owned bodies, the rising list `which`, from where
 /// bodies were `h` (s) ago to where they are, and tells how they answer. With the sums of

@@ -7,142 +7,17 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 #include <optional>
 #include <span>
 
 #include "base/kernels.hpp"
 #include "engine/prescribed.hpp"
-#include "pairs/flight.hpp"
 #include "solid/bodies_step.hpp"
 #include "solid/part_lengths.hpp"
-#include "spall/error.hpp"
+#include "solid/piece_pairs.hpp"
 
 namespace spall {
 namespace {
-
-double* doubles(auto& rows) {
-  return reinterpret_cast<double*>(rows.data());
-}
-
-void fill_rows(const World& world, Elastoplastic& engine) {
-  const Bodies& bodies = world.bodies;
-  const auto size = static_cast<std::size_t>(bodies.size());
-  engine.rest_volume = rest_volumes(bodies, engine.laws);
-  engine.reach.resize(size);
-  engine.rows.resize(size);
-  engine.shapes.resize(size);
-  engine.responses.resize(size);
-  engine.impulses.assign(size, PushRow{});
-  engine.waves.resize(bodies.owned);
-  for (Index b = 0; b < bodies.size(); ++b) {
-    engine.reach[b] = neighbour_reach * 2 * bodies.radius[b];
-    engine.rows[b] = {
-        half_row(bodies.position[b], engine.rest_volume[b] / std::max(1.0, bodies.compression[b])),
-        half_row(bodies.velocity[b], bodies.damage[b] >= 1 ? infinity : bodies.pressure[b])};
-  }
-}
-
-void take_positions(World& world, const Elastoplastic& engine) {
-  for (Index b = 0; b < world.bodies.owned; ++b)
-    world.bodies.position[b] = vector_of(engine.rows[b].place);
-}
-
-/// m. Collective.
-double widest_spacing(const World& world) {
-  double radius = 0;
-  for (Index b = 0; b < world.bodies.owned; ++b) radius = std::max(radius, world.bodies.radius[b]);
-  return 2 * world.comm.max(radius);
-}
-
-/// How far bodies may act: neighbours of a piece by their spacing, those of two by the sum of their
-/// radii.
-PairReach reach_of(const World& world) {
-  return {.most = neighbour_reach * widest_spacing(world), .radii = neighbour_reach};
-}
-
-/// The skin of the next search. A body in a lattice of the spacing d has as many partners as
-/// (1.7 + skin/d)^3, whatever d.
-double skin_of(const World& world, const NearPairs& near) {
-  std::array<double, 4> sums{};  // of the powers of 1/d
-  for (Index b = 0; b < world.bodies.owned; ++b) {
-    const double inverse = 1 / (2 * world.bodies.radius[b]);
-    const std::array<double, 4> powers{1, inverse, inverse * inverse, inverse * inverse * inverse};
-    for (std::size_t k = 0; k < sums.size(); ++k) sums[k] += powers[k];
-  }
-  world.comm.sum(sums);
-  const double R = neighbour_reach;
-  const Crowd crowd{R * sums[2] / sums[3], R * R * sums[1] / sums[3],
-                    R * R * R * sums[0] / sums[3]};
-  return best_skin(world.comm, world.bodies, near, crowd, 0, skins_of_lattice(sums[0] / sums[1]));
-}
-
-/// All owned bodies are brisk.
-void forget_slow(const Bodies& bodies, Strides& strides) {
-  strides.lasts = 0;
-  strides.work = 1;
-  strides.is_slow.assign(bodies.size(), 0);
-  strides.slow.clear();
-  strides.brisk.resize(bodies.owned);
-  std::iota(strides.brisk.begin(), strides.brisk.end(), 0);
-}
-
-/// Tells ghosts which bodies are slow.
-void tell_slow(const Bodies& bodies, Elastoplastic& engine) {
-  std::vector<double> is_slow(bodies.size());
-  for (const Index b : engine.strides.slow) is_slow[b] = 1;
-  engine.near.ghosts.gather(is_slow.data(), 1);
-  engine.strides.is_slow.assign(is_slow.begin(), is_slow.end());
-}
-
-/// Pairs and ghosts anew. Within a stride the domain is not cut: bodies stay where they are.
-void search_pairs(World& world, Elastoplastic& engine) {
-  NearPairs& near = engine.near;
-  Strides& strides = engine.strides;
-  const double skin = skin_of(world, near);
-  const bool within_stride = strides.lasts > 0;
-  if (within_stride)
-    for (Index b = 0; b < world.bodies.owned; ++b) strides.from[b] -= engine.rows[b].place;
-  take_positions(world, engine);
-  wrap_bodies(world);
-  if (within_stride)
-    find_near_pairs(world.comm, world.bodies, world.period, reach_of(world), skin, {}, {}, near);
-  else
-    search_near_pairs(world.comm, world.bodies, world.period, reach_of(world), skin, {}, near);
-  engine.contacts = find_contacts(world, near.windows, near.skin);
-  fill_rows(world, engine);
-  if (within_stride) {
-    for (Index b = 0; b < world.bodies.owned; ++b) strides.from[b] += engine.rows[b].place;
-    tell_slow(world.bodies, engine);
-  } else {
-    forget_slow(world.bodies, strides);
-  }
-  engine.pairs = pairs_of_pieces(world.bodies, engine.reach.data(), near.windows, strides.is_slow);
-  note_paces(strides.is_slow, engine.pairs);
-  strides.served = 0;
-  strides.cut_waits = within_stride && world.comm.size > 1;
-}
-
-/// Makes pairs and ghosts current at the present places.
-void update_pairs(World& world, Elastoplastic& engine) {
-  StageTimer timer(world.stages, "neighbours");
-  NearPairs& near = engine.near;
-  near.cut = world.cut;
-  if (near.skin > 0 && near.moved > near.skin) {
-    take_positions(world, engine);
-    near.moved = approach_since_search(world, near);
-  }
-  // Where the last search could not cut the domain, the next step's first one does.
-  const bool cut_waits = engine.strides.cut_waits && engine.strides.lasts == 0;
-  if (near.skin == 0 || near.moved > near.skin || cut_waits)
-    search_pairs(world, engine);
-  else
-    near.steps = static_cast<int>(engine.strides.served += engine.strides.work);
-  near.ghosts.gather(doubles(engine.rows), doubles_a_row);
-  if (world.period.any())
-    for (Index g = 0; g < near.ghosts.ghosts(); ++g)
-      engine.rows[world.bodies.owned + g].place += half_row(near.shifts[g], 0);
-}
 
 /// The sums of the shapes of bodies of this pace at the present places. Returns the fastest
 /// neighbours' v^2/R^2 (1/s^2).
@@ -222,12 +97,6 @@ RowBox kick_and_drift(World& world, Elastoplastic& engine, bool all, double h, d
   strides.slow_box.add(slow_box);
   box.add(strides.slow_box);
   return box;
-}
-
-double elastic_energy(const Bodies& bodies) {
-  double energy = 0;
-  for (Index b = 0; b < bodies.owned; ++b) energy += bodies.internal_energy[b] - bodies.heat[b];
-  return energy;
 }
 
 /// The next part of a time that is left (s), of at most `longest` (s). The last parts are even, so
@@ -495,89 +364,6 @@ SPALL_KERNEL(StepReport, solid_steps,
              (world, engine, request)) {
   if (engine.courant > 0) return parted_steps(world, Motion(world, engine), engine, request);
   return smooth_steps(world, Motion(world, engine), leapfrog, request);
-}
-
-// --- the engine ---
-
-double longest_step(const SolidLaw& law, double spacing, double speed, double courant) {
-  return courant * spacing / (law.sound_speed() + share_of_impacts * law.slope * speed);
-}
-
-void Elastoplastic::check_steps(const World& world, const PlannedSteps& steps) const {
-  const auto& [h, lasts, place] = steps;
-  const double widest = widest_spacing(world);
-  check_period(world.period, neighbour_reach * widest, place);
-  const double speed = largest_meeting_speed(world, lasts);
-  for (std::size_t m = 0; m < laws.size(); ++m) {
-    double spacing = infinity;
-    for (Index b = 0; b < world.bodies.owned; ++b)
-      if (world.bodies.material[b] == static_cast<std::int32_t>(m))
-        spacing = std::min(spacing, 2 * world.bodies.radius[b]);
-    spacing = world.comm.min(spacing);
-    if (!std::isfinite(spacing)) continue;
-    require(laws[m].density > 0, "{}: material {} has no law of a solid", place, m);
-    const double limit = longest_step(laws[m], spacing, speed);
-    require(courant > 0 || h <= limit,
-            "{}: step = {:g} s is too long for {}: a spacing of {:g} m, waves of {:.4g} m/s and "
-            "speeds of {:.4g} m/s need at most {:.3g} s",
-            place, h, world.materials[m].name, spacing, laws[m].sound_speed(), speed, limit);
-  }
-}
-
-StepReport Elastoplastic::advance(World& world, const StepRequest& request) {
-  return solid_steps(world, *this, request);
-}
-
-namespace {
-
-/// Pairs as bodies are now, in a copy with ghosts of its own.
-struct Found {
-  World world;
-  Elastoplastic engine;
-
-  Found(const World& from, const Elastoplastic& of) : world(from), engine(of.laws) {
-    resize(world.bodies, world.bodies.owned);
-    find_near_pairs(world.comm, world.bodies, world.period, reach_of(world), 0, {}, {},
-                    engine.near);
-    engine.contacts = find_contacts(world, engine.near.windows, 0);
-    fill_rows(world, engine);
-  }
-};
-
-}  // namespace
-
-double Elastoplastic::energy(const World& world) const {
-  const Found found(world, *this);
-  return world.comm.sum(
-      elastic_energy(world.bodies) +
-      energy_of_contacts(found.world, laws, found.engine.contacts, found.engine.rows.data()));
-}
-
-void Elastoplastic::restart_pairs(World& world, PairMemory) {
-  resize(world.bodies, world.bodies.owned);
-  near = {};
-  strides = {};
-  next_part = 0;
-}
-
-/// Whole neighbours of one piece hold together up to half the way to a lattice's second neighbours.
-LinkedBodies Elastoplastic::links(const World& world) const {
-  constexpr double nearer = 1.2;
-  LinkedBodies linked;
-  Found found(world, *this);
-  const Bodies& bodies = found.world.bodies;
-  for_each_pair(
-      found.engine.near.windows, [&](std::size_t, std::size_t, std::size_t, Index i, Index j) {
-        const double most = nearer * (bodies.radius[i] + bodies.radius[j]);
-        if (bodies.group[i] != bodies.group[j] || bodies.damage[i] >= 1 || bodies.damage[j] >= 1 ||
-            (bodies.position[j] - bodies.position[i]).norm() >= most)
-          return;
-        linked.links.i.push_back(i);
-        linked.links.j.push_back(j);
-      });
-  linked.bodies = std::move(found.world.bodies);
-  linked.ghosts = std::move(found.engine.near.ghosts);
-  return linked;
 }
 
 }  // namespace spall

@@ -4,10 +4,7 @@
 #pragma once
 
 #include <algorithm>
-#include <bit>
 #include <cstdint>
-#include <span>
-#include <tuple>
 #include <vector>
 
 #include "solid/rows.hpp"
@@ -30,97 +27,6 @@ struct PieceWindow {
 
 /// Brisk bodies act in each part of a step, slow ones once a stride: bits of `PieceWindow::holds`.
 enum Pace : std::uint8_t { brisk = 1, slow = 2 };
-
-/// The pairs of one piece of all that were found, with bodies where they were found. `reach` is R
-/// of each body (m). Those that `is_slow` (ghosts included) stand last, so that few slots hold
-/// both.
-inline std::vector<PieceWindow> pairs_of_pieces(const Bodies& bodies, const double* reach,
-                                                const std::vector<NearWindow>& windows,
-                                                const std::vector<std::uint8_t>& is_slow) {
-  // Whether a partner is slow, its distance squared, its place: one number is sorted soonest.
-  const auto key_of = [](std::uint8_t slow, double distance2, Index place) {
-    return std::uint64_t{slow} << 63 |
-           std::uint64_t{std::bit_cast<std::uint32_t>(static_cast<float>(distance2))} << 32 |
-           static_cast<std::uint32_t>(place);
-  };
-  const auto place_of = [](std::uint64_t key) { return static_cast<Index>(key & 0xffffffff); };
-  struct Row {
-    Index place;
-    std::uint8_t slow;
-    int within;  // partners
-    std::vector<std::uint64_t> partners;
-  };
-  std::vector<PieceWindow> pieces(windows.size());
-  std::vector<Row> all;  // their partners keep their memory from window to window
-  for (std::size_t n = 0; n < windows.size(); ++n) {
-    const NearWindow& window = windows[n];
-    all.resize(std::max(all.size(), window.rows.size()));
-    for (std::size_t r = 0; r < window.rows.size(); ++r) {
-      all[r].place = window.rows[r];
-      all[r].slow = is_slow[window.rows[r] / doubles_a_row];
-      all[r].within = 0;
-      all[r].partners.clear();
-    }
-    const Index* partners = window.partners.data();
-    for (std::size_t g = 0; g < window.slots.size(); ++g)
-      for (Index s = 0; s < window.slots[g]; ++s)
-        for (std::size_t l = 0; l < lane_count; ++l) {
-          Row& row = all[g * lane_count + l];
-          const Index place = *partners++, i = row.place / doubles_a_row, j = place / doubles_a_row;
-          if (place == row.place || bodies.group[i] != bodies.group[j]) continue;
-          const double distance2 = (bodies.position[j] - bodies.position[i]).squaredNorm();
-          row.within += distance2 < reach[i] * reach[i];
-          row.partners.push_back(key_of(is_slow[j], distance2, place));
-        }
-    const std::span rows(all.data(), static_cast<std::size_t>(window.count));
-    PieceWindow& piece = pieces[n];
-    for (Row& row : rows) {
-      std::ranges::sort(row.partners);
-      piece.bodies.push_back(row.place / doubles_a_row);
-    }
-    std::ranges::stable_sort(rows, [](const Row& a, const Row& b) {
-      return std::tuple(a.slow, b.within) < std::tuple(b.slow, a.within);
-    });
-    for (std::size_t first = 0; first < rows.size(); first += pair_lanes) {
-      std::size_t most = 0;
-      for (std::size_t l = 0; l < pair_lanes; ++l) {
-        const std::size_t r = std::min(first + l, rows.size() - 1);
-        piece.rows.push_back(rows[r].place);
-        most = std::max(most, rows[r].partners.size());
-      }
-      piece.slots.push_back(static_cast<Index>(most));
-      piece.holds.resize(piece.holds.size() + most);
-      for (std::size_t s = 0; s < most; ++s)
-        for (std::size_t r = first; r < first + pair_lanes; ++r) {
-          const bool has = r < rows.size() && s < rows[r].partners.size();
-          piece.partners.push_back(has ? place_of(rows[r].partners[s])
-                                       : rows[std::min(r, rows.size() - 1)].place);
-        }
-    }
-  }
-  return pieces;
-}
-
-/// Notes what slots hold. `is_slow`: of all bodies, ghosts included.
-inline void note_paces(const std::vector<std::uint8_t>& is_slow,
-                       std::vector<PieceWindow>& windows) {
-  const auto pace = [&](Index place) {
-    return is_slow[place / doubles_a_row] ? Pace::slow : Pace::brisk;
-  };
-  for (PieceWindow& window : windows) {
-    const Index* partners = window.partners.data();
-    std::uint8_t* holds = window.holds.data();
-    for (std::size_t g = 0; g < window.slots.size(); ++g) {
-      const Index* own = window.rows.data() + g * pair_lanes;
-      for (Index s = 0; s < window.slots[g]; ++s, partners += pair_lanes) {
-        std::uint8_t all = 0;
-        for (std::size_t l = 0; l < pair_lanes; ++l)
-          if (partners[l] != own[l]) all |= pace(own[l]) | pace(partners[l]);
-        *holds++ = all;
-      }
-    }
-  }
-}
 
 /// Whether any of a group's slots holds a body of these paces.
 inline bool any_holds(const std::uint8_t* holds, Index slots, std::uint8_t paces) {
