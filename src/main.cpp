@@ -145,7 +145,9 @@ int dispatch(const Comm& comm, int argc, char** argv) {
   auto* run = app.add_subcommand(
       "run", "run a case, on any number of ranks by mpirun; results go to --out");
   run->add_option("case", options.file, "case file (TOML)")->required();
-  run->add_option("--out", options.out, "folder for results; default: out/<case>");
+  run->add_option("--out", options.out,
+                  "folder for results; default: out/<case>, named after the file, or the folder of "
+                  "a case.toml");
   run->add_option("--set", options.overrides, "change keys, as in --set phases.impact.step=50us")
       ->take_all();
   constexpr const char* overwrite = "replace the run that the folder for results holds";
@@ -153,7 +155,7 @@ int dispatch(const Comm& comm, int argc, char** argv) {
   auto* resume = app.add_subcommand("resume", "go on with a run from its restart file");
   resume->add_option("restart", options.file, "<out>/restart.h5 or <out>/after_<phase>.h5")
       ->required();
-  resume->add_option("--out", options.out, "another folder for results");
+  resume->add_option("--out", options.out, "folder for results; default: that of the restart file");
   resume->add_option("--set", options.overrides, "change keys for what lies ahead")->take_all();
   resume->add_flag("--overwrite", options.overwrite, overwrite);
   resume->add_flag("--stored-case", options.stored_case,

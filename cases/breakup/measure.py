@@ -1,7 +1,7 @@
 """Shoots balls through bumpers, and pieces at walls, and puts what becomes of them beside what is
 known. Writes the tables of README.md.
 
-    /usr/bin/python3 cases/breakup/measure.py onset pieces landing wall
+    /usr/bin/python3 cases/breakup/measure.py onset pieces landing wall shields
 
 SPDX-License-Identifier: BSD-3-Clause
 """
@@ -47,9 +47,9 @@ DIAMETER = 9.53e-3  # m
 SMALL = 3.18e-3  # m, of most balls of the shields
 SMALL_BUMPER, SMALL_SPEED = 0.25, 4.2  # of its diameter; km/s
 PIECE = 0.9e-3  # m, diameter of a ball as heavy as a piece that hits a wall
-# For the finest wall, which costs 30 times as much otherwise.
-NARROW = ("groups.wall.volume.diameter=7e-3", "phases.impact.duration=8e-6",
-          "output.series_every=8e-7", "output.snapshot_every=8e-7")
+PIECE_SPEED = 4  # km/s
+# Of the finest wall under such a piece, which costs 30 times as much otherwise: m, s.
+NARROW_WIDTH, NARROW_LASTS = 7e-3, 8e-6
 
 
 def run(options, case, folder, changes):
@@ -142,15 +142,39 @@ def landing(options):
     return text, folders
 
 
-def grown_piece(options, spacing):
+def grown_piece(options, piece, spacing):
     """m: the diameter of a piece of bodies of this spacing (m), that is as heavy as a ball of
-    PIECE, and their diameter: a lattice has its own number of sites in a sphere."""
+    `piece` (m), and their diameter: a lattice has its own number of sites in a sphere."""
     told = spall("check", HERE / "wall.toml", program=options.program, changes=[
-        f"groups.piece.volume.diameter={PIECE}", f"groups.piece.packing.diameter={spacing}",
-        f"groups.piece.volume.center=[0,0,{PIECE}]"])
+        f"groups.piece.volume.diameter={piece}", f"groups.piece.packing.diameter={spacing}",
+        f"groups.piece.volume.center=[0,0,{piece}]"])
     filled = float(re.search(r"^  piece .* (\S+)$", told, re.M)[1])
     grown = (np.pi / np.sqrt(18) / filled)**(1 / 3)  # spheres of fcc fill pi / sqrt(18)
-    return PIECE * grown, spacing * grown
+    return piece * grown, spacing * grown
+
+
+def hit_wall(options, name, piece, speed, thick, spacing, of_piece):
+    """A piece as heavy as a ball of `piece` (mm) hits a wall at `speed` (km/s). Spacings: mm."""
+    diameter, its_spacing = grown_piece(options, 1e-3 * piece, 1e-3 * of_piece)
+    size = 1e-3 * piece / PIECE
+    lasts = size * NARROW_LASTS * PIECE_SPEED / speed
+    narrow = (f"groups.wall.volume.diameter={size * NARROW_WIDTH}",
+              f"phases.impact.duration={lasts}", f"output.series_every={lasts / 10}",
+              f"output.snapshot_every={lasts / 10}")
+    return run(options, "wall.toml", name, [
+        *(narrow if spacing < 0.2 else ()),
+        f"groups.wall.volume.height={1e-3 * thick}",
+        f"groups.wall.volume.center=[0,0,{-5e-4 * thick}]",
+        f"groups.wall.packing.diameter={1e-3 * spacing}",
+        f"groups.piece.volume.diameter={diameter}",
+        f"groups.piece.packing.diameter={its_spacing}",
+        f"groups.piece.volume.center=[0,0,{diameter / 2 + 1.05e-3 * spacing}]",
+        f"groups.piece.velocity=[0,0,{-1e3 * speed}]"])
+
+
+def told_of_wall(folder):
+    told = results(folder)["shield_wall"]
+    return f"{told['verdict']} | {told['margin']:.2f} | {1e3 * told['hole']:.2f}"
 
 
 def wall(options):
@@ -159,23 +183,40 @@ def wall(options):
     folders = []
     for thick in (1.6, 2.0, 2.4):
         for spacing, of_piece in ((0.53, 0.265), (0.265, 0.265), (0.12, 0.12)):
-            diameter, its_spacing = grown_piece(options, 1e-3 * of_piece)
-            folder = run(options, "wall.toml", f"wall-{thick}-{spacing}", [
-                *(NARROW if spacing < 0.2 else ()),
-                f"groups.wall.volume.height={1e-3 * thick}",
-                f"groups.wall.volume.center=[0,0,{-5e-4 * thick}]",
-                f"groups.wall.packing.diameter={1e-3 * spacing}",
-                f"groups.piece.volume.diameter={diameter}",
-                f"groups.piece.packing.diameter={its_spacing}",
-                f"groups.piece.volume.center=[0,0,{diameter / 2 + 1.05e-3 * spacing}]"])
-            told = results(folder)["shield_wall"]
-            text.append(f"| {thick} | {spacing} | {of_piece} | {told['verdict']} "
-                        f"| {told['margin']:.2f} | {1e3 * told['hole']:.2f} |")
+            folder = hit_wall(options, f"wall-{thick}-{spacing}", 1e3 * PIECE, PIECE_SPEED, thick,
+                              spacing, of_piece)
+            text.append(f"| {thick} | {spacing} | {of_piece} | {told_of_wall(folder)} |")
             folders.append(folder)
     return text, folders
 
 
-TABLES = {"onset": onset, "pieces": finer, "landing": landing, "wall": wall}
+def shields(options):
+    text = ["| ball, km/s | piece, mm | its km/s | wall, mm | perforated up to, mm "
+            "| spall up to, mm | bodies, mm | verdict | margin | hole, mm |",
+            "|--:|--:|--:|--:|--:|--:|--:|---|--:|--:|"]
+    folders = []
+    for ball, share, speed, thick in ((6.4, 0.0057, 4.81, 1.40), (6.4, 0.0057, 4.81, 1.59),
+                                      (7.2, 0.0030, 4.62, 1.40)):
+        piece = 1e3 * SMALL * share**(1 / 3)
+        crater = crater_depth(piece, speed)
+        for spacing, of_piece in ((0.53, 0.177), (piece / 7.5, piece / 7.5)):
+            folder = hit_wall(options, f"shields-{ball}-{thick}-{spacing:.3g}", piece, speed, thick,
+                              spacing, of_piece)
+            text.append(f"| {ball} | {piece:.2f} | {speed} | {thick:.2f} | {1.8 * crater:.2f} "
+                        f"| {2.2 * crater:.2f} | {spacing:.2g} | {told_of_wall(folder)} |")
+            folders.append(folder)
+    return text, folders
+
+
+def crater_depth(diameter, speed):
+    """mm: Cour-Palais's formula (NASA/TM-2009-214785) of a ball of 2017-T4 (mm; km/s) in a thick
+    block of 6061-T6."""
+    hardness, densities, sound = 95, 2.80 / 2.71, 5.1  # Brinell; km/s
+    return 10 * (5.24 * (diameter / 10)**(19 / 18) * hardness**-0.25 * densities**0.5 *
+                 (speed / sound)**(2 / 3))
+
+
+TABLES = {"onset": onset, "pieces": finer, "landing": landing, "wall": wall, "shields": shields}
 
 
 def main():

@@ -145,8 +145,8 @@ def main():
     parser.add_argument("--before", default="", help='put before the program, such as "nice -n 5"')
     parser.add_argument("--out", type=Path, default=ROOT / "out/crater")
     options = parser.parse_args()
-    print("| target | across | seed | bodies | depth, mm | in the last quarter | formula | | "
-          "width, mm | formula | | energy | minutes | commit |\n"
+    print("| target | across | seed | bodies | depth, mm | in the last quarter | formula | off | "
+          "width, mm | formula | off | energy | minutes | commit |\n"
           "|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|---|")
     drawn = {}
     for name in options.targets:

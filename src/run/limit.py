@@ -12,6 +12,8 @@ is bisection.
 Each run has a folder of its own below --out. What is done stays, also of other ranges; what was
 stopped goes on: say the same again. table.csv and table.json hold all values with their verdicts,
 limit.json holds the bracket.
+Exit codes: 0: found; 3: stopped by a signal, the same again goes on; 4: both ends have the same
+verdict; others: an error.
 """
 import argparse
 import csv
@@ -27,7 +29,7 @@ from pathlib import Path
 
 from sweep import DONE, NUMBER, STOPPED, Run, claim, files_of, names_of
 
-NO_LIMIT = 4  # exit code: both ends have the same verdict
+NO_LIMIT = 4  # exit code
 NOT_FINAL = 0.01  # of the energy that flies at the wall, beyond which a verdict may change
 DOUBTED = 0.05  # of what was dissipated, beyond which a run tells not to believe it
 COLUMNS = ("verdict", "margin", "thinnest", "hole", "spall_mass", "still_coming",
@@ -226,12 +228,12 @@ def main():
     parser.add_argument("--wall",
                         help="whose verdict decides; may be left out where [[shields]] has one")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE",
-                        help="change a key; once for each")
+                        help="change a key; may be given several times")
     parser.add_argument("--within", type=share, default=0.05, metavar="SHARE",
                         help="end where the bracket is so narrow, of its middle; default: 5%%")
     parser.add_argument("--out", type=Path, help="folder of all runs; default: out/<case>-limit")
-    parser.add_argument("--jobs", type=int, default=1, help="runs at a time")
-    parser.add_argument("--ranks", type=int, default=1, help="of each run")
+    parser.add_argument("--jobs", type=int, default=1, help="runs at a time; default: 1")
+    parser.add_argument("--ranks", type=int, default=1, help="of each run; default: 1")
     parser.add_argument("--overwrite", action="store_true",
                         help="forget what --out holds of another search")
     options = parser.parse_args()

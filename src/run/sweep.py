@@ -9,6 +9,7 @@ A range is of whole numbers without a unit: 1..5 is 1, 2, 3, 4, 5. A sweep has u
 Each value is checked before any run begins. Each run has a folder of its own below --out. What is
 done stays; what was stopped goes on: say the same again. table.csv and table.json hold what was
 changed and all numbers and verdicts of results.toml; sweep.png shows those of --show.
+Exit codes: 0: all done; 3: stopped by a signal, the same again goes on; others: an error.
 """
 import argparse
 import csv
@@ -260,13 +261,13 @@ def main():
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("case", help="case file (TOML)")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUES",
-                        help="change a key; once for each")
+                        help="change a key; may be given several times")
     parser.add_argument("--out", type=Path, help="folder of all runs; default: out/<case>-sweep")
-    parser.add_argument("--jobs", type=count, default=1, help="runs at a time")
-    parser.add_argument("--ranks", type=count, default=1, help="of each run")
+    parser.add_argument("--jobs", type=count, default=1, help="runs at a time; default: 1")
+    parser.add_argument("--ranks", type=count, default=1, help="of each run; default: 1")
     parser.add_argument("--show", action="append", default=[], metavar="SECTION.KEY",
                         help="a result of results.toml to print, and a number to draw, as "
-                             "deflection.beta; once for each")
+                             "deflection.beta; may be given several times")
     parser.add_argument("--overwrite", action="store_true",
                         help="forget what --out holds of another sweep")
     parser.add_argument("--commands", action="store_true",

@@ -121,8 +121,8 @@ void read_phase(Section& in, Phase& phase, const EngineSettings& engines) {
   in.take("until", "", phase.until, ends);
   if (in.reads(phase.until == PhaseEnd::settled))
     in.need("settled_speed",
-            "rms speed below which bodies are settled, at any row after one above: so few of them "
-            "that all are at the top of a bounce at once are, too",
+            "rms speed: the phase ends at the first row of the series below it, after one above; a "
+            "few bodies that are at the top of a bounce at once end it, too",
             phase.settled_speed, positive(speed));
   in.take("cohesion", "from the start of this phase on; [[contact.between]] keeps its own",
           phase.cohesion, not_negative(force));
