@@ -92,6 +92,16 @@ const std::vector<Refused> table = {
      "x.toml:16:1: orbit follows from the deflection: it needs read_out"},
     {bodies + phase + "cohesion = \"1 N\"\n",
      "x.toml:11:1: phases.only.cohesion needs contact.cohesion_range"},
+    {"read_out = [15]\n" + bodies + phase + impactor +
+         "[[phases]]\nname = \"later\"\nstep = 1\nduration = 9\nremove_drift = true\n",
+     "x.toml:17:1: phases.later.remove_drift takes away what the impact gave, and x.toml:1:12: "
+     "read_out asks later"},
+    {bodies + phase + "impactor = {mass = 1, radius = 0.1, speed = 1, distance = 11}\n",
+     "x.toml:15:12: phases.only.impactor never arrives: it flies 11 m at 1 m/s, and phases end 10 "
+     "s"},
+    {bodies + phase + "until = \"settled\"\nsettled_speed = 1\n[output]\nseries_every = 20\n",
+     "x.toml:11:1: phases.only.until = \"settled\" is looked at in rows of the series, which come "
+     "every 20 s, and the phase ends after 10 s"},
     // What would be moved away from what stays.
     {bodies + phase + "remove_drift = true\n[[planes]]\npoint = [0, 0, -2]\n",
      "x.toml:11:1: phases.only.remove_drift: a wall of [[planes]] or [[boxes]] would stay"},
@@ -109,6 +119,10 @@ const std::vector<Refused> table = {
      "x.toml:7:1: groups.b.thermal_velocity: without a drift one body that moves has none"},
     {bodies + "fixed = true\n[gravity]\nmethod = \"direct\"\n" + phase,
      "x.toml:7:1: groups.b.fixed: self-gravity needs finite masses"},
+    {"[materials.rock]\ndensity = 1600\n[[groups]]\nname = \"a\"\nmaterial = \"rock\"\nfixed = "
+     "true\nvolume = {radius = 1}\n" +
+         phase + impactor,
+     "x.toml:12:12: phases.only.impactor: all groups are fixed or move as prescribed"},
     // Volumes and packings.
     {with_group("volume = {shape = \"box\", size = [1, 1, 1], center = [9, 0, 0]}\n"),
      "x.toml:14:10: groups.c.volume is not a sphere"},
@@ -174,11 +188,11 @@ const std::vector<Refused> table = {
      "x.toml:15:12: phases.only.impactor: it begins 0.7 m deep in the wall plane_0"},
     {bodies + springs + "stiffness = 1e3\n[[cylinders]]\npoint = [1.5, 0, 0]\nradius = 2.5\n" +
          phase + by_springs +
-         "impactor = {mass = 1, radius = 0.1, speed = \"1 mm/s\", distance = 1}\n",
+         "impactor = {mass = 1, radius = 0.1, speed = \"0.2 m/s\", distance = 1}\n",
      "x.toml:24:12: phases.only.impactor: it begins 1.2 m deep in the wall cylinder_0"},
     {bodies + springs + "stiffness = 1e3\n[periodic]\nlow = [-2, 0, 0]\nsize = [8, 0, 0]\n" +
          phase + by_springs +
-         "impactor = {mass = 1, radius = 0.1, speed = \"1 mm/s\", distance = 1}\n",
+         "impactor = {mass = 1, radius = 0.1, speed = \"0.2 m/s\", distance = 1}\n",
      "x.toml:24:12: phases.only.impactor: it begins at (-2.1, 0, 0) m, outside of [periodic]"},
     // Images too near.
     {bodies + springs + "stiffness = 1e6\n[periodic]\nsize = [9, 3.9, 9]\n" + phase + by_springs,

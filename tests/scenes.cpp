@@ -646,5 +646,47 @@ duration = "4 s"
   EXPECT_GT(value(results, "deflection", "beta"), 1);
 }
 
+/// Materials are counted by their names' order, so that one more changes what bodies are of.
+TEST(Scene, goes_on_with_a_material_that_is_added) {
+  run_case(testing_world(),
+           parse_case(R"(
+[materials.rock]
+density = 1000
+[contact]
+restitution = 0
+[[groups]]
+name = "hit"
+material = "rock"
+volume = {radius = 0.1}
+[[groups]]
+name = "beside"
+material = "rock"
+volume = {radius = 0.1, center = [0, 9, 0]}
+[[groups]]
+name = "beyond"
+material = "rock"
+volume = {radius = 0.1, center = [0, -9, 0]}
+[[phases]]
+name = "before"
+step = "1 ms"
+duration = "2 ms"
+[[phases]]
+name = "impact"
+step = "0.1 ms"
+duration = "30 ms"
+)",
+                      "added.toml"),
+           folder_of("added"), Former::overwrite);
+  const ResumeOptions how{
+      .folder = folder_of("added_after"),
+      .former = Former::overwrite,
+      .overrides = {"phases.impact.impactor={mass=1, radius=0.05, speed=10, distance=0.02}",
+                    "contact.between=[{materials=[\"rock\", \"impactor\"], restitution=1}]",
+                    "materials.impactor={density=1909.8593}"}};
+  resume_case(testing_world(), folder_of("added") + "/after_before.h5", how);
+  const toml::table results = results_in(how.folder);
+  EXPECT_NEAR(value(results, "conservation", "kinetic"), 50, 1e-3);  // a share of 0.8 else is lost
+}
+
 }  // namespace
 }  // namespace spall

@@ -26,6 +26,8 @@ TEST(Units, powers_of_ten_are_rounded_once) {
 TEST(Units, brackets_have_partners) {
   EXPECT_EQ(complaint("1 m/(s", dimension::speed), "\"1 m/(s\": a bracket has no partner");
   EXPECT_EQ(complaint("1 m/s)", dimension::speed), "\"1 m/s)\": a bracket has no partner");
+  EXPECT_EQ(complaint("1 )m(", dimension::length), "\"1 )m(\": a bracket has no partner");
+  EXPECT_EQ(complaint("1 m /", dimension::length), "\"1 m /\": nothing stands behind '/'");
 }
 
 TEST(Units, compound_units_multiply_and_divide) {

@@ -138,9 +138,13 @@ bool is_joint(char c) {
 Unit parse_units(std::string_view text, std::string_view whole, Dimension wanted) {
   Unit product{text, {}};
   int sign = 1;
+  bool divides = false;  // by something
   while (true) {
     take(text, is_joint);
-    if (text.empty()) return product;
+    if (text.empty()) {
+      require(sign > 0 || divides, "\"{}\": nothing stands behind '/'", whole);
+      return product;
+    }
     if (text.front() == '/') {
       require(sign > 0, "\"{}\" has two '/': write all that divides after one", whole);
       sign = -1;
@@ -160,6 +164,7 @@ Unit parse_units(std::string_view text, std::string_view whole, Dimension wanted
     require(unit.has_value(), "\"{}\": \"{}\" is not a unit known here; {} is wanted", whole, name,
             describe(wanted));
     const int n = sign * exponent;
+    divides = sign < 0;
     product.dimension.length += n * unit->dimension.length;
     product.dimension.mass += n * unit->dimension.mass;
     product.dimension.time += n * unit->dimension.time;
@@ -180,8 +185,12 @@ double parse_quantity(std::string_view text, Dimension wanted) {
   require(code == std::errc() && std::isfinite(value),
           "\"{}\" does not begin with a number; {} is wanted", text, describe(wanted));
   const std::string_view number = rest.substr(0, static_cast<std::size_t>(end - rest.data()));
-  require(std::ranges::count(text, '(') == std::ranges::count(text, ')'),
-          "\"{}\": a bracket has no partner", text);
+  int open = 0;
+  for (const char c : text) {
+    open += c == '(' ? 1 : c == ')' ? -1 : 0;
+    require(open >= 0, "\"{}\": a bracket has no partner", text);
+  }
+  require(open == 0, "\"{}\": a bracket has no partner", text);
   Unit unit = parse_units(rest.substr(number.size()), text, wanted);
   if (wanted.angle == 1 && unit.dimension.angle == 0) unit.dimension.angle = 1;
   require(unit.dimension == wanted, "\"{}\" is {}; {} is wanted", text, name_of(unit.dimension),

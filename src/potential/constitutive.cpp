@@ -126,7 +126,9 @@ LatticeSpeeds sound_speeds(const PairPotential& potential, double mass) {
   const double unit = potential.distance * potential.distance / mass;
   const double k = stiffness_pressed(potential), c11 = unit * k;
   const Embedding& e = potential.embedding;
-  const double added = e.bulk_modulus > 0 ? e.bulk_modulus / e.density - 2 * c11 / 3 : 0;
+  // Of the bodies' own mass, which total_mass may have scaled.
+  const double density = std::sqrt(2.0) * mass / std::pow(potential.distance, 3);
+  const double added = e.bulk_modulus > 0 ? e.bulk_modulus / density - 2 * c11 / 3 : 0;
   return {.bulk = std::sqrt(2 * c11 / 3 + added),
           .along_100 = std::sqrt(c11 + added),
           .along_110 = std::sqrt(5 * c11 / 4 + added),

@@ -15,6 +15,8 @@ void read_solver(Section& in, SolverSettings& settings) {
   in.take("friction", "", settings.friction, friction_models);
   in.take("tolerance", "on the residual, relative to that without impulses", settings.tolerance,
           positive(number));
+  in.check("tolerance", settings.tolerance < 1,
+           "must be less than 1: none at all is solved with 1");
   in.take("speed_tolerance",
           "on each contact's residual; by default `tolerance` of the fastest closing speed of an "
           "impact",
@@ -25,6 +27,7 @@ void read_solver(Section& in, SolverSettings& settings) {
   in.take("prox", "eps of the proximal Coulomb problem; 0: none", settings.prox,
           Quantity{number, 0, 1});
   in.take("relaxation", "of sor", settings.relaxation, Quantity{number, 0, 2, false});
+  in.check("relaxation", settings.relaxation < 2, "must be less than 2");
 }
 
 void read(Section& in, EngineSettings& settings) {

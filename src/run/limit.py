@@ -248,6 +248,8 @@ def main():
         key, equals, value = text.partition("=")
         if not equals or key in fixed or key == span.key:
             leave(f"--set {text}: {'KEY=VALUE is wanted' if not equals else 'told twice'}")
+        if f"{span.key}.".startswith(f"{key}."):
+            leave(f"--set {text}: it would change {span.key}, which is varied")
         fixed[key] = value
 
     # What one end refuses would end the search after hours: nothing is begun then.

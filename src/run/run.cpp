@@ -601,6 +601,15 @@ Case stored_case(const RestartState& state, const std::vector<std::string>& over
   return after;
 }
 
+/// Materials are counted in the order of their names, which one that --set adds changes.
+void follow_materials(const Case& before, const Case& after, Bodies& bodies) {
+  for (auto& material : bodies.material) {
+    const auto found =
+        std::ranges::find(after.materials, before.materials[material].name, &Material::name);
+    material = static_cast<std::int32_t>(found - after.materials.begin());
+  }
+}
+
 bool resume_case(const Comm& comm, const std::string& file, const ResumeOptions& options) {
   namespace fs = std::filesystem;
   RestartState state = read_restart(comm, file);
@@ -614,8 +623,11 @@ bool resume_case(const Comm& comm, const std::string& file, const ResumeOptions&
   });
   const InputFiles files(comm);
   Case scene = stored_case(state, options.overrides, files);
-  if (!options.overrides.empty())
-    check_walls_ahead(comm, state, stored_case(state, {}, files), scene);
+  if (!options.overrides.empty()) {
+    const Case before = stored_case(state, {}, files);
+    check_walls_ahead(comm, state, before, scene);
+    follow_materials(before, scene, state.bodies);
+  }
   std::string own = fs::path(file).parent_path().string();
   if (own.empty()) own = ".";
   // Away from its case a run still has the copy beside its restart file.

@@ -293,6 +293,10 @@ def main():
         if not equals or key in keys:
             sys.exit(
                 f"spall sweep: --set {text}: {'told twice' if equals else 'KEY=VALUES is wanted'}")
+        for other in keys:
+            if f"{key}.".startswith(f"{other}.") or f"{other}.".startswith(f"{key}."):
+                sys.exit(f"spall sweep: --set {other} and --set {key}: one would change what the "
+                         "other sets")
         keys[key] = values_of(value)
         if re.fullmatch(WHOLE_RANGE, value):
             ends[key] = {keys[key][0], keys[key][-1]}

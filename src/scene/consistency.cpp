@@ -47,12 +47,46 @@ void check_read_outs(const Case& scene, Groups groups) {
           scene.read_out_place, first, hit->place, impactor.distance, impactor.speed);
 }
 
+/// What is added must meet something that is free, before the run ends.
+void check_impactor(const Case& scene, const Phase& hit, Groups groups) {
+  const Impactor& impactor = *hit.impactor;
+  const bool whole = groups == Groups::needed || !scene.spheres.empty();  // a program adds its own
+  require(!whole || !std::ranges::all_of(scene.groups, &Group::held) ||
+              !std::ranges::all_of(scene.spheres, &SceneSphere::fixed),
+          "{}: all groups are fixed or move as prescribed: nothing that it hits is free",
+          impactor.place);
+  double end = 0;
+  for (const Phase& phase : scene.phases)
+    if (&phase >= &hit) end += phase.lasts();
+  const double flight = impactor.distance / impactor.speed;
+  require(flight < end,
+          "{} never arrives: it flies {:g} m at {:g} m/s, and phases end {:g} s after it is added",
+          impactor.place, impactor.distance, impactor.speed, end);
+}
+
+/// Whether it has settled is looked at in rows of the series alone.
+void check_settling(const Case& scene, const Phase& phase) {
+  const double every = scene.output.series_every.value_or(0);
+  require(phase.until != PhaseEnd::settled || every < phase.duration,
+          "{}.until = \"settled\" is looked at in rows of the series, which come every {:g} s, and "
+          "the phase ends after {:g} s: a shorter output.series_every is wanted",
+          phase.place, every, phase.duration);
+}
+
 /// The centre of mass moves to the origin, and with it all bodies: nothing else may be anywhere.
 void check_removal_of_drift(const Case& scene, const Phase& phase) {
   const auto refuse_beside = [&](bool there, std::string_view what) {
     require(!there, "{}.remove_drift: {} would stay where it is while bodies are moved",
             phase.place, what);
   };
+  const auto hit = std::ranges::find_if(scene.phases, &Phase::has_impactor);
+  double begins = 0;  // s, after the impactor is added
+  for (auto former = hit; former != scene.phases.end() && &*former < &phase; ++former)
+    begins += former->lasts();
+  require(begins == 0 || scene.read_out.empty() || std::ranges::max(scene.read_out) <= begins,
+          "{}.remove_drift takes away what the impact gave, and {} asks later how fast the target "
+          "has become",
+          phase.place, scene.read_out_place);
   refuse_beside(!scene.planes.empty(), "a wall of [[planes]] or [[boxes]]");
   refuse_beside(!scene.cylinders.empty(), "a wall of [[cylinders]]");
   refuse_beside(scene.period.any(), "the box of [periodic]");
@@ -224,6 +258,14 @@ std::vector<std::string> warnings_of(const Case& scene) {
                       "without them",
                       next.name, former.engine->name));
   }
+  // Later ones of that method are refused.
+  const auto solid = std::ranges::find_if(
+      scene.phases, [&](const Phase& phase) { return keeps_damage(scene, phase); });
+  if (solid != scene.phases.begin() && solid != scene.phases.end())
+    told.push_back(
+        fmt::format("WARNING: phases.{}: method = \"{}\" takes groups to be whole and at rest as "
+                    "they are then, though phases.{} has moved their bodies one by one before",
+                    solid->name, solid->engine->name, scene.phases.front().name));
   return told;
 }
 
@@ -250,6 +292,9 @@ void check_consistency(const Case& scene, Groups groups) {
   check_methods(scene);
   check_motions(scene);
   check_grains(scene);
+  for (const Phase& phase : scene.phases) check_settling(scene, phase);
+  for (const Phase& phase : scene.phases)
+    if (phase.impactor) check_impactor(scene, phase, groups);
   for (const Phase& phase : scene.phases)
     if (phase.remove_drift) check_removal_of_drift(scene, phase);
   for (const Phase& phase : scene.phases)

@@ -3,6 +3,7 @@
 #include "scene/debris.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "scene/shape.hpp"
 #include "scene/shields.hpp"
@@ -54,6 +55,14 @@ void check_plate(const Case& scene, int group, const std::string& told) {
           words_of_direction(normal));
   require(normal.dot(volume.center - ball.volume.center) / speed > 0, "{} flies away from \"{}\"",
           projectile, plate.name);
+  double lasts = 0;
+  for (const Phase& phase : scene.phases) lasts += phase.lasts();
+  const double centres = std::abs(normal.dot(volume.center - ball.volume.center));
+  const double gap = centres - half_widths(volume)[thin] -
+                     half_widths_in_world(ball.volume).dot(normal.cwiseAbs());
+  const double flight = gap / std::abs(speed);
+  require(flight < lasts, "{} needs {:.3g} s to \"{}\", and phases end after {:.3g} s", projectile,
+          flight, plate.name, lasts);
   require(miss_of_line(volume, ball.volume.center, ball.velocity) < 0,
           "{} flies past \"{}\": its line does not meet it", projectile, plate.name);
 }
@@ -74,6 +83,10 @@ void find_debris_groups(Case& scene) {
             "{}.remove_drift would move groups.{} from where [debris] looks at it", phase.place,
             debris.plates.front().name);
   require(!scene.period.any(), "{}: debris are not measured in a [periodic] box", debris.place);
+  require(scene.walls().size() == 0,
+          "{}: debris are measured where they fly freely, and a wall of [[planes]], [[boxes]] or "
+          "[[cylinders]] may stop them",
+          debris.place);
   debris.projectile = find("projectile", debris.projectile_name);
   for (DebrisPlate& plate : debris.plates) {
     const std::string key = plate.section.empty() ? "plate" : "plates";

@@ -79,6 +79,10 @@ void read_shape(Section& in, ListedShape& shape) {
     in.check("count", count <= most_spheres_filled,
              fmt::format("is more than {}", most_spheres_filled));
   }
+  for (const ShapeSphere& one : shape.spheres)
+    for (const ShapeSphere& other : shape.spheres)
+      in.check("spheres", &one == &other || (one.at - other.at).norm() + one.radius > other.radius,
+               "has a sphere that lies within another: contacts would count it, too");
   shape.place = in.place();
   if (!listed && !filled && count > 0)
     shape.spheres = fill_ellipsoid(axes, static_cast<int>(count));

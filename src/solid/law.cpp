@@ -97,6 +97,12 @@ void check_magnitudes(const Solid& solid, const std::string& place) {
     below(solid.steinberg.ymax, "steinberg_ymax", solid.shear_modulus(), shear);
     below(solid.spall_strength, "spall_strength", solid.bulk_modulus(), "the bulk modulus (Pa)");
   }
+  const JohnsonCook& flow = solid.johnson_cook;
+  below(flow.n, "johnson_cook_n", 2, "twice what is known of metals");
+  below(flow.c, "johnson_cook_c", 1, "ten times what is known of metals");
+  below(flow.m, "johnson_cook_m", 10, "several times what is known of metals");
+  below(solid.rock.failed_friction, "failed_friction", 10, "several times what is known");
+  below(solid.hugoniot_slope, "hugoniot_slope", 4, "twice what is known of solids");
   constexpr double most_gruneisen = 10, least_heat = 10, most_heat = 2e4;
   below(solid.gruneisen, "gruneisen", most_gruneisen, "three times what is known of solids");
   below(solid.specific_heat, "specific_heat", most_heat, "that of hydrogen (J/(kg K))");
