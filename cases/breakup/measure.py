@@ -46,6 +46,11 @@ SHOTS = [Shot("4-1715", 0.026, 4.6, False), Shot("4-1428", 0.049, 3.77, False),
 DIAMETER = 9.53e-3  # m
 SMALL = 3.18e-3  # m, of most balls of the shields
 SMALL_BUMPER, SMALL_SPEED = 0.25, 4.2  # of its diameter; km/s
+# Of the largest pieces behind balls of these speeds (km/s): share of the ball, speed along the axis
+# (km/s), and a wall that such shots have (mm). From 6.4 km/s on by `landing`, below that of rows
+# 590, 596 and 536 of the shields, 18 across.
+LARGEST = ((3.1, 0.239, 2.49, 3.18), (3.0, 0.265, 2.40, 2.70), (4.3, 0.0198, 3.39, 2.19),
+           (6.4, 0.0057, 4.81, 1.40), (6.4, 0.0057, 4.81, 1.59), (7.2, 0.0030, 4.62, 1.40))
 PIECE = 0.9e-3  # m, diameter of a ball as heavy as a piece that hits a wall
 PIECE_SPEED = 4  # km/s
 # Of the finest wall under such a piece, which costs 30 times as much otherwise: m, s.
@@ -195,8 +200,7 @@ def shields(options):
             "| spall up to, mm | bodies, mm | verdict | margin | hole, mm |",
             "|--:|--:|--:|--:|--:|--:|--:|---|--:|--:|"]
     folders = []
-    for ball, share, speed, thick in ((6.4, 0.0057, 4.81, 1.40), (6.4, 0.0057, 4.81, 1.59),
-                                      (7.2, 0.0030, 4.62, 1.40)):
+    for ball, share, speed, thick in LARGEST:
         piece = 1e3 * SMALL * share**(1 / 3)
         crater = crater_depth(piece, speed)
         for spacing, of_piece in ((0.53, 0.177), (piece / 7.5, piece / 7.5)):

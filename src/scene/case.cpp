@@ -362,7 +362,7 @@ std::vector<std::string> unused_parts(const toml::table& root, const Case& scene
         }))
       unused.push_back(
           fmt::format("[shapes.{}] is not used: no packing of a group names it", shape.name));
-  for (const char* key : {"accuracy", "refresh", "near_clumps"})
+  for (const char* key : {"accuracy", "constant", "near_clumps", "refresh"})
     if (root["gravity"][key] && scene.gravity.method == GravityMethod::none)
       unused.push_back(fmt::format("gravity.{} is not used: no gravity.method is named", key));
   if (root["gravity"]["accuracy"] && scene.gravity.method == GravityMethod::direct)
