@@ -251,6 +251,7 @@ def draw(some, path):
     import matplotlib
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
+    from matplotlib.ticker import FixedLocator, NullLocator
     figure, axes = plt.subplots(figsize=(7, 4.2))
     for perforated, fill in ((True, True), (False, False)):
         for right, color in ((True, "#2f6db3"), (False, "#c8452f")):
@@ -263,8 +264,9 @@ def draw(some, path):
                                f"Spall {'right' if right else 'wrong'}")
     axes.axhline(1, color="0.6", linewidth=0.8)
     axes.set(xlabel="speed (km/s)", ylabel=f"ball over critical ball of {BEST}", yscale="log")
-    for formatter in (axes.yaxis.set_major_formatter, axes.yaxis.set_minor_formatter):
-        formatter("{x:g}")
+    axes.yaxis.set_major_locator(FixedLocator([0.4, 0.5, 0.6, 0.7, 0.8, 1, 1.2, 1.4, 1.7, 2, 3]))
+    axes.yaxis.set_minor_locator(NullLocator())
+    axes.yaxis.set_major_formatter("{x:g}")
     axes.legend(fontsize=8)
     figure.savefig(path, dpi=110, bbox_inches="tight")
 
