@@ -96,9 +96,6 @@ const std::vector<Refused> table = {
          "[[phases]]\nname = \"later\"\nstep = 1\nduration = 9\nremove_drift = true\n",
      "x.toml:17:1: phases.later.remove_drift takes away what the impact gave, and x.toml:1:12: "
      "read_out asks later"},
-    {bodies + phase + "impactor = {mass = 1, radius = 0.1, speed = 1, distance = 11}\n",
-     "x.toml:15:12: phases.only.impactor never arrives: it flies 11 m at 1 m/s, and phases end 10 "
-     "s"},
     {bodies + phase + "until = \"settled\"\nsettled_speed = 1\n[output]\nseries_every = 20\n",
      "x.toml:11:1: phases.only.until = \"settled\" is looked at in rows of the series, which come "
      "every 20 s, and the phase ends after 10 s"},

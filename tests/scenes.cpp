@@ -666,6 +666,14 @@ volume = {radius = 0.1, center = [0, 9, 0]}
 name = "beyond"
 material = "rock"
 volume = {radius = 0.1, center = [0, -9, 0]}
+[[groups]]
+name = "above"
+material = "rock"
+volume = {radius = 0.1, center = [0, 0, 9]}
+[[groups]]
+name = "below"
+material = "rock"
+volume = {radius = 0.1, center = [0, 0, -9]}
 [[phases]]
 name = "before"
 step = "1 ms"
