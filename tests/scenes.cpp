@@ -648,32 +648,11 @@ duration = "4 s"
 
 /// Materials are counted by their names' order, so that one more changes what bodies are of.
 TEST(Scene, goes_on_with_a_material_that_is_added) {
-  run_case(testing_world(),
-           parse_case(R"(
+  std::string text = R"(
 [materials.rock]
 density = 1000
 [contact]
 restitution = 0
-[[groups]]
-name = "hit"
-material = "rock"
-volume = {radius = 0.1}
-[[groups]]
-name = "beside"
-material = "rock"
-volume = {radius = 0.1, center = [0, 9, 0]}
-[[groups]]
-name = "beyond"
-material = "rock"
-volume = {radius = 0.1, center = [0, -9, 0]}
-[[groups]]
-name = "above"
-material = "rock"
-volume = {radius = 0.1, center = [0, 0, 9]}
-[[groups]]
-name = "below"
-material = "rock"
-volume = {radius = 0.1, center = [0, 0, -9]}
 [[phases]]
 name = "before"
 step = "1 ms"
@@ -682,9 +661,16 @@ duration = "2 ms"
 name = "impact"
 step = "0.1 ms"
 duration = "30 ms"
-)",
-                      "added.toml"),
-           folder_of("added"), Former::overwrite);
+)";
+  // The first is hit; each rank has one.
+  for (const auto& [name, y, z] :
+       {std::tuple("hit", 0, 0), std::tuple("left", 9, 0), std::tuple("right", -9, 0),
+        std::tuple("above", 0, 9), std::tuple("below", 0, -9)})
+    text += fmt::format(
+        "[[groups]]\nname = \"{}\"\nmaterial = \"rock\"\nvolume = {{radius = 0.1, center = [0, "
+        "{}, {}]}}\n",
+        name, y, z);
+  run_case(testing_world(), parse_case(text, "added.toml"), folder_of("added"), Former::overwrite);
   const ResumeOptions how{
       .folder = folder_of("added_after"),
       .former = Former::overwrite,

@@ -16,6 +16,7 @@ import numpy as np
 
 HERE = Path(__file__).parent
 sys.path += [str(HERE.parent), str(HERE.parent.parent / "bench")]
+from cour_palais import crater_depth  # noqa: E402
 from program import PROGRAM, ROOT, spall  # noqa: E402
 from readme import replace_section  # noqa: E402
 from remnants import clump_names, commits, results  # noqa: E402
@@ -53,6 +54,7 @@ LARGEST = ((3.1, 0.239, 2.49, 3.18), (3.0, 0.265, 2.40, 2.70), (4.3, 0.0198, 3.3
            (6.4, 0.0057, 4.81, 1.40), (6.4, 0.0057, 4.81, 1.59), (7.2, 0.0030, 4.62, 1.40))
 PIECE = 0.9e-3  # m, diameter of a ball as heavy as a piece that hits a wall
 PIECE_SPEED = 4  # km/s
+HARDNESS, DENSITIES = 95, 2.80 / 2.71  # Brinell's, of 6061-T6; of 2017-T4 over that
 # Of the finest wall under such a piece, which costs 30 times as much otherwise: m, s.
 NARROW_WIDTH, NARROW_LASTS = 7e-3, 8e-6
 
@@ -202,7 +204,7 @@ def shields(options):
     folders = []
     for ball, share, speed, thick in LARGEST:
         piece = 1e3 * SMALL * share**(1 / 3)
-        crater = crater_depth(piece, speed)
+        crater = crater_depth(piece, speed, HARDNESS, DENSITIES)
         for spacing, of_piece in ((0.53, 0.177), (piece / 7.5, piece / 7.5)):
             folder = hit_wall(options, f"shields-{ball}-{thick}-{spacing:.3g}", piece, speed, thick,
                               spacing, of_piece)
@@ -210,14 +212,6 @@ def shields(options):
                         f"| {2.2 * crater:.2f} | {spacing:.2g} | {told_of_wall(folder)} |")
             folders.append(folder)
     return text, folders
-
-
-def crater_depth(diameter, speed):
-    """mm: Cour-Palais's formula (NASA/TM-2009-214785) of a ball of 2017-T4 (mm; km/s) in a thick
-    block of 6061-T6."""
-    hardness, densities, sound = 95, 2.80 / 2.71, 5.1  # Brinell; km/s
-    return 10 * (5.24 * (diameter / 10)**(19 / 18) * hardness**-0.25 * densities**0.5 *
-                 (speed / sound)**(2 / 3))
 
 
 TABLES = {"onset": onset, "pieces": finer, "landing": landing, "wall": wall, "shields": shields}

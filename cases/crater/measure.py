@@ -20,6 +20,7 @@ import numpy as np
 
 HERE = Path(__file__).parent
 sys.path.append(str(HERE.parent))
+from cour_palais import crater_depth  # noqa: E402
 from program import PROGRAM, ROOT, spall  # noqa: E402
 
 matplotlib.use("Agg")
@@ -45,10 +46,8 @@ class Target:
 
 
 def metal(hardness, density):
-    """mm. Cour-Palais, Int. J. Impact Engng 5 (1987) 221, for a ball of 6.35 mm; sound at 5.1 km/s.
-    Craters are nearly hemispherical there."""
-    return 10 * 5.24 * 0.635**(19 / 18) * hardness**-0.25 * (BALL_DENSITY / density)**0.5 * (
-        SPEED / 5.1)**(2 / 3)
+    """mm, of a ball of 6.35 mm."""
+    return crater_depth(6.35, SPEED, hardness, BALL_DENSITY / density)
 
 
 def glass(diameter):

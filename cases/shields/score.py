@@ -166,8 +166,8 @@ def by_labels(told, options):
     """Table of what the labels of SWAPPED decide, and rows that are copies. `told`: with the labels
     of the table."""
     shots = mended([shot for shot, _ in told])
-    right = [(shot, line) for shot, (_, line) in zip(shots, told)]
-    sets = {f"{SWAPPED} mended": right, "each shot once": each_once(right),
+    with_mended = [(shot, line) for shot, (_, line) in zip(shots, told)]
+    sets = {f"{SWAPPED} mended": with_mended, "each shot once": each_once(with_mended),
             "as the table has it": told,
             "without this report": [(shot, line) for shot, line in told if shot.source != SWAPPED]}
     text = [f"| called right | {' | '.join(sets)} |", f"|---|{'--:|' * len(sets)}",

@@ -128,22 +128,22 @@ def books(results):
     if rest is None:
         return
     dissipated = conservation.get("dissipated", 0)
-    kinetic = conservation.get("energy_measure")  # unless it is what was dissipated
+    other = conservation.get("energy_measure")  # unless it is what was dissipated
     if (gained := conservation.get("gained_by_restitution")) is not None:
-        small = gained <= ENERGY_CLOSED * (kinetic or dissipated)
+        small = gained <= ENERGY_CLOSED * (other or dissipated)
         yield NOTE if small else BAD, (
             f"Hits gave {gained:.3g} J to clumps, beside {dissipated:.3g} J that were dissipated "
             "in all: restitution with friction may give energy where a hit is eccentric.")
-    if kinetic is None:
+    if other is None:
         measure = "what was dissipated."
-    elif kinetic > conservation.get("kinetic", kinetic):
+    elif other > conservation.get("kinetic", other):
         measure = "what gravity gives in a step, as bodies rest."
-    elif dissipated < -NEXT_TO_NOTHING * kinetic:
+    elif dissipated < -NEXT_TO_NOTHING * other:
         measure = "the kinetic energy, as energy was gained and not dissipated."
     else:
         measure = "the kinetic energy, as next to nothing was dissipated."
     of = f"{percent(rest)} of {measure}"
-    if not dissipated and kinetic is None:
+    if not dissipated and other is None:
         yield NOTE, ("Nothing was dissipated, so there is no measure for the energy that no entry "
                      "explains.")
     elif abs(rest) <= ENERGY_CLOSED:

@@ -128,6 +128,14 @@ void check_walls_ahead(const Comm& comm, const RestartState& state, const Case& 
       state.case_file, wrong[0]);
 }
 
+void follow_materials(const Case& before, const Case& after, Bodies& bodies) {
+  for (auto& material : bodies.material) {
+    const auto found =
+        std::ranges::find(after.materials, before.materials[material].name, &Material::name);
+    material = static_cast<std::int32_t>(found - after.materials.begin());
+  }
+}
+
 void check_read_outs_ahead(const RestartState& state, const Case& before, const Case& after) {
   const Clock& clock = state.clock;
   if (clock.since_impact < 0) return;

@@ -21,4 +21,8 @@ void check_read_outs_ahead(const RestartState& state, const Case& before, const 
 void check_walls_ahead(const Comm& comm, const RestartState& state, const Case& before,
                        const Case& after);
 
+/// Bodies of `before` are of the same materials in `after`. These are counted in the order of their
+/// names, which one that is added changes.
+void follow_materials(const Case& before, const Case& after, Bodies& bodies);
+
 }  // namespace spall

@@ -27,7 +27,7 @@ import tomllib
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from sweep import DONE, NUMBER, STOPPED, Run, claim, files_of, names_of
+from sweep import DONE, NUMBER, STOPPED, Run, claim, files_of, is_within, names_of
 
 NO_LIMIT = 4  # exit code
 NOT_FINAL = 0.01  # of the energy that flies at the wall, beyond which a verdict may change
@@ -248,7 +248,7 @@ def main():
         key, equals, value = text.partition("=")
         if not equals or key in fixed or key == span.key:
             leave(f"--set {text}: {'KEY=VALUE is wanted' if not equals else 'told twice'}")
-        if f"{span.key}.".startswith(f"{key}."):
+        if is_within(span.key, key):
             leave(f"--set {text}: it would change {span.key}, which is varied")
         fixed[key] = value
 

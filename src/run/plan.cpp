@@ -15,6 +15,7 @@
 #include "engine/type.hpp"
 #include "gravity/field.hpp"
 #include "output/restart.hpp"
+#include "run/changes.hpp"
 #include "run/progress.hpp"
 #include "run/record.hpp"
 #include "run/run.hpp"
@@ -285,9 +286,10 @@ Simulation begin(const Comm& alone, const std::string& file, const PlanRequest& 
     simulation.begin_phase();
     return simulation;
   }
-  const RestartState state = read_restart(alone, file);
-  Simulation simulation(
-      alone, Scene(std::make_shared<Case>(stored_case(state, request.overrides, files))), state);
+  RestartState state = read_restart(alone, file);
+  const auto scene = std::make_shared<Case>(stored_case(state, request.overrides, files));
+  follow_materials(stored_case(state, {}, files), *scene, state.bodies);
+  Simulation simulation(alone, Scene(scene), state);
   require(!simulation.over(), "'{}': all phases are over, there is nothing to plan", file);
   if (simulation.clock().step_in_phase == 0) simulation.begin_phase();
   return simulation;

@@ -601,15 +601,6 @@ Case stored_case(const RestartState& state, const std::vector<std::string>& over
   return after;
 }
 
-/// Materials are counted in the order of their names, which one that --set adds changes.
-void follow_materials(const Case& before, const Case& after, Bodies& bodies) {
-  for (auto& material : bodies.material) {
-    const auto found =
-        std::ranges::find(after.materials, before.materials[material].name, &Material::name);
-    material = static_cast<std::int32_t>(found - after.materials.begin());
-  }
-}
-
 bool resume_case(const Comm& comm, const std::string& file, const ResumeOptions& options) {
   namespace fs = std::filesystem;
   RestartState state = read_restart(comm, file);

@@ -41,6 +41,10 @@ def refuse_too_many(runs, told):
         sys.exit(f"spall sweep: {told}: {runs:,} runs are more than {MOST_RUNS:,}")
 
 
+def is_within(key, table):
+    return f"{key}.".startswith(f"{table}.")
+
+
 def split(text):
     """At the commas outside of brackets, braces and quotes."""
     parts, depth, quote = [""], 0, ""
@@ -294,7 +298,7 @@ def main():
             sys.exit(
                 f"spall sweep: --set {text}: {'told twice' if equals else 'KEY=VALUES is wanted'}")
         for other in keys:
-            if f"{key}.".startswith(f"{other}.") or f"{other}.".startswith(f"{key}."):
+            if is_within(key, other) or is_within(other, key):
                 sys.exit(f"spall sweep: --set {other} and --set {key}: one would change what the "
                          "other sets")
         keys[key] = values_of(value)

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "scene/orbit.hpp"
 #include "scene/shape.hpp"
@@ -21,17 +22,27 @@ bool has_fixed_sphere(const Case& scene) {
   return std::ranges::any_of(scene.spheres, &SceneSphere::fixed);
 }
 
+/// Whether there is anything free that an impactor could move.
+bool has_target(const Case& scene, Groups groups) {
+  const bool whole = groups == Groups::needed || !scene.spheres.empty();  // a program adds its own
+  return !whole || !std::ranges::all_of(scene.groups, &Group::held) ||
+         !std::ranges::all_of(scene.spheres, &SceneSphere::fixed);
+}
+
+/// From the one with an impactor on; none without.
+std::span<const Phase> phases_of_impact(const Case& scene) {
+  return {std::ranges::find_if(scene.phases, &Phase::has_impactor), scene.phases.end()};
+}
+
 /// Times of read-outs count from the impact; what lies behind the last phase is never measured.
 void check_read_outs(const Case& scene, Groups groups) {
   if (scene.read_out.empty()) return;
-  const auto hit = std::ranges::find_if(scene.phases, &Phase::has_impactor);
-  require(hit != scene.phases.end(),
-          "{} tells times after the impact, but no phase has an impactor", scene.read_out_place);
-  double end = 0;
-  for (auto phase = hit; phase != scene.phases.end(); ++phase) end += phase->lasts();
-  const bool whole = groups == Groups::needed || !scene.spheres.empty();  // a program adds its own
-  require(!whole || !std::ranges::all_of(scene.groups, &Group::held) ||
-              !std::ranges::all_of(scene.spheres, &SceneSphere::fixed),
+  const std::span<const Phase> phases = phases_of_impact(scene);
+  require(!phases.empty(), "{} tells times after the impact, but no phase has an impactor",
+          scene.read_out_place);
+  const Phase& hit = phases.front();
+  const double end = duration_of(phases);
+  require(has_target(scene, groups),
           "{} tells how a target is deflected, but all groups are fixed or move as prescribed",
           scene.read_out_place);
   const double half_a_step = scene.phases.back().step / 2;
@@ -39,22 +50,19 @@ void check_read_outs(const Case& scene, Groups groups) {
   require(last <= end + half_a_step,
           "{} = {:g} s is never reached: phases end {:g} s after the impactor is added",
           scene.read_out_place, last, end);
-  const Impactor& impactor = *hit->impactor;
+  const Impactor& impactor = *hit.impactor;
   const double flight = impactor.distance / impactor.speed;
   const double first = std::ranges::min(scene.read_out);
   require(first > flight,
           "{} = {:g} s: the impactor of {} has not arrived by then, it flies {:g} m at {:g} m/s",
-          scene.read_out_place, first, hit->place, impactor.distance, impactor.speed);
+          scene.read_out_place, first, hit.place, impactor.distance, impactor.speed);
 }
 
 /// What is added must meet something that is free.
 void check_impactor(const Case& scene, const Phase& hit, Groups groups) {
-  const Impactor& impactor = *hit.impactor;
-  const bool whole = groups == Groups::needed || !scene.spheres.empty();  // a program adds its own
-  require(!whole || !std::ranges::all_of(scene.groups, &Group::held) ||
-              !std::ranges::all_of(scene.spheres, &SceneSphere::fixed),
+  require(has_target(scene, groups),
           "{}: all groups are fixed or move as prescribed: nothing that it hits is free",
-          impactor.place);
+          hit.impactor->place);
 }
 
 /// Whether it has settled is looked at in rows of the series alone.
@@ -72,11 +80,10 @@ void check_removal_of_drift(const Case& scene, const Phase& phase) {
     require(!there, "{}.remove_drift: {} would stay where it is while bodies are moved",
             phase.place, what);
   };
-  const auto hit = std::ranges::find_if(scene.phases, &Phase::has_impactor);
-  double begins = 0;  // s, after the impactor is added
-  for (auto former = hit; former != scene.phases.end() && &*former < &phase; ++former)
-    begins += former->lasts();
-  require(begins == 0 || scene.read_out.empty() || std::ranges::max(scene.read_out) <= begins,
+  const std::span<const Phase> phases = phases_of_impact(scene);
+  const bool later = !phases.empty() && &phase > &phases.front();
+  const double begins = later ? duration_of({&phases.front(), &phase}) : 0;
+  require(!later || scene.read_out.empty() || std::ranges::max(scene.read_out) <= begins,
           "{}.remove_drift takes away what the impact gave, and {} asks later how fast the target "
           "has become",
           phase.place, scene.read_out_place);
@@ -222,6 +229,12 @@ void check_grains(const Case& scene) {
 
 }  // namespace
 
+double duration_of(std::span<const Phase> phases) {
+  double sum = 0;
+  for (const Phase& phase : phases) sum += phase.lasts();
+  return sum;
+}
+
 std::string taker_of_recoil(const Case& scene) {
   if (scene.walls().size() > 0) return "a wall";
   if (scene.period.any()) return "the box of [periodic]";
@@ -251,16 +264,14 @@ std::vector<std::string> warnings_of(const Case& scene) {
                       "without them",
                       next.name, former.engine->name));
   }
-  const auto hit = std::ranges::find_if(scene.phases, &Phase::has_impactor);
-  if (hit != scene.phases.end()) {
-    const Impactor& impactor = *hit->impactor;
-    double end = 0;
-    for (auto phase = hit; phase != scene.phases.end(); ++phase) end += phase->lasts();
+  if (const auto phases = phases_of_impact(scene); !phases.empty()) {
+    const Impactor& impactor = *phases.front().impactor;
+    const double end = duration_of(phases);
     if (impactor.distance >= impactor.speed * end)
       told.push_back(fmt::format(
           "WARNING: phases.{}.impactor never arrives: it flies {:g} m at {:g} m/s, and phases end "
           "{:g} s after it is added",
-          hit->name, impactor.distance, impactor.speed, end));
+          phases.front().name, impactor.distance, impactor.speed, end));
   }
   // Later ones of that method are refused.
   const auto solid = std::ranges::find_if(

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <span>
+
 #include "scene/case.hpp"
 
 namespace spall {
@@ -14,6 +16,9 @@ void check_consistency(const Case& scene, Groups groups);
 /// broken would be bonded anew, and whole.
 void check_stored_damage(const Case& scene);
 
+/// s, of phases one after another.
+double duration_of(std::span<const Phase> phases);
+
 /// What takes a part of an impact's recoil, which is that of a free target: "a wall"; "" without.
 std::string taker_of_recoil(const Case& scene);
 
@@ -21,7 +26,8 @@ std::string taker_of_recoil(const Case& scene);
 std::string warning_of_read_outs(const Case& scene);
 
 /// What is modelled, and may not be what it looks like, in words: read-outs of a target that is not
-/// free; where a phase's method leaves behind what held bodies together in the one before.
+/// free; an impactor that never arrives; a phase whose method leaves behind what held bodies
+/// together in the one before, or takes them to be whole.
 std::vector<std::string> warnings_of(const Case& scene);
 
 }  // namespace spall

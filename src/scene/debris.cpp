@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scene/consistency.hpp"
 #include "scene/shape.hpp"
 #include "scene/shields.hpp"
 #include "spall/error.hpp"
@@ -53,12 +54,10 @@ void check_plate(const Case& scene, int group, const std::string& told) {
   const double speed = speed_across(ball.velocity, normal);
   require(speed != 0, "{} has no velocity towards the plate, along {}", projectile,
           words_of_direction(normal));
-  require(normal.dot(volume.center - ball.volume.center) / speed > 0, "{} flies away from \"{}\"",
-          projectile, plate.name);
-  double lasts = 0;
-  for (const Phase& phase : scene.phases) lasts += phase.lasts();
-  const double centres = std::abs(normal.dot(volume.center - ball.volume.center));
-  const double gap = centres - half_widths(volume)[thin] -
+  const double ahead = normal.dot(volume.center - ball.volume.center);
+  require(ahead / speed > 0, "{} flies away from \"{}\"", projectile, plate.name);
+  const double lasts = duration_of(scene.phases);
+  const double gap = std::abs(ahead) - half_widths(volume)[thin] -
                      half_widths_in_world(ball.volume).dot(normal.cwiseAbs());
   const double flight = gap / std::abs(speed);
   require(flight < lasts, "{} needs {:.3g} s to \"{}\", and phases end after {:.3g} s", projectile,
