@@ -30,6 +30,9 @@ constexpr double most_squeezed = 0.5, most_stretched = 2;
 /// Johnson & Cook's strain at failure is that of bars with notches, in which mean tension is no
 /// more than about von Mises' stress (Bridgman). Beyond, voids alone are judged.
 constexpr double most_triaxial = 1;
+/// Metal that is pressed by more than a bar in compression does not tear by strain, however far it
+/// flows (Bao & Wierzbicki, Engineering Fracture Mechanics 72 (2005) 1049).
+constexpr double least_triaxial = -1.0 / 3;
 /// tr K of a body in an fcc lattice, of d^2 V.
 double shape_of_lattice() {
   const auto shell = [](int bodies, double distance) {
@@ -146,11 +149,9 @@ struct Sheared {
   PairLanes strained{};  ///< plastic strain
 };
 
-/// Johnson and Cook's sum of metal that flows by `flowing` at von Mises' stress `stress` (Pa) while
-/// the mean pressure around it is `around` (Pa): from 1 on it fails.
-double strained_by(const SolidLaw& law, double strained, double flowing, double stress,
-                   double around, double h, double hot) {
-  const double triaxiality = stress > 0 ? -around / stress : 0;
+/// Johnson and Cook's sum of metal that flows by `flowing`: from 1 on it fails.
+double strained_by(const SolidLaw& law, double strained, double flowing, double triaxiality,
+                   double h, double hot) {
   if (triaxiality > most_triaxial) return strained;
   const double most = law.failure_strain(triaxiality, flowing / h, hot);
   return most > 0 ? strained + flowing / most : std::max(strained, 1.0);
@@ -180,8 +181,10 @@ Sheared sheared_metals(Bodies& bodies, const Group& g, const PairLanes& hot, con
       const SolidLaw& law = g.laws[l];
       if (!(flowing_lanes >> l & 1) || !law.flow.fails()) continue;
       const double stress = left.scale[l] * g.mises[l];
+      const double triaxiality = stress > 0 ? -g.around[l] / stress : 0;
+      if (triaxiality < least_triaxial) continue;
       if (strained[l] < 1)
-        strained[l] = strained_by(law, strained[l], flowing[l], stress, g.around[l], g.h, hot[l]);
+        strained[l] = strained_by(law, strained[l], flowing[l], triaxiality, g.h, hot[l]);
       else
         damage[l] += flowing[l] / law.parting_strain(stress / bears[l], g.rest_volume[l]);
       if (strained[l] >= 1 && law.fracture_energy == 0) damage[l] = 1;
