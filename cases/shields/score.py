@@ -1,7 +1,7 @@
 """Scores Spall and five equations on the same shots: table and plot of README.md, from results.csv.
 
     python3 cases/shields/score.py [--across 18] [--wall-across 6] [--seed 1] ...
-    python3 cases/shields/score.py --former     by the law until commit 8330739
+    python3 cases/shields/score.py --until 41c754d     by the law until this commit
 
 SPDX-License-Identifier: BSD-3-Clause
 """
@@ -15,7 +15,6 @@ from equations import EQUATIONS, SWAPPED, is_right, mended, read_shots
 from run import RESULTS, RULE, ask_for_setting, chosen, is_of
 
 HERE = Path(__file__).parent
-FORMER = HERE / "results_until_8330739.csv"  # by the law until this commit
 sys.path.append(str(HERE.parent.parent / "bench"))
 from readme import replace_section  # noqa: E402
 
@@ -274,16 +273,16 @@ def draw(some, path):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     ask_for_setting(parser)
-    parser.add_argument("--former", action="store_const", dest="results", const=FORMER,
-                        default=RESULTS, help="score the runs of results_until_8330739.csv")
+    parser.add_argument("--until", default="", metavar="COMMIT",
+                        help="score the runs of results_until_COMMIT.csv, by the law until then")
     options = parser.parse_args()
+    ending = f"_until_{options.until}" if options.until else ""
+    options.results = RESULTS.with_stem(RESULTS.stem + ending)
     told = counted(read_shots(), options)[0]
     some, without, planned = counted(mended(read_shots()), options)
     text = table(some, without, planned, options) + "\n\n" + by_labels(told, options)
     print(text)
-    name = f"score_{options.across:g}_{options.wall_across:g}"
-    if options.results == FORMER:
-        name += "_former"
+    name = f"score_{options.across:g}_{options.wall_across:g}{ending}"
     replace_section(HERE / "README.md", name, text)
     draw(some, HERE / f"{name}.png")
 
