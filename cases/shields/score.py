@@ -1,4 +1,5 @@
-"""Scores Spall and five equations on the same shots: table and plot of README.md, from results.csv.
+"""Scores Spall and five equations on the same shots: table and plot of README.md, from results.csv,
+or of former.md, from those of former laws.
 
     python3 cases/shields/score.py [--across 18] [--wall-across 6] [--seed 1] ...
     python3 cases/shields/score.py --until 41c754d     by the law until this commit
@@ -283,7 +284,7 @@ def main():
     text = table(some, without, planned, options) + "\n\n" + by_labels(told, options)
     print(text)
     name = f"score_{options.across:g}_{options.wall_across:g}{ending}"
-    replace_section(HERE / "README.md", name, text)
+    replace_section(HERE / ("former.md" if options.until else "README.md"), name, text)
     draw(some, HERE / f"{name}.png")
 
 
