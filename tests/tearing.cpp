@@ -201,7 +201,27 @@ TEST(Tearing, slips_that_no_other_constant_contradicts_are_refused_and_the_libra
   EXPECT_EQ(told([](Solid& s) { s.specific_heat *= 1e3; }).substr(0, 16), "x: specific_heat");
   EXPECT_EQ(told([](Solid& s) { s.specific_heat *= 1e-3; }).substr(0, 16), "x: specific_heat");
   EXPECT_EQ(told([](Solid& s) { s.gruneisen = 19.7; }).substr(0, 12), "x: gruneisen");
+  EXPECT_EQ(told([](Solid& s) { s.fracture_energy = 1e8; }).substr(0, 18), "x: fracture_energy");
   EXPECT_EQ(told([](Solid&) {}), "");
+  Solid porous = *material_of_library("aluminium_porous").solid;
+  porous.pores.compacted *= 1e3;
+  EXPECT_EQ(complaint_of([&] { solid_law(porous, true, "x"); }).substr(0, 22),
+            "x: compaction_pressure");
+}
+
+TEST(Tearing, strains_at_failure_that_no_metal_has_are_refused) {
+  const auto told = [](int which, double value) {
+    Solid solid = *material_of_library("copper").solid;
+    solid.johnson_cook.d[which - 1] = value;
+    return complaint_of([&] { solid_law(solid, true, "x"); });
+  };
+  EXPECT_EQ(told(1, -4.9).substr(0, 18), "x: johnson_cook_d1");  // none is left in shear
+  EXPECT_EQ(told(1, 54).substr(0, 18), "x: johnson_cook_d1");    // in per cent
+  EXPECT_EQ(told(3, 3.03),
+            "x: johnson_cook_d3 = 3.03 lets it bear more strain where it is pulled: here it is "
+            "exp(D3 triaxiality), so of a D3 of exp(-D3 triaxiality) give the negative");
+  EXPECT_EQ(told(4, 1.4).substr(0, 18), "x: johnson_cook_d4");
+  EXPECT_EQ(told(5, -1.12).substr(0, 18), "x: johnson_cook_d5");
 }
 
 TEST(Tearing, fracture_energy_needs_what_it_goes_with) {

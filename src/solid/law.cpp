@@ -110,6 +110,34 @@ void check_magnitudes(const Solid& solid, const std::string& place) {
           "{}: specific_heat = {:.3g} J/(kg K) is less than {:g}, a tenth of that of the heaviest "
           "metals: a slip of units",
           place, solid.specific_heat, least_heat);
+  constexpr double most_energy = 1e7;  // J/m^2
+  below(solid.fracture_energy, "fracture_energy", most_energy,
+        "ten times that of the toughest steels (J/m^2)");
+  below(solid.pores.compacted, "compaction_pressure", solid.bulk_modulus(),
+        "the bulk modulus of its matter (Pa)");
+}
+
+/// Strains at failure that no metal has: other conventions, and per cent.
+void check_failure_strain(const JohnsonCook& metal, const std::string& place) {
+  if (!metal.fails()) return;
+  const auto& [d1, d2, d3, d4, d5] = metal.d;
+  constexpr double most = 20, most_by_rate = 1;
+  require(d1 + d2 > 0 && d1 + d2 <= most,
+          "{}: johnson_cook_d1 + johnson_cook_d2 = {:g}, the strain at failure in shear: more than "
+          "0 to {:g} is wanted, several times what is known of metals",
+          place, d1 + d2, most);
+  require(d2 * d3 <= 0,
+          "{}: johnson_cook_d3 = {:g} lets it bear more strain where it is pulled: here it is "
+          "exp(D3 triaxiality), so of a D3 of exp(-D3 triaxiality) give the negative",
+          place, d3);
+  require(std::abs(d4) <= most_by_rate,
+          "{}: johnson_cook_d4 = {:g}: -{:g} to {:g} is wanted, tens of times what is known of "
+          "metals",
+          place, d4, most_by_rate, most_by_rate);
+  require(d5 > -1,
+          "{}: johnson_cook_d5 = {:g} leaves no strain at failure near the melting point: more "
+          "than -1 is wanted",
+          place, d5);
 }
 
 }  // namespace
@@ -143,6 +171,7 @@ SolidLaw solid_law(const Solid& solid, bool yields, const std::string& place) {
           "youngs_modulus and poisson_ratio: more than {:g} times apart",
           place, of_sound, of_youngs, most_apart);
   check_magnitudes(solid, place);
+  check_failure_strain(solid.johnson_cook, place);
   SolidLaw law{.density = solid.bulk_density(),
                .bulk = solid.bulk_modulus() / pores.distension,
                .shear = solid.shear_modulus(),
