@@ -128,24 +128,28 @@ std::vector<idx_t> cut(const std::map<CellIndex, Cell>& cells, idx_t parts) {
 /// A rank for each part: the heaviest overlaps of parts with their present owners first.
 std::vector<int> keep_owners(const std::map<CellIndex, Cell>& cells, const std::vector<idx_t>& part,
                              int ranks) {
-  std::vector<std::vector<double>> overlap(ranks, std::vector<double>(ranks, 0));
+  std::map<std::array<int, 2>, double> overlap;  // of (part, rank), where there is any
   std::size_t k = 0;
   for (const auto& [index, cell] : cells) {
-    for (const auto& [rank, work] : cell.work_on) overlap[part[k]][rank] += work;
+    for (const auto& [rank, work] : cell.work_on)
+      overlap[{static_cast<int>(part[k]), rank}] += work;
     ++k;
   }
-  std::vector<std::array<int, 2>> choices;
-  for (int p = 0; p < ranks; ++p)
-    for (int r = 0; r < ranks; ++r) choices.push_back({p, r});
-  std::stable_sort(choices.begin(), choices.end(), [&](const auto& a, const auto& b) {
-    return overlap[a[0]][a[1]] > overlap[b[0]][b[1]];
-  });
+  std::vector<std::pair<std::array<int, 2>, double>> choices(overlap.begin(), overlap.end());
+  std::ranges::stable_sort(choices, std::ranges::greater{}, &decltype(choices)::value_type::second);
   std::vector<int> owner(ranks, -1);
   std::vector<bool> taken(ranks, false);
-  for (const auto& [p, r] : choices) {
+  for (const auto& [choice, work] : choices) {
+    const auto& [p, r] = choice;
     if (owner[p] >= 0 || taken[r]) continue;
     owner[p] = r;
     taken[r] = true;
+  }
+  int next = 0;  // what nobody has yet goes to those that have none
+  for (int& r : owner) {
+    if (r >= 0) continue;
+    while (taken[next]) ++next;
+    r = next++;
   }
   return owner;
 }
