@@ -345,7 +345,7 @@ TEST(Constitutive, what_a_case_says_comes_before_its_library) {
   state.case_text = text, state.case_file = set.file, state.overrides = set.overrides,
   state.constants = set.constants;
   const auto goes_on = [&](const std::string& change) {
-    return stored_case(state, {change}, {}).materials[0].solid->yield_strength;
+    return case_to_go_on(testing_world(), state, {change}, {}).materials[0].solid->yield_strength;
   };
   EXPECT_EQ(goes_on("materials.al.solid.yield_strength=200 MPa"), 200e6);
   for (const char* change : {"materials.al.library=lead", "materials.al.file=lead.toml",

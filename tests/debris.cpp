@@ -373,7 +373,8 @@ TEST(Debris, wall_receives_what_is_slow_and_nothing_of_what_stands_still) {
 
 TEST(Debris, log_survives_a_restart_and_reports_all_read_outs) {
   const Comm comm = testing_world();
-  const Case asked = scene("[0, 0, -6000]", "every = 1\n");
+  Case asked = scene("[0, 0, -6000]", "every = 1\n");
+  asked.debris->projectile_name = "ball\nA";
   World world;
   world.comm = comm;
   world.bodies = bodies_of(comm, plate(target_of(asked), 20, Vec3::Zero()));
@@ -381,6 +382,8 @@ TEST(Debris, log_survives_a_restart_and_reports_all_read_outs) {
   log.read_out(world, 1);
   Scalars scalars;
   log.save(scalars);
+  for (const auto& [name, value] : scalars)  // a restart file has them line by line
+    EXPECT_EQ(name.find('\n'), std::string::npos) << name;
   resumed.load(scalars);
   ResultTable one, two;
   log.conclude(world, Rigid(), false, 2, one);

@@ -95,6 +95,11 @@ limit shield.toml --vary ball.diameter=2..8mm --within 0.2% || fail "narrower"
 rm runs.log
 limit shield.toml --vary ball.diameter=2..8mm --within 1% --jobs 3 --out out/three || fail "three at a time: $(cat out.txt)"
 [ "$(runs)" -ge 13 ] && [ "$(runs)" -le 15 ] || fail "three at a time made $(runs) runs"
+limit shield.toml --vary ball.diameter=2..7mm --within 5% --jobs 4 --out out/again || fail "four at a time: $(cat out.txt)"
+before=$(runs)
+limit shield.toml --vary ball.diameter=2..7mm --within 5% --jobs 4 --out out/again || fail "four at a time, again"
+[ "$(runs)" = "$before" ] && [ -z "$(cut -d, -f1 out/again/table.csv | sort | uniq -d)" ] ||
+  fail "a third of the range is another one when it is read again: $(cat out/again/table.csv)"
 limit shield.toml --vary 'ball.velocity=[0, 0, "-2 km/s"]..[0, 0, "-8 km/s"]' --within 2% --out out/speed ||
   fail "a speed: $(cat out.txt)"
 grep -q 'limit: held at \[0, 0, "-5.1.* km/s"\], perforated at \[0, 0, "-5.2.* km/s"\]' out.txt ||

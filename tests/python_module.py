@@ -281,6 +281,21 @@ class Module(unittest.TestCase):
         self.assertEqual(spall.Run(out).results, run.results)
         self.assertIs(run.results, run.results)
 
+    def test_spheres_of_a_program_spin_on_after_a_resume(self):
+        out = f"python_spin_{comm.size}"
+        law = {"law": "lennard_jones", "distance": 2, "depth": 1, "cutoff": 4}
+        phases = [one_phase(1e-3, 1e-2)[0] | {"name": name, "method": "potential"}
+                  for name in ("first", "second")]
+        scene = spall.Scene(**ROCK, pair_potential=law, phases=phases)
+        scene.add("rock", 1, spin=[0, 0, 5])
+        scene.add("rock", 1, position=[10, 0, 0])
+        run = scene.run(out, overwrite=True)
+        comm.barrier()
+        resumed = spall.resume(f"{out}/after_first.h5", f"{out}_resumed", overwrite=True)
+        comm.barrier()
+        self.assertGreater(run["conservation"]["kinetic"], 0)
+        self.assertEqual(resumed["conservation"], run["conservation"])
+
 
 class OthersScenes(unittest.TestCase):
     """Scenes that users of REBOUND asked about: issues 865, 817, 251 of hannorein/rebound."""

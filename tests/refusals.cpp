@@ -381,7 +381,7 @@ TEST(Refusals, are_of_changes_of_what_lies_behind_a_run_that_goes_on) {
                  .time_in_phase = 2,
                  .since_impact = 2};
   const auto told = [&](const std::string& change) {
-    return complaint_of([&] { stored_case(state, {change}, {}); });
+    return complaint_of([&] { case_to_go_on(testing_world(), state, {change}, {}); });
   };
   for (const auto& [change, message] : std::vector<std::pair<std::string, std::string>>{
            {"seed=7", "the bodies are made already"},
@@ -435,6 +435,8 @@ TEST(Refusals, are_of_walls_that_a_run_which_goes_on_would_move_into_bodies) {
   const std::string message = "x.toml: body 1 lies in a wall where --set has moved it to";
   EXPECT_TRUE(told("planes.floor.point=[0, 0, -0.9]").starts_with(message));
   EXPECT_EQ(told("planes.floor.point=[0, 0, -5]"), "");
+  for (const char* others : {"planes=[]", "planes=[{name=\"lid\", point=[0, 0, -5]}]"})
+    EXPECT_TRUE(told(others).starts_with("x.toml: --set adds or takes away walls")) << others;
   comm.any(false);
   if (comm.rank == 0) std::filesystem::remove_all(folder);
 }

@@ -106,7 +106,7 @@ Clump largest_clump(const Bodies& bodies, std::vector<BodyId>& name, BodyId prim
       }
   name = find_clumps(self, Ghosts(), bodies, links);
   if (primary >= 0) name[primary] = -1;
-  return weigh_clumps(self, bodies, name, 1).largest.at(0);
+  return heaviest_clumps(self, bodies, name, 1).at(0);
 }
 
 double mass_in_touch(const Bodies& bodies) {

@@ -250,7 +250,7 @@ TEST(Threshold, ejecta_cones_end_where_half_and_nine_tenths_of_the_momentum_are_
                             .relative_velocity = Vec3(0, 0, -1000)};
   const Comm self = alone();
   const Deflection result =
-      measure_deflection(self, Ghosts(self, bodies.owned, {}), bodies, {}, 0, before, 1);
+      measure_deflection(self, Ghosts(self, bodies.owned, {}), bodies, {}, 0, before);
   EXPECT_EQ(result.ejecta.count, 32);
   EXPECT_NEAR(result.ejecta.momentum.normalized().z(), 1, 1e-14);
   EXPECT_NEAR(result.ejecta.cone_half, 30, 0.11);  // upwards to 0.1 degrees

@@ -86,7 +86,7 @@ class Setting:
 
 
 def set_up(shot, options):
-    """`options`: as RULE has them. The ball's bodies are as large as the bumper's at most."""
+    """`options`: as RULE has them. The bumper's bodies are as large as the ball's at most."""
     d, t, s, w, v = (shot.diameter / 100, shot.bumper / 100, shot.standoff / 100, shot.wall / 100,
                      1000 * shot.speed)
     angle = math.radians(shot.angle)

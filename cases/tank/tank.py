@@ -140,6 +140,7 @@ def shoot(pressure, layers):
     sim, gas, (time, size, stress, mass, left, hole) = follow(pressure, FILLING, 120e-6, layers)
     still = (time > 45e-6) & (time < 60e-6)
     known_size, _, known_stress = formulas(pressure)
+    cut = cut_through(sim)
     if spall.rank() != 0:
         return
     print(f"filled: {1e6 * (size[still].mean() - size[0]):.1f} um wider (thin shell "
@@ -155,22 +156,28 @@ def shoot(pressure, layers):
         halves = 2 / (GAMMA - 1) * (2**((GAMMA - 1) / (2 * GAMMA)) - 1)
         print(f"half of it is gone after "
               f"{1e3 * halves * volume / (choked * SOUND * area):.2f} ms")
-    draw(sim, gas, time, size, left, hole)
+    draw(cut, sim.time, time, size, left, hole)
 
 
-def draw(sim, gas, time, size, left, hole):
+def cut_through(sim):
+    """(x, z), and whether they have failed, of the shell's bodies near a plane through its middle;
+    of all ranks, on the first."""
+    bodies = sim.bodies
+    near = (bodies.group == 0) & (np.abs(bodies.position[:, 1]) < (OUTER - INNER) / 3)
+    mine = np.column_stack([bodies.position[near][:, [0, 2]], bodies.damage[near] >= 1])
+    return np.concatenate(MPI.COMM_WORLD.gather(mine) or [mine])
+
+
+def draw(cut, now, time, size, left, hole):
     import matplotlib
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
     figure, axes = plt.subplots(1, 2, figsize=(10, 3.8), layout="constrained")
-    bodies = sim.bodies
-    shell = (bodies.group == 0) & (np.abs(bodies.position[:, 1]) < (OUTER - INNER) / 3)
-    for some, color, name in ((bodies.damage < 1, "#2f6db3", "whole"),
-                              (bodies.damage >= 1, "#c8452f", "failed")):
-        x, _, z = 1e3 * bodies.position[shell & some].T
-        axes[0].scatter(x, z, s=3, color=color, label=name)
+    for failed, color, name in ((0, "#2f6db3", "whole"), (1, "#c8452f", "failed")):
+        x, z, _ = cut[cut[:, 2] == failed].T
+        axes[0].scatter(1e3 * x, 1e3 * z, s=3, color=color, label=name)
     axes[0].set(aspect="equal", xlim=(-30, 30), ylim=(-30, 30), xlabel="mm", ylabel="mm",
-                title=f"cut through the tank after {1e6 * sim.time:.0f} µs")
+                title=f"cut through the tank after {1e6 * now:.0f} µs")
     axes[0].legend(fontsize=8)
     axes[1].plot(1e6 * time, 1e6 * (size - size[0]), label="swelling (µm)")
     axes[1].plot(1e6 * time, 1e6 * hole, label="open (mm²)")

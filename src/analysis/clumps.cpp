@@ -106,8 +106,8 @@ std::vector<Clump> share_of_clumps(const Comm& comm, const Bodies& bodies,
   return clumps;
 }
 
-ClumpList weigh_clumps(const Comm& comm, const Bodies& bodies, std::span<const BodyId> name,
-                       std::size_t listed) {
+std::vector<Clump> heaviest_clumps(const Comm& comm, const Bodies& bodies,
+                                   std::span<const BodyId> name, std::size_t listed) {
   const std::map<BodyId, Sums> share = sums_of_share(comm, bodies, name);
 
   // Only the heaviest of each rank can be among the heaviest of all.
@@ -124,11 +124,10 @@ ClumpList weigh_clumps(const Comm& comm, const Bodies& bodies, std::span<const B
                   [&](BodyId clump, const Sums& sums) { order.emplace_back(clump, sums); });
   std::sort(order.begin(), order.end(), heavier);
 
-  ClumpList list;
-  list.clumps = comm.sum(static_cast<std::int64_t>(share.size()));
+  std::vector<Clump> heaviest;
   for (std::size_t k = 0; k < std::min(listed, order.size()); ++k)
-    list.largest.push_back(clump_of(order[k].first, order[k].second));
-  return list;
+    heaviest.push_back(clump_of(order[k].first, order[k].second));
+  return heaviest;
 }
 
 bool is_bound(const Vec3& position, const Vec3& velocity, double mass, const Clump& clump,

@@ -26,15 +26,10 @@ struct Clump {
   Vec3 velocity = Vec3::Zero();  ///< m/s, mass-weighted mean
 };
 
-struct ClumpList {
-  std::int64_t clumps = 0;     ///< how many there are
-  std::vector<Clump> largest;  ///< by mass, then by name; the same on all ranks
-};
-
-/// Sums over each clump of the owned bodies, and lists the `listed` heaviest. Bodies with
-/// `name[b] < 0` belong to none. Collective.
-ClumpList weigh_clumps(const Comm& comm, const Bodies& bodies, std::span<const BodyId> name,
-                       std::size_t listed = 10);
+/// The heaviest clumps of the owned bodies, at most `listed`, by mass, then by name. Bodies with
+/// `name[b] < 0` belong to none. Collective, the same on all ranks.
+std::vector<Clump> heaviest_clumps(const Comm& comm, const Bodies& bodies,
+                                   std::span<const BodyId> name, std::size_t listed);
 
 /// This rank's share of all clumps, each on one of the ranks. Collective.
 std::vector<Clump> share_of_clumps(const Comm& comm, const Bodies& bodies,

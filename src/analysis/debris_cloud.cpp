@@ -1,4 +1,4 @@
-// Percentiles by bisection and maps by sums: nothing is gathered but the list of fragments.
+// Percentiles by bisection, maps and fragments by sums: nothing is gathered.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "analysis/debris_cloud.hpp"
 

@@ -158,7 +158,7 @@ constexpr double round_off = 1e-9;  // of m U: no more has left
 
 Deflection measure_deflection(const Comm& comm, const Ghosts& ghosts, const Bodies& bodies,
                               const Links& links, double gravity_constant,
-                              const BeforeImpact& before, double since_impact) {
+                              const BeforeImpact& before) {
   Links within;  // the target
   for (std::size_t k = 0; k < links.i.size(); ++k)
     if (bodies.id[links.i[k]] != before.impactor && bodies.id[links.j[k]] != before.impactor) {
@@ -170,11 +170,9 @@ Deflection measure_deflection(const Comm& comm, const Ghosts& ghosts, const Bodi
     if (bodies.id[b] == before.impactor || !std::isfinite(bodies.mass[b])) name[b] = -1;
 
   Deflection result;
-  result.since_impact = since_impact;
-  const ClumpList list = weigh_clumps(comm, bodies, name, 1);
-  require(!list.largest.empty(), "no target to measure: the impactor is alone");
-  result.clumps = list.clumps;
-  result.clump = add_bound_bodies(comm, bodies, gravity_constant, list.largest[0], name);
+  const std::vector<Clump> heaviest = heaviest_clumps(comm, bodies, name, 1);
+  require(!heaviest.empty(), "no target to measure: the impactor is alone");
+  result.clump = add_bound_bodies(comm, bodies, gravity_constant, heaviest[0], name);
 
   bool lost = false;
   for (Index b = 0; b < bodies.owned; ++b)

@@ -59,10 +59,8 @@ struct Ejecta {
 };
 
 struct Deflection {
-  double since_impact = 0;        ///< s
-  std::int64_t clumps = 0;        ///< connected pieces of the target, single bodies included
-  Clump clump;                    ///< the heaviest of them, with the bodies its gravity holds
-  double dv = 0;                  ///< m/s, of the clump, along the impactor's direction of flight
+  Clump clump;    ///< the heaviest connected piece of the target, with the bodies its gravity holds
+  double dv = 0;  ///< m/s, of the clump, along the impactor's direction of flight
   Vec3 dv_vector = Vec3::Zero();  ///< m/s
   /// Momentum enhancement from M dv = m U + m (beta - 1) (E.U) E (Cheng et al. 2023, Nature 616),
   /// E the direction of what left (ejecta and impactor): M (dv.E) / (m U.E); 1 if nothing left, nan
@@ -82,6 +80,6 @@ struct Deflection {
 /// joins pieces nor belongs to one. Collective.
 Deflection measure_deflection(const Comm& comm, const Ghosts& ghosts, const Bodies& bodies,
                               const Links& links, double gravity_constant,
-                              const BeforeImpact& before, double since_impact);
+                              const BeforeImpact& before);
 
 }  // namespace spall

@@ -365,9 +365,9 @@ double where_clear(const Case& scene, const ShieldWall& wall, const Group& flyin
 /// The heaviest piece of the wall. `name`: its bodies' pieces.
 Clump main_piece(const Comm& comm, const Bodies& bodies, const std::vector<BodyId>& name,
                  const ShieldWall& wall) {
-  const ClumpList pieces = weigh_clumps(comm, bodies, name, 1);
-  require(!pieces.largest.empty(), "the wall \"{}\" has no bodies", wall.name);
-  return pieces.largest.front();
+  const std::vector<Clump> pieces = heaviest_clumps(comm, bodies, name, 1);
+  require(!pieces.empty(), "the wall \"{}\" has no bodies", wall.name);
+  return pieces.front();
 }
 
 }  // namespace

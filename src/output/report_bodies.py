@@ -22,7 +22,6 @@ MOST_BODIES = 100_000
 MOST_PLACES = 1_000_000  # bodies times instants
 MOST_ROWS = 4000  # of the series
 ABSENT = -2**31  # the place of a body that is not there
-FIXED = ("radius", "mass", "group", "material")
 HIDDEN = ("position", "id", "species", "orientation")
 NAMES = {"velocity": "speed", "angular_velocity": "spin", "kick": "kick by potentials"}
 

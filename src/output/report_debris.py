@@ -174,7 +174,7 @@ def wall(flight):
     chosen = (depth > flight.diameter / 4) & (axial > 0)
     if not chosen.any():
         return None
-    left = np.maximum(0, distance - depth[chosen]) / axial[chosen]
+    left = (distance - depth[chosen]) / axial[chosen]  # also of what has gone farther
     place = flight.position[k][chosen] - flight.origin + left[:, None] * flight.velocity[k][chosen]
     hit = [place @ flight.side, place @ np.cross(flight.normal, flight.side)]
     half = 1.2 * flight.wall["radius"]

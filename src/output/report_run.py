@@ -267,8 +267,10 @@ class Run:
         from report_figures import BLUE, GREEN
         mass = self.before.mass[np.isfinite(self.before.mass)].sum()
         marks = []
-        if self.case.get("gravity", {}).get("method", "none") != "none":
-            marks.append((np.sqrt(4 * GRAVITY * mass / self.size), "escape", GREEN))
+        gravity = self.case.get("gravity", {})
+        constant = gravity.get("constant", GRAVITY)
+        if gravity.get("method", "none") != "none" and not isinstance(constant, str):  # with a unit
+            marks.append((np.sqrt(4 * constant * mass / self.size), "escape", GREEN))
         if dv := self.results.get("deflection", {}).get("dv"):
             if dv > 0:
                 marks.append((dv, "dv", BLUE))

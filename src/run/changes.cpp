@@ -112,6 +112,13 @@ void check_walls_ahead(const Comm& comm, const RestartState& state, const Case& 
                        const Case& after) {
   const Bodies& bodies = state.bodies;
   const Walls former = before.walls(), walls = after.walls();
+  bool same = former.size() == walls.size();
+  for (std::size_t w = 0; same && w < walls.size(); ++w) same = walls.name(w) == former.name(w);
+  require(same,
+          "{}: --set adds or takes away walls, or names them otherwise; what bodies remember of "
+          "them, and what they have received, would be that of others. Move those away that are in "
+          "the way",
+          state.case_file);
   std::array<double, 1> wrong{-1};  // id
   for (Index b = 0; b < bodies.owned; ++b) {
     if (is_held(bodies, b)) continue;

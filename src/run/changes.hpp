@@ -16,8 +16,8 @@ void check_change(const RestartState& state, const Case& before, const std::stri
 /// The same of read-outs, in `after`, the case with all changes.
 void check_read_outs_ahead(const RestartState& state, const Case& before, const Case& after);
 
-/// The same where walls of `after` lie in bodies more deeply than those of `before`: they would be
-/// pushed out at once. Collective.
+/// The same where walls of `after` are others than those of `before`, or lie in bodies more deeply:
+/// they would be pushed out at once. Collective.
 void check_walls_ahead(const Comm& comm, const RestartState& state, const Case& before,
                        const Case& after);
 

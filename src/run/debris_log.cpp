@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scene/read_walls.hpp"
+
 namespace spall {
 
 DebrisLog::DebrisLog(const Case& scene) {
@@ -127,7 +129,7 @@ void DebrisLog::conclude(const Plate& plate, const World& world, const LinkedBod
 
 /// Another plate, or another projectile, has another history.
 std::string DebrisLog::key_of(const DebrisPlate& plate) const {
-  return fmt::format("debris.{}.{}", projectile_, plate.name);
+  return fmt::format("debris.{}.{}", column_name(projectile_), column_name(plate.name));
 }
 
 void DebrisLog::save(Scalars& scalars) const {

@@ -27,9 +27,9 @@ class DebrisLog {
   /// Measures each cloud; velocities and positions synchronous. Returns a line a plate to show.
   /// Collective.
   std::vector<std::string> read_out(const World& world, double time);
-  /// Adds [debris], what they are now, [fragments] where bodies have bonds, [wall] where the case
-  /// asks for one, and [cloud], all read-outs. Returns what speaks against them, to show.
-  /// Collective.
+  /// Adds [debris], what they are now, [fragments] where they are `bonded`, so that links tell who
+  /// hangs together, [wall] where the case asks for one, and [cloud], all read-outs. Returns what
+  /// speaks against them, to show. Collective.
   std::vector<std::string> conclude(const World& world, const Engine& engine, bool bonded,
                                     double time, ResultTable& table);
 

@@ -145,7 +145,8 @@ class Search:
                          f"{found['margin']:.3g}", *self.doubts(part)]), flush=True)
 
     def learn(self, parts):
-        wanted = [part for part in parts if part not in self.known]
+        known = {self.span.value(part) for part in self.known}
+        wanted = [part for part in parts if self.span.value(part) not in known]
         with ThreadPoolExecutor(self.options.jobs) as pool:
             list(pool.map(self.carry_out, wanted))
         self.write_table()

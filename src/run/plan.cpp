@@ -15,7 +15,6 @@
 #include "engine/type.hpp"
 #include "gravity/field.hpp"
 #include "output/restart.hpp"
-#include "run/changes.hpp"
 #include "run/progress.hpp"
 #include "run/record.hpp"
 #include "run/run.hpp"
@@ -287,8 +286,7 @@ Simulation begin(const Comm& alone, const std::string& file, const PlanRequest& 
     return simulation;
   }
   RestartState state = read_restart(alone, file);
-  const auto scene = std::make_shared<Case>(stored_case(state, request.overrides, files));
-  follow_materials(stored_case(state, {}, files), *scene, state.bodies);
+  const auto scene = std::make_shared<Case>(case_to_go_on(alone, state, request.overrides, files));
   Simulation simulation(alone, Scene(scene), state);
   require(!simulation.over(), "'{}': all phases are over, there is nothing to plan", file);
   if (simulation.clock().step_in_phase == 0) simulation.begin_phase();

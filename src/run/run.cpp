@@ -42,7 +42,8 @@ namespace {
 
 class Run {
  public:
-  Run(const Comm& comm, const Scene& parts, const RunFolder& held, const RestartState* from)
+  /// What `from` holds is let go, where there is one: bodies and pairs are there once.
+  Run(const Comm& comm, const Scene& parts, const RunFolder& held, RestartState* from)
       : comm_(comm),
         scene_(*parts.parts()),
         folder_(held),
@@ -58,6 +59,7 @@ class Run {
     if (from) {
       simulation_.emplace(comm, parts, *from);
       load(from->scalars);
+      *from = RestartState{};
       std::string changes;
       for (const std::string& change : scene_.overrides) changes += " --set " + change;
       progress_.say(fmt::format("goes on: {}{}, step {}", scene_.file, changes, clock().step));
@@ -226,13 +228,13 @@ class Run {
       shown_.residual = report.solver.residual;
       if (row) write_row(start, sums, report, received);
       if (progress_.due()) progress_.show(clock(), shown_);
+      const News news = news_of_ranks(signals);
+      if (news == News::lost) end_as_lost();
       if (simulation_->synchronous()) {
         at_instant(looked);
         row_ = row_due(scene_, looked, clock());
         looked = clock();
       }
-      const News news = news_of_ranks(signals);
-      if (news == News::lost) end_as_lost();
       if (keep_due(scene_, clock())) keep();
       if (news == News::warned) signals.forget_warning();
       if (news == News::warned || news == News::restart_due) write_newest();
@@ -585,26 +587,28 @@ bool run_case(const Comm& comm, const Case& scene, const std::string& folder, Fo
   return within_memory(comm, *whole, [&] { return Run(comm, Scene(whole), held, nullptr).go(); });
 }
 
-Case stored_case(const RestartState& state, const std::vector<std::string>& overrides,
-                 const InputFiles& files) {
+Case case_to_go_on(const Comm& comm, RestartState& state, const std::vector<std::string>& overrides,
+                   const InputFiles& files) {
   const auto with = [&](const std::vector<std::string>& all) {
     return parse_case(state.case_text, state.case_file, all, Groups::may_lack, files,
                       state.constants);
   };
   const Case before = with(state.overrides);
+  state.overridden = !overrides.empty();
   if (overrides.empty()) return before;
   for (const std::string& change : overrides) check_change(state, before, change);
   std::vector<std::string> all = state.overrides;
   all.insert(all.end(), overrides.begin(), overrides.end());
   Case after = with(all);
   check_read_outs_ahead(state, before, after);
+  check_walls_ahead(comm, state, before, after);
+  follow_materials(before, after, state.bodies);
   return after;
 }
 
 bool resume_case(const Comm& comm, const std::string& file, const ResumeOptions& options) {
   namespace fs = std::filesystem;
   RestartState state = read_restart(comm, file);
-  state.overridden = !options.overrides.empty();
   on_first_rank(comm, [&] {
     const bool there = fs::is_regular_file(state.case_file);
     require(options.stored_case || !there || read_whole(state.case_file) == state.case_text,
@@ -613,12 +617,7 @@ bool resume_case(const Comm& comm, const std::string& file, const ResumeOptions&
             state.case_file, file);
   });
   const InputFiles files(comm);
-  Case scene = stored_case(state, options.overrides, files);
-  if (!options.overrides.empty()) {
-    const Case before = stored_case(state, {}, files);
-    check_walls_ahead(comm, state, before, scene);
-    follow_materials(before, scene, state.bodies);
-  }
+  Case scene = case_to_go_on(comm, state, options.overrides, files);
   std::string own = fs::path(file).parent_path().string();
   if (own.empty()) own = ".";
   // Away from its case a run still has the copy beside its restart file.

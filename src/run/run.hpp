@@ -30,10 +30,11 @@ std::string check_restart(const Comm& comm, const std::string& file);
 bool run_case(const Comm& comm, const Case& scene, const std::string& folder,
               Former former = Former::refuse);
 
-/// The case of a restart file, with the changes that it was run with and others. Throws Error where
-/// one of those changes nothing any more.
-Case stored_case(const RestartState& state, const std::vector<std::string>& overrides,
-                 const InputFiles& files);
+/// The case of a restart file, with the changes that it was run with and others, for which the
+/// state is made ready. Throws Error where one of those changes nothing any more, or cannot be.
+/// Collective.
+Case case_to_go_on(const Comm& comm, RestartState& state, const std::vector<std::string>& overrides,
+                   const InputFiles& files);
 
 /// What `resume_case` may be told.
 struct ResumeOptions {

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "run/signal_guard.hpp"
 
-#include <csignal>
 #include <iterator>
 
 namespace spall {
@@ -21,14 +20,17 @@ SignalGuard::SignalGuard() {
   static_assert(std::size(numbers) == count_);
   stop_asked = 0;
   warning_given = 0;
+  struct sigaction ours = {};
+  ours.sa_handler = catch_signal;
+  ours.sa_flags = SA_RESTART;
   for (int k = 0; k < count_; ++k) {
-    before_[k] = std::signal(numbers[k], catch_signal);
-    if (before_[k] == SIG_IGN) std::signal(numbers[k], SIG_IGN);
+    sigaction(numbers[k], nullptr, &before_[k]);
+    if (before_[k].sa_handler != SIG_IGN) sigaction(numbers[k], &ours, nullptr);
   }
 }
 
 SignalGuard::~SignalGuard() {
-  for (int k = 0; k < count_; ++k) std::signal(numbers[k], before_[k]);
+  for (int k = 0; k < count_; ++k) sigaction(numbers[k], &before_[k], nullptr);
 }
 
 bool SignalGuard::stops() const {

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <csignal>
+
 namespace spall {
 
 /// Catches signals while it lives, but for those that are ignored, as SIGHUP under nohup.
@@ -22,7 +24,7 @@ class SignalGuard {
 
  private:
   static constexpr int count_ = 7;
-  void (*before_[count_])(int);
+  struct sigaction before_[count_];
 };
 
 }  // namespace spall

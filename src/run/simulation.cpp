@@ -123,9 +123,10 @@ struct Simulation::State {
   /// Throws Error where the steps that are left of the phase are too long. Collective.
   void check_steps() const {
     const Phase& phase = scene->phases[clock.phase];
-    engine->check_steps(
-        world,
-        {.h = phase.step, .lasts = phase.duration - clock.time_in_phase, .place = phase.place});
+    engine->check_steps(world, {.h = phase.step,
+                                .lasts = std::max(phase.duration - clock.time_in_phase,
+                                                  phase.step),  // what ends at once
+                                .place = phase.place});
   }
   void tick(double h) {
     ++clock.step;
@@ -165,7 +166,10 @@ Simulation::Simulation(const Comm& comm, const Scene& scene, const RestartState&
   check_shapes(comm, this->scene(), from.bodies);
   state_->clock = from.clock;
   world.bodies = from.bodies;
-  set_fields(world.bodies, fields_of(this->scene()));
+  FieldSet fields = fields_of(this->scene());
+  // Spheres that a program added are not in the case's text, but they may spin.
+  if (from.bodies.has(Field::angular_velocity)) fields |= {Field::angular_velocity};
+  set_fields(world.bodies, fields);
   // At the start of a phase what pairs remember and hold is still the former phase's.
   const Clock& clock = state_->clock;
   const bool begins = clock.step_in_phase == 0 && clock.phase > 0;

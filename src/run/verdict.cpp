@@ -74,7 +74,7 @@ double binding_constant(const World& world) {
 void Verdict::look_at_target(const World& world, const Engine& engine) {
   const LinkedBodies linked = engine.links(world);
   const Deflection d = measure_deflection(world.comm, linked.ghosts, linked.bodies, linked.links,
-                                          binding_constant(world), before_, 0);
+                                          binding_constant(world), before_);
   before_.stirred = d.clump.mass * d.dv_vector.norm();
   has_struck_ = d.has_struck;
 }
@@ -82,7 +82,7 @@ void Verdict::look_at_target(const World& world, const Engine& engine) {
 std::string Verdict::read_out(const World& world, const Engine& engine, double since_impact) {
   const LinkedBodies linked = engine.links(world);
   const Deflection d = measure_deflection(world.comm, linked.ghosts, linked.bodies, linked.links,
-                                          binding_constant(world), before_, since_impact);
+                                          binding_constant(world), before_);
   rows_.push_back({.since_impact = since_impact,
                    .dv = d.dv,
                    .beta = d.beta,
