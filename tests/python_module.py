@@ -288,7 +288,8 @@ class Module(unittest.TestCase):
                   for name in ("first", "second")]
         scene = spall.Scene(**ROCK, pair_potential=law, phases=phases)
         scene.add("rock", 1, spin=[0, 0, 5])
-        scene.add("rock", 1, position=[10, 0, 0])
+        for x in (10, 20, 30):
+            scene.add("rock", 1, position=[x, 0, 0])
         run = scene.run(out, overwrite=True)
         comm.barrier()
         resumed = spall.resume(f"{out}/after_first.h5", f"{out}_resumed", overwrite=True)

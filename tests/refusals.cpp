@@ -99,6 +99,13 @@ const std::vector<Refused> table = {
     {bodies + phase + "until = \"settled\"\nsettled_speed = 1\n[output]\nseries_every = 20\n",
      "x.toml:11:1: phases.only.until = \"settled\" is looked at in rows of the series, which come "
      "every 20 s, and the phase ends after 10 s"},
+    {bodies + springs +
+         "stiffness = 1e6\n[[phases]]\nname = \"only\"\nstep = 1e-4\nduration = 5e-3\n" +
+         by_springs + "until = \"settled\"\nsettled_speed = 1\n",
+     "x.toml:16:1: phases.only.until = \"settled\" is looked at in rows of the series, which come "
+     "every 0.01 s, and the phase ends after 0.005 s"},
+    {with_group("volume = {radius = 1, center = [9, 0, 0]}\nvelocity = [4e7, 0, 0]\n"),
+     "x.toml:11:1: groups.c.velocity: 4e+07 m/s are more than a tenth of the speed of light"},
     // What would be moved away from what stays.
     {bodies + phase + "remove_drift = true\n[[planes]]\npoint = [0, 0, -2]\n",
      "x.toml:11:1: phases.only.remove_drift: a wall of [[planes]] or [[boxes]] would stay"},

@@ -340,6 +340,13 @@ TEST(Simulation, what_stress_is_of_stays_as_it_is) {
     EXPECT_TRUE(told([&](Bodies& bodies) {
                   for (double& value : bodies.*field) value *= 1.2;
                 }).ends_with(refused));
+  for (auto Bodies::*field :
+       {&Bodies::compression, &Bodies::damage, &Bodies::plastic_strain, &Bodies::internal_energy})
+    for (const double wrong : {-1.0, std::nan(""), infinity})
+      EXPECT_NE(told([&](Bodies& bodies) {
+                  for (double& value : bodies.*field) value = wrong;
+                }).find("a compression that is not more than 0, or"),
+                std::string::npos);
   EXPECT_EQ(told([](Bodies& bodies) {
               for (Index b = 0; b < bodies.owned; ++b) bodies.velocity[b].x() = 1;
             }),

@@ -492,6 +492,17 @@ TEST(SolidCase, refuses_what_it_does_not_model) {
                 .find("packing.kind = \"fcc\" or \"hcp\""),
             std::string::npos);
   EXPECT_NE(complaint("[solid]\nfriction = 0.3\n").find("solid.friction"), std::string::npos);
+  const auto beside = [](const char* diameter) {
+    return complaint(fmt::format(
+        "[[groups]]\nname = \"dust\"\nmaterial = \"cu\"\nvolume = {{radius = \"0.5 mm\", center "
+        "= [0, 0, \"5 mm\"]}}\npacking = {{kind = \"fcc\", diameter = \"{}\"}}\n",
+        diameter));
+  };
+  EXPECT_EQ(beside("0.08 mm"), "");
+  EXPECT_EQ(beside("0.07 mm"),
+            "x.toml:21:1: groups.dust: its bodies, of 7e-05 m, would fly through the gaps between "
+            "those of groups.plate, of 0.0005 m, and nothing would be said: more than 0.155 of "
+            "these is wanted");
   EXPECT_EQ(complaint("[solid]\ncourant = 2\n"),
             "x.toml:22:11: solid.courant = 2: 0 to 0.2 is wanted");
 }

@@ -119,6 +119,8 @@ sed -i 's/^overrides = .*/overrides = "seed=7\\n"/' out/changed/seed=1/results.t
 refused "holds a run with other keys: seed=1, seed=7" fall.toml --set seed=1..2 --out out/changed
 refused "a value is missing" fall.toml --set seed=1,,2
 refused "told twice" fall.toml --set seed=1 --set seed=2
+refused "one would change what the other" fall.toml --set 'groups.0.velocity=[0,0,0]' --set groups.ball.velocity.0=1,2
+refused "told twice" fall.toml --set 'groups.0.velocity=[0,0,0],[0,0,1]' --set 'groups.ball.velocity=[0,0,2]'
 refused "larger than the last" fall.toml --set seed=5..1
 refused "no run has a result" fall.toml --set seed=1..2 --out shown --show pile.mas
 refused "there are combinations 1 to 2" fall.toml --set seed=1..2 --out other --only 3

@@ -1,6 +1,6 @@
 # The commands of the README, in its order.
 # SPDX-License-Identifier: BSD-3-Clause
-build/release/spall check  cases/hello/case.toml        # bodies, memory, steps; refuses what run refuses
+build/release/spall check  cases/hello/case.toml        # bodies, memory, steps; refuses what run refuses at its start
 mpirun -n 2 build/release/spall check --time cases/hello/case.toml   # also foretells the time of the first phase
 mpirun -n 2 build/release/spall run cases/hello/case.toml --set contact.friction=0.3
 build/release/spall plan   cases/hello/case.toml --ranks 16,64       # ghosts, messages, memory and time on more ranks

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "scene/shape.hpp"
+#include "scene/shields.hpp"
 #include "spall/error.hpp"
 
 namespace spall {
@@ -220,16 +221,6 @@ double way_of_plate(const Comm& comm, const Bodies& bodies, const Target& target
   });
   comm.sum(sums);
   return sums[0] > 0 ? sums[1] / sums[0] + target.thickness / 2 : 0;
-}
-
-/// m: the largest of a volume's widths along its axes, as seen along `flight`.
-double width_across(const Volume& volume, const Vec3& flight) {
-  const Vec3 half = half_widths(volume);
-  if (half.maxCoeff() == half.minCoeff()) return 2 * half[0];
-  double widest = 0;
-  for (int k = 0; k < 3; ++k)
-    widest = std::max(widest, 2 * half[k] * volume.axes.col(k).cross(flight).norm());
-  return widest;
 }
 
 }  // namespace

@@ -92,7 +92,8 @@ void DebrisLog::conclude(const Plate& plate, const World& world, const LinkedBod
   const auto components = [](const Vec3& v) { return std::vector<double>(v.data(), v.data() + 3); };
   table.add(debris, "speed", t.speed, "m/s", "of the impact");
   table.add(debris, "diameter", t.diameter, "m", "of the projectile, D");
-  table.add(debris, "origin", components(t.origin), "m", "where its line leaves the plate");
+  table.add(debris, "origin", components(t.origin), "m",
+            "on the rear, behind where its line meets the middle of the plate");
   table.add(debris, "normal", components(t.normal), "", "of the plate, to its rear");
   table.add(debris, "front_over_speed", last.front / t.speed, "", "of the impact");
   table.add(debris, "radial_over_speed", last.radial / t.speed);

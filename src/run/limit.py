@@ -27,7 +27,7 @@ import tomllib
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from sweep import DONE, NUMBER, STOPPED, Run, claim, files_of, is_within, names_of
+from sweep import DONE, NUMBER, STOPPED, Run, by_names, claim, files_of, is_within, names_of
 
 NO_LIMIT = 4  # exit code
 NOT_FINAL = 0.01  # of the energy that flies at the wall, beyond which a verdict may change
@@ -245,13 +245,17 @@ def main():
     out = options.out or Path(
         "out") / f"{case.parent.name if case.stem == 'case' else case.stem}-limit"
     span, fixed = Range(options.vary), {}
+    varied = by_names(span.key, case)
+    spelled = {varied}
     for text in options.set:
         key, equals, value = text.partition("=")
-        if not equals or key in fixed or key == span.key:
+        named = by_names(key, case)
+        if not equals or named in spelled:
             leave(f"--set {text}: {'KEY=VALUE is wanted' if not equals else 'told twice'}")
-        if is_within(span.key, key):
+        if is_within(varied, named):
             leave(f"--set {text}: it would change {span.key}, which is varied")
         fixed[key] = value
+        spelled.add(named)
 
     # What one end refuses would end the search after hours: nothing is begun then.
     search = Search(out, options, span, fixed, options.wall)

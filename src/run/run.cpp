@@ -40,6 +40,21 @@
 namespace spall {
 namespace {
 
+/// What happened after the last row of the series counts, too: nothing goes on from here. Where
+/// velocities lag behind a kick of gravity, it is closed if forces are smooth. What contacts would
+/// answer to it, only the next step tells: there the last row closes the account.
+void close_account(Simulation& simulation) {
+  World& world = simulation.world();
+  const Clock& clock = simulation.clock();
+  const bool ended = clock.step_in_phase == 0 && clock.phase > 0;
+  const Phase& phase = simulation.scene().phases[clock.phase - (ended ? 1 : 0)];
+  if (!phase.engine->solves) close_kick(world);
+  evaluate_field(world);
+  if (world.kick.interval > 0) return;
+  simulation.account().balance(diagnose(world), world.kick.potential,
+                               simulation.engine().energy(world));
+}
+
 class Run {
  public:
   /// What `from` holds is let go, where there is one: bodies and pairs are there once.
@@ -266,10 +281,10 @@ class Run {
     if (passed(scene_.output.snapshot_every)) {
       snapshot();
       judge_walls();
-    } else if (scene_.output.snapshot_every == 0 && passed(phase().duration / judgements)) {
+    } else if (scene_.output.snapshot_every == 0 && passed(phase().duration / judgements_a_phase)) {
       judge_walls();
     }
-    if (passed(phase().duration / looks)) watch_walls();
+    if (passed(phase().duration / looks_a_phase)) watch_walls();
     if (passed(debris_.every())) {
       StageTimer timer(world().stages, "analysis");
       for (const std::string& line : debris_.read_out(world(), clock().time)) progress_.say(line);
@@ -318,8 +333,6 @@ class Run {
     shields_.watch(world(), simulation_->engine());
   }
 
-  /// Beside the snapshots of bodies on their way; where there are none, as often in a phase.
-  static constexpr double judgements = 10, looks = 50;
   void judge_walls() {
     StageTimer timer(world().stages, "analysis");
     for (const std::string& line : shields_.read_out(world(), simulation_->engine(), clock().time))
@@ -419,11 +432,10 @@ class Run {
   }
 
   void finish() {
-    evaluate_field(world());
     say_what_was_not_read();
-    const Diagnostics sums = diagnose(world());
     kept_ = {};  // nothing goes on from it, and what comes needs the memory
-    close_account(sums);
+    close_account(*simulation_);
+    const Diagnostics sums = diagnose(world());
     if (!verdict_.has_impact()) verdict_.look_at_pile(world());
     ResultTable table;
     add_case(table);
@@ -485,14 +497,6 @@ class Run {
       table.add("case", "impactor_mass", phase.impactor->mass, "kg");
       table.add("case", "impactor_speed", phase.impactor->speed, "m/s");
     }
-  }
-
-  /// What happened after the last row of the series counts, too. Where velocities lag behind a kick
-  /// of gravity, only the next step would tell its work: there the last row closes the account.
-  void close_account(const Diagnostics& sums) {
-    const GravityKick& kick = world().kick;
-    if (kick.interval > 0) return;
-    simulation_->account().balance(sums, kick.potential, simulation_->engine().energy(world()));
   }
 
   void add_conservation(ResultTable& table, const Diagnostics& sums) {
@@ -606,6 +610,19 @@ Case case_to_go_on(const Comm& comm, RestartState& state, const std::vector<std:
   return after;
 }
 
+namespace {
+
+/// The account until now is that of the laws until now, which are changed.
+void close_former_account(const Comm& comm, RestartState& state, const InputFiles& files) {
+  const auto before = std::make_shared<Case>(parse_case(
+      state.case_text, state.case_file, state.overrides, Groups::may_lack, files, state.constants));
+  Simulation former(comm, Scene(before), state);
+  close_account(former);
+  save_scalars(former.account(), state.scalars);
+}
+
+}  // namespace
+
 bool resume_case(const Comm& comm, const std::string& file, const ResumeOptions& options) {
   namespace fs = std::filesystem;
   RestartState state = read_restart(comm, file);
@@ -617,6 +634,7 @@ bool resume_case(const Comm& comm, const std::string& file, const ResumeOptions&
             state.case_file, file);
   });
   const InputFiles files(comm);
+  if (!options.overrides.empty()) close_former_account(comm, state, files);
   Case scene = case_to_go_on(comm, state, options.overrides, files);
   std::string own = fs::path(file).parent_path().string();
   if (own.empty()) own = ".";

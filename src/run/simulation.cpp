@@ -35,6 +35,10 @@ std::shared_ptr<const Case> whole_case(const Comm& comm, const Scene& scene) {
   return whole;
 }
 
+bool is_measure(double value) {
+  return value >= 0 && std::isfinite(value);
+}
+
 /// Throws Error, on every rank, where a body is none any more after a program has changed it.
 /// Collective.
 void check_changed(const World& world, const Bodies& former) {
@@ -44,7 +48,9 @@ void check_changed(const World& world, const Bodies& former) {
                             "another group",
                             "a place, velocity or spin that is not finite",
                             "another shape, or an orientation whose length is not 1",
-                            "another radius, mass or material than its stress is of"};
+                            "another radius, mass or material than its stress is of",
+                            "a compression that is not more than 0, or a negative damage, strain "
+                            "or energy, or one that is not finite"};
   std::array<double, what.size()> wrong;  // ids
   wrong.fill(-1);
   constexpr double round_off = 1e-12;  // what a step leaves is much less
@@ -63,7 +69,12 @@ void check_changed(const World& world, const Bodies& former) {
              std::abs(bodies.orientation[b].squaredNorm() - 1) <= round_off),
         !bodies.has(Field::direct_stress) ||
             (bodies.radius[b] == former.radius[b] && bodies.mass[b] == former.mass[b] &&
-             bodies.material[b] == former.material[b])};
+             bodies.material[b] == former.material[b]),
+        !bodies.has(Field::compression) ||
+            (bodies.compression[b] > 0 && std::isfinite(bodies.compression[b]) &&
+             is_measure(bodies.damage[b]) && is_measure(bodies.plastic_strain[b]) &&
+             (bodies.internal_energy[b] == former.internal_energy[b] ||
+              is_measure(bodies.internal_energy[b])))};
     for (std::size_t k = 0; k < right.size(); ++k)
       if (!right[k]) wrong[k] = static_cast<double>(bodies.id[b]);
   }

@@ -45,6 +45,26 @@ def is_within(key, table):
     return f"{key}.".startswith(f"{table}.")
 
 
+def by_names(key, case):
+    """A key with names in place of numbers: in a case groups.0 may be groups.ball."""
+    try:
+        node = tomllib.loads(Path(case).read_text())
+    except (OSError, ValueError):
+        return key  # the check will say what is wrong with it
+    parts = []
+    for part in key.split("."):
+        if isinstance(node, list):
+            names = [entry.get("name") if isinstance(entry, dict) else None for entry in node]
+            if part.isdigit() and int(part) < len(node):
+                part, node = names[int(part)] or part, node[int(part)]
+            else:
+                node = node[names.index(part)] if part in names else None
+        else:
+            node = node.get(part) if isinstance(node, dict) else None
+        parts.append(part)
+    return ".".join(parts)
+
+
 def split(text):
     """At the commas outside of brackets, braces and quotes."""
     parts, depth, quote = [""], 0, ""
@@ -291,17 +311,18 @@ def main():
     out = options.out or Path(
         "out") / f"{case.parent.name if case.stem == 'case' else case.stem}-sweep"
 
-    keys, ends = {}, {}
+    keys, ends, spelled = {}, {}, {}
     for text in options.set:
         key, equals, value = text.partition("=")
-        if not equals or key in keys:
+        named = by_names(key, case)
+        if not equals or named in spelled:
             sys.exit(
                 f"spall sweep: --set {text}: {'told twice' if equals else 'KEY=VALUES is wanted'}")
-        for other in keys:
-            if is_within(key, other) or is_within(other, key):
+        for before, other in spelled.items():
+            if is_within(named, before) or is_within(before, named):
                 sys.exit(f"spall sweep: --set {other} and --set {key}: one would change what the "
                          "other sets")
-        keys[key] = values_of(value)
+        keys[key], spelled[named] = values_of(value), key
         if re.fullmatch(WHOLE_RANGE, value):
             ends[key] = {keys[key][0], keys[key][-1]}
     swept = [key for key, values in keys.items() if len(values) > 1]

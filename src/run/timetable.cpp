@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "engine/type.hpp"
+#include "scene/consistency.hpp"
 
 namespace spall {
 namespace {
@@ -45,8 +46,10 @@ bool read_out_due(const Case& scene, const Clock& before, const Clock& now, doub
 std::int64_t steps_to_event(const Case& scene, const Clock& clock, double h) {
   std::int64_t steps = std::numeric_limits<std::int64_t>::max();
   const double debris_every = scene.debris ? scene.debris->every : 0;
-  for (double every :
-       {scene.output.series_every.value_or(0), scene.output.snapshot_every, debris_every})
+  const double looks_every =
+      scene.shields.empty() ? 0 : scene.phases[clock.phase].duration / looks_a_phase;
+  for (double every : {scene.output.series_every.value_or(0), scene.output.snapshot_every,
+                       debris_every, looks_every})
     if (every > 0)
       steps =
           std::min(steps, steps_to((multiples(scene, clock, every) + 1) * every - clock.time, h));
@@ -62,9 +65,6 @@ bool passed_multiple(const Case& scene, const Clock& before, const Clock& now, d
 }
 
 namespace {
-
-/// A row costs as much as most of a step of smooth forces: without being told, one in so many.
-constexpr std::int64_t steps_a_row = 100;
 
 std::int64_t steps_a_keep(const Case& scene, const Clock& clock) {
   return scene.phases[clock.phase].engine->steps_a_keep;

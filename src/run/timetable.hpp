@@ -8,6 +8,10 @@
 
 namespace spall {
 
+/// How often walls that are to hold are looked at in a phase: what comes at them, and, where there
+/// are no snapshots, what has become of them.
+inline constexpr double looks_a_phase = 50, judgements_a_phase = 10;
+
 /// Steps of `h` (s) that may pass until something must be seen at its own instant; at least 1.
 std::int64_t steps_to_event(const Case& scene, const Clock& clock, double h);
 

@@ -8,6 +8,10 @@
 
 namespace spall {
 
+/// A row of the series costs as much as most of a step of smooth forces: without being told, one in
+/// so many steps.
+inline constexpr int steps_a_row = 100;
+
 /// Throws Error, with file, line and key, where keys that are right by themselves do not go
 /// together.
 void check_consistency(const Case& scene, Groups groups);

@@ -59,6 +59,15 @@ double miss_of_line(const Volume& plate, const Vec3& from, const Vec3& velocity,
   return std::max(off[0] - edge[0], off[1] - edge[1]);
 }
 
+double width_across(const Volume& volume, const Vec3& flight) {
+  const Vec3 half = half_widths(volume);
+  if (half.maxCoeff() == half.minCoeff()) return 2 * half[0];
+  double widest = 0;
+  for (int k = 0; k < 3; ++k)
+    widest = std::max(widest, 2 * half[k] * volume.axes.col(k).cross(flight).norm());
+  return widest;
+}
+
 double speed_of_flight(const Group& wall, const Group& other, const Vec3& normal) {
   const Vec3 velocity = other.velocity - wall.velocity;
   const double speed = speed_across(velocity, normal);
@@ -89,16 +98,18 @@ double way_of_flight(const Case& scene, const Group& wall, const Vec3& normal,
   return up == down ? 0 : up ? 1 : -1;
 }
 
-/// What flies at the rim would be told to have done nothing to the wall.
+/// What flies at the rim would be told to have done nothing to the wall, and a wall that is
+/// narrower than it would be swept away.
 void check_rim(const Case& scene, const Group& wall, const Vec3& normal, const std::string& told) {
   const double spacing = lattice_of(wall.packing).distance;
   for (const Group& group : scene.groups) {
     if (speed_from_either_side(wall, group, normal) == 0) continue;
-    const double beyond =
-        miss_of_line(wall.volume, group.volume.center, group.velocity - wall.velocity, spacing);
+    const Vec3 flight = group.velocity - wall.velocity;
+    const double beyond = miss_of_line(wall.volume, group.volume.center, flight, spacing) +
+                          width_across(group.volume, flight.normalized()) / 2;
     require(beyond <= 0,
-            "{}: the middle of groups.{} flies at its rim, or past it, {:.3g} m beyond what is "
-            "judged: a wider wall is wanted",
+            "{}: groups.{} flies at its rim, or past it, {:.3g} m beyond what is judged: a wider "
+            "wall is wanted",
             told, group.name, beyond);
   }
 }

@@ -19,6 +19,9 @@ void find_shield_walls(Case& scene);
 double miss_of_line(const Volume& plate, const Vec3& from, const Vec3& velocity,
                     double spacing = 0);
 
+/// m: the largest of a volume's widths along its axes, as seen along `flight`, a unit vector.
+double width_across(const Volume& volume, const Vec3& flight);
+
 /// m: how wide the rim of a wall is that is not judged.
 double rim_of(double half_width, double spacing);
 

@@ -72,6 +72,14 @@ void check(const Surroundings& around, std::span<const MaterialUse> uses,
         "materials.{}.solid.density",
         use.place, phase.place, material.name, material.name);
   }
+  const auto spacing = [](const MaterialUse& use) { return use.lattice.distance; };
+  const auto [finest, coarsest] = std::ranges::minmax_element(uses, {}, spacing);
+  if (finest == uses.end()) return;
+  const double gap = 2 / std::sqrt(3.0) - 1;  // what passes between three spheres that touch
+  require(spacing(*finest) > gap * spacing(*coarsest),
+          "{}: its bodies, of {:.3g} m, would fly through the gaps between those of groups.{}, of "
+          "{:.3g} m, and nothing would be said: more than {:.3g} of these is wanted",
+          finest->place, spacing(*finest), coarsest->group, spacing(*coarsest), gap);
 }
 
 FieldSet fields(const Surroundings& around, const EngineSettings&) {
@@ -174,7 +182,7 @@ std::string describe(const Surroundings& around, std::span<const MaterialUse> us
             1 - law.filled, law.pores.elastic, law.pores.compacted);
       text += flow_of(law);
       if (yields_in_contacts_alone(*around.materials[use.material].solid))
-        text += "    yield_strength counts in contacts alone\n";
+        text += "    yield_strength is that of rigid spheres in [contact], not of this solid\n";
       text += failure_of(law, spacing);
     } else {
       text += "    elastic: nothing yields, melts or tears\n";
