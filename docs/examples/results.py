@@ -5,7 +5,7 @@ import spall
 
 matplotlib.use("Agg")
 
-run = spall.run("cases/hello/case.toml", out="out/hello", set={"seed": 2})
+run = spall.run("cases/hello/case.toml", out="out/seed_2", set={"seed": 2})
 print(run["deflection"]["beta_along"])   # results.toml
 run.series.plot("time", "kinetic") # series.csv, a pandas frame
 for time, bodies in run.frames():  # trajectory.h5
