@@ -145,9 +145,10 @@ Textbook textbook(const PenaltySettings& s, double overlap, double r) {
 }
 
 TEST(Penalty, pairs_are_looked_for_as_far_as_necks_reach) {
-  // A neck of two spheres of 1 m ends where the overlap, a^2/R - sqrt(2 pi w a/E*), has its least.
+  // The neck of a sphere of 1 m on a wall, R = 1 m, is the longest, longer than of two of them. It
+  // ends where the overlap, a^2/R - sqrt(2 pi w a/E*), has its least.
   const PenaltySettings s = sticky(Adhesion::jkr);
-  const double nu = soft_rock.poisson_ratio, w = s.adhesion_strength, r = 0.5;
+  const double nu = soft_rock.poisson_ratio, w = s.adhesion_strength, r = 1;
   const double modulus = soft_rock.youngs_modulus / (2 * (1 - nu * nu));
   const double a = std::cbrt(pi * w * r * r / (8 * modulus));
   const double least = a * a / r - std::sqrt(2 * pi * w * a / modulus);

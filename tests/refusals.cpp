@@ -458,7 +458,31 @@ TEST(Refusals, are_not_of_what_is_modelled) {
   EXPECT_NE(check_case(comm, parse_case(torn, "x.toml")).find(told), std::string::npos);
   const std::string fluid = bodies + law + "cutoff = 3\n" + phase + by_law + flight + again;
   EXPECT_EQ(check_case(comm, parse_case(fluid, "x.toml")).find(told), std::string::npos);
-  EXPECT_EQ(complaint_of([&] { check_case(comm, parse_case(bodies + phase, "x.toml")); }), "");
+  const auto complaint = [&](const std::string& text) {
+    return complaint_of([&] { check_case(comm, parse_case(text, "x.toml")); });
+  };
+  EXPECT_EQ(complaint(bodies + phase), "");
+  // Two walls never meet, so that nothing is asked of their pair.
+  const std::string between =
+      "[[contact.between]]\nmaterials = [\"rock\", \"{}\"]\nrestitution = 0.5\n";
+  const std::string floor =
+      "[materials.floor]\ndensity = 1\n[[planes]]\nmaterial = \"floor\"\npoint = [0, 0, -2]\n";
+  const std::string steps =
+      "[[phases]]\nname = \"only\"\nstep = 1e-4\nduration = 1e-3\n" + by_springs;
+  EXPECT_EQ(complaint(bodies + "[contact]\nfriction = 0.5\n" +
+                      fmt::format(fmt::runtime(between), "rock") +
+                      fmt::format(fmt::runtime(between), "floor") +
+                      "[penalty]\nmodel = \"hooke\"\nstiffness = 1e8\n" + floor + steps),
+            "");
+  // A ball is pressed into a wall more deeply than into another ball: by sqrt(2).
+  const std::string moving = bodies +
+                             "velocity = [0, 0, -10]\n[contact]\nrestitution = 1\n[penalty]\n"
+                             "model = \"hooke\"\nstiffness = 1.4e6\n" +
+                             steps;
+  EXPECT_EQ(complaint(moving), "");
+  EXPECT_NE(complaint(moving + "[[planes]]\npoint = [0, 0, -2]\n")
+                .find("and a wall would pass into each other by 0.69"),
+            std::string::npos);
 }
 
 }  // namespace

@@ -50,7 +50,8 @@ HalfKick::HalfKick(const World& before)
     : velocity_(before.bodies.velocity.begin(),
                 before.bodies.velocity.begin() + before.bodies.owned),
       dissipated_(before.ledger.dissipated),
-      own_work_(before.ledger.own_work) {
+      own_work_(before.ledger.own_work),
+      prescribed_work_(before.ledger.prescribed_work) {
   const Bodies& bodies = before.bodies;
   if (!bodies.has(Field::angular_velocity)) return;
   spin_momentum_.reserve(bodies.owned);
@@ -69,7 +70,10 @@ double HalfKick::energy(const World& after, double t) const {
     const Vec3 change = now - before;
     return change.dot(factor * before) / 2 + change.dot(factor * change) / 8;
   };
-  double given = (after.ledger.dissipated - dissipated_ - after.ledger.own_work + own_work_) / 2;
+  const Ledger& ledger = after.ledger;
+  double given = (ledger.dissipated - dissipated_ - ledger.own_work + own_work_ -
+                  ledger.prescribed_work + prescribed_work_) /
+                 2;
   for (std::size_t b = 0; b < velocity_.size(); ++b) {
     const double mass = bodies.mass[b];
     if (!std::isfinite(mass)) continue;

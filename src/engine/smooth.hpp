@@ -38,7 +38,8 @@ void wrap_bodies(World& world);
 class HalfKick {
  public:
   explicit HalfKick(const World& before);
-  /// J on this rank, of a kick over `t` (s): given to the bodies, or dissipated. What the uniform
+  /// J on this rank, of a kick over `t` (s): given to the bodies, or dissipated, but not by a
+  /// program's forces or what moves as prescribed, whose work is booked whole. What the uniform
   /// field gives along the drift before the kick is left out: heights are told from before it.
   double energy(const World& after, double t) const;
 
@@ -46,7 +47,7 @@ class HalfKick {
   std::vector<Vec3> velocity_;
   std::vector<Vec3> spin_momentum_;    // kg m^2/s: a drift after the kick keeps it
   std::vector<Mat3> inverse_inertia_;  // where the kick is given; of shapes, which the drift turns
-  double dissipated_, own_work_;
+  double dissipated_, own_work_, prescribed_work_;
 };
 
 /// Advances the world by up to `most_steps` steps, the last of which ends at the next kick of

@@ -3,6 +3,8 @@
 #include "gravity/direct.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 
 #include "base/kernels.hpp"
 #include "base/reduce.hpp"
@@ -79,6 +81,37 @@ SPALL_KERNEL(GravityField, evaluate_gravity_direct,
     field.acceleration[b] = constant * Vec3::Map(row);
     field.potential[b] = -constant * row[3];
     if (rates) field.rate[b] = constant * bound * row[4];
+  }
+  return field;
+}
+
+SPALL_KERNEL(GravityField, evaluate_gravity_direct_at,
+             (const Comm& comm, double constant, std::span<const double> mass,
+              std::span<const Vec3> position, std::span<const Vec3> places),
+             (comm, constant, mass, position, places)) {
+  std::array<std::vector<double>, 4> all;  // x, y, z, constant times mass
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    std::vector<double> mine(mass.size());
+    for (std::size_t b = 0; b < mass.size(); ++b)
+      mine[b] = k < 3 ? position[b][static_cast<Index>(k)] : constant * mass[b];
+    all[k] = comm.all_gather(mine);
+  }
+  const auto& [xs, ys, zs, pulls] = all;
+  GravityField field;
+  for (const Vec3& place : places) {
+    double ax = 0, ay = 0, az = 0, potential = 0;
+    for (std::size_t b = 0; b < pulls.size(); ++b) {
+      const double x = xs[b] - place.x(), y = ys[b] - place.y(), z = zs[b] - place.z();
+      const double r2 = x * x + y * y + z * z;
+      const double inverse = r2 > 0 ? 1 / std::sqrt(r2) : 0;
+      const double share = pulls[b] * inverse, per_r2 = share * inverse * inverse;
+      ax += per_r2 * x;
+      ay += per_r2 * y;
+      az += per_r2 * z;
+      potential -= share;
+    }
+    field.acceleration.emplace_back(ax, ay, az);
+    field.potential.push_back(potential);
   }
   return field;
 }

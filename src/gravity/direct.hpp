@@ -16,4 +16,12 @@ GravityField evaluate_gravity_direct(const Comm& comm, double constant,
                                      std::span<const double> mass, std::span<const Vec3> position,
                                      std::span<const Vec3> velocity, bool rates);
 
+/// The field of all bodies at places of this rank where there may be none: each place with each
+/// body. What lies at a place itself does not act there. Each rank holds every body meanwhile (32
+/// bytes a body), and its own places alone. Without rates. Collective.
+GravityField evaluate_gravity_direct_at(const Comm& comm, double constant,
+                                        std::span<const double> mass,
+                                        std::span<const Vec3> position,
+                                        std::span<const Vec3> places);
+
 }  // namespace spall

@@ -84,6 +84,10 @@ GravityField evaluate_gravity(const Comm& comm, const GravitySettings& settings,
 GravityField evaluate_gravity_at(const Comm& comm, const GravitySettings& settings,
                                  std::span<const double> mass, std::span<const Vec3> position,
                                  std::span<const Vec3> places) {
+  if (settings.method == GravityMethod::direct) {
+    require_sound(comm, mass, position, {});
+    return evaluate_gravity_direct_at(comm, settings.constant, mass, position, places);
+  }
   // Massless bodies feel the others and are not felt.
   std::vector<double> all_mass(mass.begin(), mass.end());
   std::vector<Vec3> all_places(position.begin(), position.end());

@@ -131,10 +131,18 @@ struct Meeting {
 
 /// The two bodies of all for which `value(a, b)` is least, as far as it grows with the size of
 /// either: for each pair of materials that is `there` with a law of its own the least of the first,
-/// then its worst partner, for want of a body a wall. Nothing where no body moves. Collective.
+/// then its worst partner, or a wall, for want of a body of any. Nothing where no body moves.
+/// Collective.
 template <class Value>
 std::optional<Meeting> least_meeting(const MemberList& members, const std::vector<double>& there,
-                                     Value&& value) {
+                                     const Walls& walls, Value&& value) {
+  const auto is_wall = [&](double material, double of_body) {
+    for (std::size_t w = 0; w < walls.size(); ++w)
+      if (material == any_material || material == walls.material(w) ||
+          (walls.material(w) == same_material && material == of_body))
+        return true;
+    return false;
+  };
   std::optional<Meeting> best;
   for (double a : there)
     for (double b : there) {
@@ -148,8 +156,7 @@ std::optional<Meeting> least_meeting(const MemberList& members, const std::vecto
       const Member wall = as_partner({-1, infinity, infinity, first->material, infinity, infinity});
       const auto beside = [&](const Member& m) { return value(*first, m); };
       Meeting met{*first, least(members, b, first->id, true, beside).value_or(wall)};
-      // The wall may be worse than a body that never moves either.
-      if (!std::isfinite(met.b.mass) && beside(wall) < beside(met.b)) met.b = wall;
+      if (is_wall(b, first->material) && beside(wall) < beside(met.b)) met.b = wall;
       if (!best || value(met.a, met.b) < value(best->a, best->b)) best = met;
     }
   return best;
@@ -281,10 +288,9 @@ ByPair<PenaltyLaw> penalty_laws(const World& world, const ByPair<PenaltySettings
 }
 
 double widest_gap(const PenaltyLaw& law, double radius) {
-  // Two of the largest bodies have the longest neck: it grows with R.
-  const double neck = with_adhesion(law.adhesion, [&]<template <class> class Law>() {
-    return Law<double>::reach(law, radius / 2);
-  });
+  // The largest body on a wall has the longest neck: it grows with R.
+  const double neck = with_adhesion(
+      law.adhesion, [&]<template <class> class Law>() { return Law<double>::reach(law, radius); });
   return std::max(neck, law.cohesion_range);
 }
 double widest_gap(const ByPair<PenaltyLaw>& laws, double radius) {
@@ -301,11 +307,6 @@ bool resists_rolling(const ByPair<PenaltyLaw>& laws) {
 void check_penalty_step(const World& world, const ByPair<PenaltySettings>& settings, double h,
                         double speed, const std::string& place) {
   const std::vector<int> present = materials_there(world);
-  for (int a : present)
-    for (int b : present)
-      require(world.contact(a, b).restitution > 0,
-              "{}: penalty contact needs contact.restitution > 0: no damping gives {:g}", place,
-              world.contact(a, b).restitution);
   const ByPair<PenaltyLaw> laws = penalty_laws(world, settings);
   const std::vector<double> there = laws.uniform()
                                         ? std::vector<double>{any_material}
@@ -318,7 +319,7 @@ void check_penalty_step(const World& world, const ByPair<PenaltySettings>& setti
     return std::sqrt(pair.light / largest_stiffness(law_of(a, b), pair, speed));
   };
   const MemberList members(world);
-  const std::optional<Meeting> tight = least_meeting(members, there, limit);
+  const std::optional<Meeting> tight = least_meeting(members, there, world.walls(), limit);
   // At rest springs of Hertz have no stiffness yet, but a time in which waves cross.
   if (!tight) return check_waves(world, members, laws.common().model, h, place);
 
@@ -327,7 +328,7 @@ void check_penalty_step(const World& world, const ByPair<PenaltySettings>& setti
     return -deepest_overlap(law_of(a, b), p, speed) / p.smaller;
   };
   // The deepest impact of all: of the heaviest for its size on another.
-  const Meeting deep = *least_meeting(members, there, depth);
+  const Meeting deep = *least_meeting(members, there, world.walls(), depth);
   const double reached = -depth(deep.a, deep.b) / deepest;
   require(reached <= 1,
           "{}: {} and {} would pass into each other by {:.3g} of the smaller radius at {:g} m/s, "

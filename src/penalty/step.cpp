@@ -21,8 +21,8 @@
 namespace spall {
 namespace {
 
-/// m: of all bodies that meet, and of those that are searched by their size: not more than a few
-/// times as large as the mean. Collective.
+/// m: of all bodies that meet, and of those that make up the crowd: not more than a few times as
+/// large as the mean. Collective.
 struct Radii {
   double largest = 0, ordinary = 0;
 };

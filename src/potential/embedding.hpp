@@ -66,7 +66,6 @@ class EmbeddingLaw {
   explicit EmbeddingLaw(const PairPotential& potential);
 
   double reach() const { return reach_; }  ///< m, r_c
-  CrowdingWeight weight() const { return CrowdingWeight(reach_); }
 
   /// m^3, v of a body (kg).
   double volume(double mass) const { return std::min(mass / density_, cell_); }

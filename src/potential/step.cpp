@@ -325,12 +325,13 @@ SPALL_KERNEL(double, energy_of_pairs, (const World& world, Potential& engine), (
 
 namespace {
 
-/// Whether anything gives bodies energy that may carry them through walls or what is moved. Pairs
-/// alone have no more than when the step was checked.
+/// Whether anything gives bodies energy that may carry them through each other, through walls or
+/// what is moved. Pairs alone have no more than when the step was checked; a uniform field lets all
+/// bodies fall alike.
 bool is_driven(const World& world) {
-  const bool pulled = world.gravity.method != GravityMethod::none ||
-                      !world.steady_gravity().isZero(0) || !world.own_forces.empty();
-  return !world.motions.empty() || (world.walls().size() > 0 && pulled);
+  const bool falls = world.walls().size() > 0 && !world.steady_gravity().isZero(0);
+  return !world.motions.empty() || world.gravity.method != GravityMethod::none ||
+         !world.own_forces.empty() || falls;
 }
 
 /// What `smooth_steps` asks of forces.
@@ -391,8 +392,10 @@ class Motion {
   }
   /// Others have moved by `t`: bodies of moving groups go where they must.
   void move(double t) {
-    for (const auto& [row, position] : advance_prescribed(world_, t, velocities_))
+    for (const auto& [row, position] : advance_prescribed(world_, t, velocities_)) {
+      world_.bodies.position[row] = position;  // by which the next place knows its image
       engine_.rows[row].place = half_row(position, engine_.rows[row].place[3]);
+    }
     book_motion(world_.comm, velocities_, t, engine_.near);
   }
 

@@ -367,6 +367,10 @@ std::vector<std::string> unused_parts(const toml::table& root, const Case& scene
       unused.push_back(fmt::format("gravity.{} is not used: no gravity.method is named", key));
   if (root["gravity"]["accuracy"] && scene.gravity.method == GravityMethod::direct)
     unused.push_back("gravity.accuracy is not used: gravity.method = \"direct\" is exact");
+  if (root["gravity"]["refresh"] && scene.gravity.method != GravityMethod::none &&
+      !scene.uniform_gravity.isZero(0))
+    unused.push_back(
+        "gravity.refresh is not used: beside gravity.uniform each step evaluates the field");
   if (root["gravity"]["near_clumps"] && scene.shapes.empty())
     unused.push_back("gravity.near_clumps is not used: no group has a shape");
   return unused;
