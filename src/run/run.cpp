@@ -40,6 +40,13 @@
 namespace spall {
 namespace {
 
+/// The case that a restart file keeps, with these changes.
+Case stored_case(const RestartState& state, const std::vector<std::string>& overrides,
+                 const InputFiles& files) {
+  return parse_case(state.case_text, state.case_file, overrides, Groups::may_lack, files,
+                    state.constants);
+}
+
 /// What happened after the last row of the series counts, too: nothing goes on from here. Where
 /// velocities lag behind a kick of gravity, it is closed if forces are smooth. What contacts would
 /// answer to it, only the next step tells: there the last row closes the account.
@@ -593,17 +600,13 @@ bool run_case(const Comm& comm, const Case& scene, const std::string& folder, Fo
 
 Case case_to_go_on(const Comm& comm, RestartState& state, const std::vector<std::string>& overrides,
                    const InputFiles& files) {
-  const auto with = [&](const std::vector<std::string>& all) {
-    return parse_case(state.case_text, state.case_file, all, Groups::may_lack, files,
-                      state.constants);
-  };
-  const Case before = with(state.overrides);
+  const Case before = stored_case(state, state.overrides, files);
   state.overridden = !overrides.empty();
   if (overrides.empty()) return before;
   for (const std::string& change : overrides) check_change(state, before, change);
   std::vector<std::string> all = state.overrides;
   all.insert(all.end(), overrides.begin(), overrides.end());
-  Case after = with(all);
+  Case after = stored_case(state, all, files);
   check_read_outs_ahead(state, before, after);
   check_walls_ahead(comm, state, before, after);
   follow_materials(before, after, state.bodies);
@@ -614,8 +617,7 @@ namespace {
 
 /// The account until now is that of the laws until now, which are changed.
 void close_former_account(const Comm& comm, RestartState& state, const InputFiles& files) {
-  const auto before = std::make_shared<Case>(parse_case(
-      state.case_text, state.case_file, state.overrides, Groups::may_lack, files, state.constants));
+  const auto before = std::make_shared<Case>(stored_case(state, state.overrides, files));
   Simulation former(comm, Scene(before), state);
   close_account(former);
   save_scalars(former.account(), state.scalars);
