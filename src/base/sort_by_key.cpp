@@ -1,4 +1,4 @@
-// Least significant digits first, only those in which keys differ.
+// By radix: least significant digits first, only those in which keys differ.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/sort_by_key.hpp"
 
@@ -7,26 +7,20 @@
 
 namespace spall {
 
-KeyOrder sort_by_key(KeyOrder order) {
-  constexpr int digit = 11;
-  const std::size_t n = order.key.size();
+void sort_by_key(std::vector<KeyedRow>& rows) {
+  constexpr int digit_bits = 11;
+  constexpr std::uint64_t mask = (1 << digit_bits) - 1;
   std::uint64_t differ = 0;
-  for (std::uint64_t key : order.key) differ |= key ^ order.key.front();
-  KeyOrder sorted{std::vector<std::uint64_t>(n), std::vector<Index>(n)};
-  const auto value = [](std::uint64_t key, int shift) { return key >> shift & ((1 << digit) - 1); };
-  for (int shift = 0; shift < 64; shift += digit) {
-    if (value(differ, shift) == 0) continue;
-    std::array<std::size_t, (1 << digit) + 1> start{};
-    for (std::uint64_t key : order.key) ++start[value(key, shift) + 1];
-    std::partial_sum(start.begin(), start.end(), start.begin());
-    for (std::size_t k = 0; k < n; ++k) {
-      const std::size_t at = start[value(order.key[k], shift)]++;
-      sorted.key[at] = order.key[k];
-      sorted.row[at] = order.row[k];
-    }
-    std::swap(order, sorted);
+  for (const KeyedRow& r : rows) differ |= r.key ^ rows.front().key;
+  std::vector<KeyedRow> other(rows.size());
+  for (int shift = 0; shift < 64; shift += digit_bits) {
+    if ((differ >> shift & mask) == 0) continue;
+    std::array<std::size_t, mask + 1> start{};
+    for (const KeyedRow& r : rows) ++start[r.key >> shift & mask];
+    std::exclusive_scan(start.begin(), start.end(), start.begin(), std::size_t{0});
+    for (const KeyedRow& r : rows) other[start[r.key >> shift & mask]++] = r;
+    rows.swap(other);
   }
-  return order;
 }
 
 }  // namespace spall

@@ -9,12 +9,12 @@
 
 namespace spall {
 
-struct KeyOrder {
-  std::vector<std::uint64_t> key;  ///< of each row
-  std::vector<Index> row;
+struct KeyedRow {
+  std::uint64_t key;
+  Index row;
 };
 
-/// The same, sorted. Stable.
-KeyOrder sort_by_key(KeyOrder order);
+/// Stable: equal keys keep their order.
+void sort_by_key(std::vector<KeyedRow>& rows);
 
 }  // namespace spall

@@ -71,14 +71,15 @@ RoundBox ball(const Bodies& bodies, std::span<const double> reach, Index b) {
 /// Rows of owned bodies along a space-filling curve through cells as wide as `edge`. Bodies wander
 /// and are wrapped: the order in memory is no such curve for long.
 std::vector<Index> along_curve(const Bodies& bodies, double edge) {
-  KeyOrder order;
-  order.key.reserve(bodies.owned);
-  order.row.reserve(bodies.owned);
-  for (Index b = 0; b < bodies.owned; ++b) {
-    order.key.push_back(morton_key(bodies.position[b], edge));
-    order.row.push_back(b);
-  }
-  return sort_by_key(std::move(order)).row;
+  std::vector<KeyedRow> order;
+  order.reserve(bodies.owned);
+  for (Index b = 0; b < bodies.owned; ++b)
+    order.push_back({morton_key(bodies.position[b], edge), b});
+  sort_by_key(order);
+  std::vector<Index> rows;
+  rows.reserve(order.size());
+  for (const KeyedRow& r : order) rows.push_back(r.row);
+  return rows;
 }
 
 Cluster cluster_of(const Bodies& bodies, std::span<const double> reach,

@@ -6,20 +6,6 @@
 
 namespace spall {
 
-void radix_sort(std::vector<KeyedRow>& rows) {
-  constexpr int digit_bits = 11;
-  constexpr std::uint64_t mask = (1 << digit_bits) - 1;
-  std::vector<KeyedRow> other(rows.size());
-  for (int shift = 0; shift < key_bits; shift += digit_bits) {
-    std::array<std::size_t, mask + 1> start{};
-    for (const KeyedRow& r : rows) ++start[r.key >> shift & mask];
-    if (std::ranges::max(start) == rows.size()) continue;
-    std::exclusive_scan(start.begin(), start.end(), start.begin(), std::size_t{0});
-    for (const KeyedRow& r : rows) other[start[r.key >> shift & mask]++] = r;
-    rows.swap(other);
-  }
-}
-
 namespace {
 
 /// Halves stretch `s`, of whose equal parts `bodies` are known, as far as these go; adds those that

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/morton.hpp"
+#include "base/sort_by_key.hpp"
 #include "gravity/octree.hpp"
 #include "spall/comm.hpp"
 
@@ -30,21 +31,13 @@ inline std::uint64_t curve_key(const Vec3& x, double half) {
   return interleave(cell(2), cell(1), cell(0));
 }
 
-struct KeyedRow {
-  std::uint64_t key;
-  Index row;
-};
-
-/// Stable, so that equal keys keep their order.
-void radix_sort(std::vector<KeyedRow>& rows);
-
 /// Of `count` bodies at `position_of(b)`, by keys.
 std::vector<KeyedRow> sorted_keys(std::size_t count, auto&& position_of, double half) {
   std::vector<KeyedRow> rows(count);
   for (std::size_t b = 0; b < count; ++b)
     rows[b] = {curve_key(position_of(b), half), static_cast<Index>(b)};
   // Bodies that came from one rank only are in order.
-  if (!std::ranges::is_sorted(rows, {}, &KeyedRow::key)) radix_sort(rows);
+  if (!std::ranges::is_sorted(rows, {}, &KeyedRow::key)) sort_by_key(rows);
   return rows;
 }
 

@@ -103,7 +103,7 @@ std::vector<CurvePart> find_parts(const Comm& comm, std::span<const KeyedRow> ro
   std::vector<KeyedRow> told;
   for (const auto& [rank, row] : keys)
     for (std::int64_t key : row) told.push_back({static_cast<std::uint64_t>(key), 0});
-  radix_sort(told);
+  sort_by_key(told);
 
   const Group& own =
       *std::ranges::find_if(groups, [&](const Group& g) { return g.ranks.has(comm.rank); });

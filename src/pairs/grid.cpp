@@ -49,19 +49,21 @@ class Level {
       centres_.add(bodies.position[b]);
     }
     cells_a_metre_ = 1 / edge;
-    KeyOrder order{std::vector<std::uint64_t>(rows.size()), std::move(rows)};
-    for (std::size_t k = 0; k < order.row.size(); ++k) {
-      const auto c = cell(bodies.position[order.row[k]]);
-      order.key[k] = interleave(c[0], c[1], c[2]);
+    std::vector<KeyedRow> order;
+    order.reserve(rows.size());
+    for (Index b : rows) {
+      const auto c = cell(bodies.position[b]);
+      order.push_back({interleave(c[0], c[1], c[2]), b});
     }
-    order = sort_by_key(std::move(order));
-    for (Index k = 0; k < std::ssize(order.row); ++k) {
-      if (cells_.empty() || cells_.back().key != order.key[k])
-        cells_.push_back({order.key[k], k, k, k});
+    sort_by_key(order);
+    for (Index k = 0; k < std::ssize(order); ++k) {
+      const auto [key, b] = order[k];
+      if (cells_.empty() || cells_.back().key != key) cells_.push_back({key, k, k, k});
       cells_.back().end = k + 1;
-      if (order.row[k] < bodies.owned) cells_.back().ghosts = k + 1;
+      if (b < bodies.owned) cells_.back().ghosts = k + 1;
+      rows[k] = b;
     }
-    row_ = std::move(order.row);
+    row_ = std::move(rows);
     std::size_t slots = 64;
     while (slots < 2 * cells_.size()) slots *= 2;
     slot_.assign(slots, {0, -1});

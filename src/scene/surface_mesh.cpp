@@ -154,19 +154,17 @@ void SurfaceMesh::measure() {
 /// Finds the triangle beyond each edge: edges that join the same vertices follow each other once
 /// they are sorted.
 void SurfaceMesh::match_edges(const std::string& name) {
-  KeyOrder order;
-  order.key.reserve(3 * triangles_.size());
-  order.row.reserve(3 * triangles_.size());
+  std::vector<KeyedRow> order;
+  order.reserve(3 * triangles_.size());
   for (std::size_t f = 0; f < triangles_.size(); ++f) {
     const Triangle& t = triangles_[f];
     for (int k = 0; k < 3; ++k) {
       const auto [least, most] = std::minmax(t[k], t[(k + 1) % 3]);
-      order.key.push_back(static_cast<std::uint64_t>(least) << 32 |
-                          static_cast<std::uint64_t>(most));
-      order.row.push_back(static_cast<Index>(3 * f + k));
+      order.push_back({static_cast<std::uint64_t>(least) << 32 | static_cast<std::uint64_t>(most),
+                       static_cast<Index>(3 * f + k)});
     }
   }
-  order = sort_by_key(std::move(order));
+  sort_by_key(order);
   const auto from = [&](Index row) { return triangles_[row / 3][row % 3]; };
   const auto to = [&](Index row) { return triangles_[row / 3][(row + 1) % 3]; };
   const auto edge = [&](Index row) {
@@ -177,19 +175,19 @@ void SurfaceMesh::match_edges(const std::string& name) {
   constexpr Index none = std::numeric_limits<Index>::max();
   Index folded = none, open = none;
   beyond_.resize(triangles_.size());
-  for (std::size_t first = 0, last; first < order.row.size(); first = last) {
-    const Index one = order.row[first];
+  for (std::size_t first = 0, last; first < order.size(); first = last) {
+    const Index one = order[first].row;
     last = first + 1;
-    while (last < order.row.size() && order.key[last] == order.key[first]) ++last;
+    while (last < order.size() && order[last].key == order[first].key) ++last;
     if (last == first + 1) {
       open = std::min(open, one);
       continue;
     }
-    const Index other = order.row[first + 1];
+    const Index other = order[first + 1].row;
     if (from(one) == from(other))
       folded = std::min(folded, other);
     else if (last > first + 2)  // of three that join the same vertices two run the same way
-      folded = std::min(folded, order.row[first + 2]);
+      folded = std::min(folded, order[first + 2].row);
     beyond_[one / 3][one % 3] = other / 3;
     beyond_[other / 3][other % 3] = one / 3;
   }
