@@ -22,6 +22,9 @@ words = sys.argv[1:]
 changes = dict(word.split("=", 1) for word in words if "=" in word)
 if "never.key" in changes:
     sys.exit("never.key is not a key here")
+layers = changes.get("ball.layers", "4")
+if not layers.isdigit():
+    sys.exit(f"shield.toml:3:1: ball.layers is not whole; a whole number is wanted")
 if words[0] == "check":
     case = tomllib.loads(Path(words[1]).read_text())
     if "shields" in changes:
@@ -37,7 +40,7 @@ if "broken.key" in changes:
     sys.exit(1)
 if "stopped.key" in changes and not Path("go_on").exists():
     sys.exit(3)
-size = float(re.match(r"[\d.e-]+", changes.get("ball.diameter", "4"))[0])
+size = float(re.match(r"[\d.e-]+", changes.get("ball.diameter", layers))[0])
 speed = float(re.search(r"-([\d.]+)", changes.get("ball.velocity", "-5"))[1])
 islands = "islands.key" in changes and 2.9 < size < 3.1
 held = size < 4.3 and speed < 5.2 and not islands
@@ -53,6 +56,15 @@ still_coming = {0.3 if size == 2 else 0.0}
 opening_at_edge = {'true' if size == 9 else 'false'}
 largest_met = 1.0
 largest_passed = {2.0 if size == 3 else 0.5}
+[shield_front]
+wall = "front"
+verdict = "{'held' if size < 2.5 else 'perforated'}"
+margin = 0.5
+thinnest = 0.001
+hole = 0.0
+spall_mass = 0.0
+still_coming = 0.0
+opening_at_edge = false
 [lattices]
 {'warning = "groups.ball: its lattice has 0.9 of the mass"' if size == 9 else ''}
 [conservation]
@@ -121,6 +133,24 @@ import csv, json
 assert json.load(open("out/doubts/limit.json"))["doubts_high"] == [], "6mm has none"
 rows = {row["value"]: row for row in csv.DictReader(open("out/doubts/table.csv"))}
 assert (rows["9mm"]["opening_at_edge"], rows["9mm"]["energy_unexplained"]) == ("True", "0.07"), rows
+END
+limit shield.toml --vary ball.layers=2..9 --within 1% --jobs 3 --out out/layers || fail "whole numbers: $(cat out.txt)"
+grep -q "limit: held at 4, perforated at 5" out.txt || fail "of whole numbers: $(cat out.txt)"
+limit shield.toml --vary ball.layers=4..5 --jobs 4 --out out/two_layers || fail "two whole numbers: $(cat out.txt)"
+grep -q "limit: held at 4, perforated at 5" out.txt || fail "of two whole numbers: $(cat out.txt)"
+limit shield.toml --vary ball.layers=0..500 --within 1% --out out/many_layers || fail "many layers: $(cat out.txt)"
+grep -q "limit: held at 4, perforated at 5" out.txt || fail "of many layers: $(cat out.txt)"
+
+# A table is of one wall.
+printf '[[shields]]\nwall = "front"\n[[shields]]\nwall = "rear"\n' >two.toml
+limit two.toml --vary ball.diameter=2..8mm --wall front || fail "the front wall: $(cat out.txt)"
+limit two.toml --vary ball.diameter=3..6mm --wall rear || fail "the rear wall: $(cat out.txt)"
+python3 - <<'END' || fail "a table of two walls: $(cat out/two-limit/table.csv)"
+import csv
+rows = list(csv.DictReader(open("out/two-limit/table.csv")))
+assert {row["wall"] for row in rows} == {"rear"}, rows
+for row in rows:
+    assert (row["verdict"] == "held") == (float(row["value"].removesuffix("mm")) < 4.3), row
 END
 limit shield.toml --vary ball.diameter=2..8mm --set broken.key=1 --out out/broken
 [ $? = 1 ] && grep -q "a run has failed" out.txt || fail "a run that fails: $(cat out.txt)"

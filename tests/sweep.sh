@@ -87,6 +87,9 @@ sys.path.insert(0, sys.argv[1])
 import sweep
 assert sweep.numbers_of(["50cm", "1m"]) is None and sweep.numbers_of(["a", "2"]) is None
 assert sweep.numbers_of(["1 N", "10N"]) == [1, 10]
+assert sweep.values_of("1e-3,0.01,0") == ["1e-3", "0.01", "0"] and sweep.values_of("1e-3") == ["1e-3"]
+assert sweep.values_of("1e-3,2e-3 m") == ["1e-3m", "2e-3 m"], sweep.values_of("1e-3,2e-3 m")
+assert sweep.json_of([{"a": float("nan"), "b": 1.0}]) == '[\n {\n  "a": null,\n  "b": 1.0\n }\n]\n'
 assert sweep.split("[[0, 1], [2, 3]], {a = [4, 5]}, 6") == ["[[0, 1], [2, 3]]", "{a = [4, 5]}", "6"]
 END
 

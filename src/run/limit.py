@@ -27,12 +27,13 @@ import tomllib
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from sweep import DONE, NUMBER, STOPPED, Run, by_names, claim, files_of, is_within, names_of
+from sweep import (DONE, NUMBER, STOPPED, Run, by_names, claim, files_of, is_within, json_of,
+                   names_of)
 
 NO_LIMIT = 4  # exit code
 NOT_FINAL = 0.01  # of the energy that flies at the wall, beyond which a verdict may change
 DOUBTED = 0.05  # of what was dissipated, beyond which a run tells not to believe it
-COLUMNS = ("verdict", "margin", "thinnest", "hole", "spall_mass", "still_coming",
+COLUMNS = ("wall", "verdict", "margin", "thinnest", "hole", "spall_mass", "still_coming",
            "opening_at_edge", "energy_unexplained")
 
 
@@ -67,14 +68,26 @@ class Range:
         self.high = [float(others[k]) for k in self.varied]
         if not self.varied:
             leave(f"--vary {text}: both ends are the same")
+        self.whole = False  # whether numbers between the ends are to be whole ones
 
     def value(self, part):
         if part in (0, 1):
             return self.ends[part]
+        numbers = [low + part * (high - low) for low, high in zip(self.low, self.high)]
+        return self.text(f"{number:.0f}" if self.whole else f"{number:.6g}" for number in numbers)
+
+    def text(self, numbers):
         words = list(self.words)
-        for k, low, high in zip(self.varied, self.low, self.high):
-            words[k] = f"{low + part * (high - low):.6g}"
+        for k, number in zip(self.varied, numbers):
+            words[k] = number
         return "".join(words)
+
+    def between_whole(self):
+        """A value within, of no whole number; the middle where the ends are none."""
+        ends = list(zip(self.low, self.high))
+        if not all(end.is_integer() for pair in ends for end in pair):
+            return self.value(0.5)
+        return self.text(str(low + math.copysign(0.5, high - low)) for low, high in ends)
 
     def numbers(self, text):
         words = re.split(f"({NUMBER})", text)
@@ -101,8 +114,10 @@ class Search:
         self.known, self.states = {}, {}
 
     def run_of(self, part):
-        return Run(self.out, {**self.fixed, self.span.key: self.span.value(part)},
-                   names_of([self.span.key]))
+        return self.run_at(self.span.value(part))
+
+    def run_at(self, value):
+        return Run(self.out, {**self.fixed, self.span.key: value}, names_of([self.span.key]))
 
     def verdict(self, run):
         """The section of the wall, of a run that is done; else None."""
@@ -146,7 +161,11 @@ class Search:
 
     def learn(self, parts):
         known = {self.span.value(part) for part in self.known}
-        wanted = [part for part in parts if self.span.value(part) not in known]
+        wanted = {}
+        for part in parts:
+            if (value := self.span.value(part)) not in known:
+                wanted.setdefault(value, part)
+        wanted = list(wanted.values())
         with ThreadPoolExecutor(self.options.jobs) as pool:
             list(pool.map(self.carry_out, wanted))
         self.write_table()
@@ -161,16 +180,16 @@ class Search:
         for part in sorted(self.states):
             found = self.known.get(part, {})
             rows.append({"value": self.span.value(part), "state": self.states[part],
-                         **{key: found.get(key, "") for key in COLUMNS}})
+                         **{key: found.get(key, "") for key in COLUMNS}, "wall": self.wall})
         others = {row["value"] for row in rows}
         path = self.out / "table.json"
         rows += [row for row in (json.loads(path.read_text()) if path.is_file() else [])
-                 if row["value"] not in others]
+                 if row["value"] not in others and row.get("wall") == self.wall]
         with open(self.out / "table.csv", "w", newline="") as file:
             writer = csv.DictWriter(file, ["value", "state", *COLUMNS])
             writer.writeheader()
             writer.writerows(rows)
-        path.write_text(json.dumps(rows, indent=1) + "\n")
+        path.write_text(json_of(rows))
 
     def holds(self, part):
         return self.known[part]["verdict"] == "held"
@@ -259,11 +278,16 @@ def main():
 
     # What one end refuses would end the search after hours: nothing is begun then.
     search = Search(out, options, span, fixed, options.wall)
-    for end in (0, 1):
-        words = [options.spall, "check", options.case, *search.run_of(end).options()]
-        checked = subprocess.run(words, stdout=subprocess.PIPE, text=True)
+    def check(value):
+        words = [options.spall, "check", options.case, *search.run_at(value).options()]
+        return subprocess.run(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+    span.whole = "is not whole" in check(span.between_whole()).stderr
+    for value in (span.value(0), span.value(1), span.value(0.5)):
+        checked = check(value)
+        print(checked.stderr, end="", file=sys.stderr)
         if checked.returncode != 0:
-            leave(f"{span.key}={span.value(end)} is refused", checked.returncode)
+            leave(f"{span.key}={value} is refused", checked.returncode)
     walls = re.findall(r"judged in the end: (.+), \S+ spacings thick", checked.stdout)
     named = ", ".join(f"\"{wall}\"" for wall in walls)
     if options.wall is None and len(walls) != 1:

@@ -99,7 +99,9 @@ def values_of(text):
     if unit and not re.fullmatch(NUMBER, parts[-1]):
         parts = [part + unit[1] if re.fullmatch(NUMBER, part) else part for part in parts]
     plain = [part for part in parts if re.fullmatch(NUMBER, part) and float(part) != 0]
-    if plain and any(re.fullmatch(rf"{NUMBER}\s*[A-Za-zµ°%].*", part) for part in parts):
+    with_unit = [part for part in parts if not re.fullmatch(NUMBER, part)
+                 and re.fullmatch(rf"{NUMBER}\s*[A-Za-zµ°%].*", part)]
+    if plain and with_unit:
         sys.exit(f"spall sweep: {text}: {plain[0]} has no unit, and another value has one: a unit "
                  "behind the last value is that of all")
     return parts
@@ -219,6 +221,13 @@ def claim(out, case, fixed, overwrite, program="spall sweep", write=True, names=
     whole.replace(path)
 
 
+def json_of(rows):
+    """As text; what is no number has no word in JSON but null."""
+    told = [{key: None if isinstance(value, float) and not math.isfinite(value) else value
+             for key, value in row.items()} for row in rows]
+    return json.dumps(told, indent=1, allow_nan=False) + "\n"
+
+
 def write_tables(out, runs, states):
     rows = [{"run": run.name, "state": states[run.name], **run.changes, **run.results()}
             for run in runs]
@@ -227,7 +236,7 @@ def write_tables(out, runs, states):
         writer = csv.DictWriter(file, columns)
         writer.writeheader()
         writer.writerows(rows)
-    (out / "table.json").write_text(json.dumps(rows, indent=1) + "\n")
+    (out / "table.json").write_text(json_of(rows))
     return rows
 
 
