@@ -99,6 +99,20 @@ class Page(unittest.TestCase):
         self.assertEqual((len(run.before.radius), len(run.after.radius), run.impactor),
                          (40, 41, 40))
         np.testing.assert_array_equal(run.flight, [0, 0, 1])
+        whole = Run(self.folder, "test")
+        self.assertEqual(whole.name_of(whole.before), "before the impact")
+        self.assertEqual(whole.impact_time(), whole.before.time)
+        # Rare rows of the series tell no impact; a run that goes on knows no state before it.
+        self.assertAlmostEqual(run.impact_time(), whole.impact_time())
+        self.assertEqual(run.name_of(run.before), "100 ms after the impact")
+        subprocess.run([SPALL, "resume", WORK / "on" / "after_impact.h5", "--out", WORK / "later",
+                        "--overwrite", "--set", "output.series_every=5 s",
+                        "output.snapshot_every=5 s"],
+                       check=True, stdout=subprocess.DEVNULL)
+        later = Run(WORK / "later", "test")
+        self.assertAlmostEqual(later.impact_time(), run.impact_time())
+        self.assertEqual([later.name_of(frame) for frame in (later.before, later.after)],
+                         ["5 s after the impact", "10 s after the impact"])
         self.assertIn("2 km/s", run.impactor_text)
 
     def test_it_names_what_made_the_run(self):
@@ -225,14 +239,19 @@ class Verdicts(unittest.TestCase):
                 {"deflection": {"beta": 9.0, "beta_along": value, "dv_plastic": 2.0,
                                 "dv_elastic": 2.6, **more}})
         self.check(beta(1.301), "note", "only 1 + e = 1.3")
-        self.check(beta(2.0), "good", "ejecta carried off 0.7")
+        ejecta = {"dv_impactor": 2.0, "dv_ejecta": 1.4}
+        self.check(beta(2.0, **ejecta), "good", "ejecta carried off 0.7")
+        coupled = {"deflection": {"beta_along": 1.38, "dv_plastic": 2.0, "dv_elastic": 2.6,
+                                  "dv_impactor": 2.0, "dv_rebound": 0.5, "dv_ejecta": 0.26},
+                   "coupling": {}}
+        self.check(self.of(coupled), "good", "ejecta carried off 0.38")
         self.check(beta(1.1), "note", "less than")
         self.check(beta(1.4, warning="WARNING: beta 1.4 is that of a bounce alone"), "note",
                    "Beta 1.4 is that of a bounce alone.")
-        self.check(beta(2.0, momentum_closure=1e-3), "bad", "miss its sum")
+        self.check(beta(2.0, momentum_closure=1e-3, **ejecta), "bad", "miss its sum")
         self.check(beta(2.0, foreign_motion="a wall moves the target, too"), "bad",
                    "Beta is 2, but a wall moves the target, too.")
-        self.check(beta(2.0, rigid_share=0.031, struck_mass=2500.0), "good",
+        self.check(beta(2.0, rigid_share=0.031, struck_mass=2500.0, **ejecta), "good",
                    "leaves 3.1 % of the impactor's energy in the body of 2.5e+03 kg")
 
     def test_a_deflection_that_still_rises_is_said_to_do_so(self):

@@ -96,9 +96,30 @@ class Interior(unittest.TestCase):
         for spheres, largest in ((x, hole), (x[np.linalg.norm(x, axis=1) > RADIUS], RADIUS)):
             axis, distance = self.inside(spheres).distance_to_solid(141)
             step = axis[1] - axis[0]
-            found = largest_voids(axis, distance, 7.0, 3)
+            x, y, z = np.meshgrid(axis, axis, axis, indexing="ij")
+            found = largest_voids(axis, distance, 7.0 - np.sqrt(x**2 + y**2 + z**2), 3)
             self.assertLess(abs(found[0] - largest), step)
             self.assertLess(abs(found[1] - hole), step)
+
+    def test_outside_of_a_flat_pile_is_no_void(self):
+        x = crystal(16)
+        state = self.inside(x[np.abs(x[:, 2]) < 7])
+        axis, distance = state.distance_to_solid(81)
+        self.assertTrue(np.isinf(distance).any())
+        found = largest_voids(axis, distance, state.room(axis, 0.85), 3)
+        self.assertLess(abs(found[0] - (np.sqrt(2) - 1) * RADIUS), axis[1] - axis[0])
+
+    def test_room_is_that_of_the_ellipsoid(self):
+        n = np.linspace(-1, 1, 41)
+        x = np.stack(np.meshgrid(n, n, n, indexing="ij"), axis=-1).reshape(-1, 3)
+        x = x[np.linalg.norm(x, axis=1) < 1] * [30, 20, 10]
+        state = self.inside(x, [(0, 1)])
+        state.position, state.clump = x, np.ones(len(x), bool)
+        state.radius, state.mass = np.full(len(x), 1e-3), np.ones(len(x))
+        room = state.room(np.array([-15.0, 0.0, 15.0]), 1.0)
+        self.assertAlmostEqual(room[1, 1, 1], 10, delta=0.2)
+        self.assertAlmostEqual(room[2, 1, 1], 5, delta=0.2)
+        self.assertLess(room[1, 1, 2], 0)
 
     def test_all_is_drawn_before_and_after(self):
         write(self.path / "after_settling.h5", crystal(9))

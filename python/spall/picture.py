@@ -24,9 +24,10 @@ def draw_spheres(bodies, file, along, colour, size):
                               edgecolors="#00000040", linewidths=0.4, cmap="viridis")
     disks.set_array(colour[order])
     axes.add_collection(disks)
-    low, high = (place - radius[:, None]).min(axis=0), (place + radius[:, None]).max(axis=0)
-    axes.set_xlim(low[across], high[across])
-    axes.set_ylim(low[up], high[up])
+    if len(place) > 0:  # of several ranks one may own none
+        low, high = (place - radius[:, None]).min(axis=0), (place + radius[:, None]).max(axis=0)
+        axes.set_xlim(low[across], high[across])
+        axes.set_ylim(low[up], high[up])
     axes.set_aspect("equal")
     axes.set_xlabel(f"{'xyz'[across]}, m")
     axes.set_ylabel(f"{'xyz'[up]}, m")

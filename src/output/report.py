@@ -57,8 +57,10 @@ def add_debris(pictures, run):
         if state := debris.state(flight):
             pictures.add("state" + end, state,
                          "A slice a sixth of a diameter thick through the axis, at the end. "
-                         "Temperature: of the heat that damping left in a body, not of what its "
-                         "motion holds.")
+                         + ("Temperature: of all heat of a body: shock, yielding, failure."
+                            if flight.yields else
+                            "Temperature: of the heat that damping left in a body, not of what "
+                            "its motion holds."))
         if flight.wall and (wall := debris.wall(flight)):
             pictures.add("wall" + end, wall,
                          "Debris that fly on freely; within the circles half and 90 % of the "

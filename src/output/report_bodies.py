@@ -71,6 +71,7 @@ class Bodies:
             bodies = file["particles/all"]
             self.count = len(bodies["radius"])
             rows = spread(self.count, MOST_BODIES)
+            self.bodies_shown = len(rows)
             # A body with a shape is shown by its spheres: each of them has the body's row.
             of, self.centers, radii = Shapes(file).spheres(shape_of(bodies, rows))
             self.rows = rows[of]
@@ -107,8 +108,8 @@ class Bodies:
         return sorted({*numbers[::every], numbers[-1]})
 
     def header(self):
-        return {"count": len(self.rows), "all": self.count, "low": self.low.tolist(),
-                "step": self.step,
+        return {"count": len(self.rows), "shown": self.bodies_shown, "all": self.count,
+                "low": self.low.tolist(), "step": self.step,
                 "names": self.names, "fields": self.fields, "fixed": self.fixed}
 
     def frame(self, number):

@@ -75,6 +75,16 @@ class Inside:
         inertia = np.eye(3) * np.trace(second) - second + 0.4 * np.sum(m * r**2) * np.eye(3)
         return np.linalg.eigvalsh(inertia)
 
+    def room(self, axis, share):
+        """m, at the points of a cubic grid: a ball of this radius is wholly within `share` of the
+        ellipsoid with the same moments; negative outside of that."""
+        x, m, r = self.position[self.clump], self.mass[self.clump], self.radius[self.clump]
+        second = (m[:, None] * x).T @ x + np.eye(3) * 0.2 * np.sum(m * r**2)
+        squares, axes = np.linalg.eigh(5 * second / m.sum())
+        scaled = np.linalg.norm(points_of(axis) @ axes / np.sqrt(squares), axis=1)
+        # It grows by no more than 1 over the shortest half axis a metre.
+        return ((share - scaled) * np.sqrt(squares[0])).reshape((len(axis),) * 3)
+
     def profile(self, edges):
         """Solid part of the shells between `edges` (m), by the lens that a ball and a sphere
         share."""
@@ -114,12 +124,15 @@ def shared_volume(R, r, d):
                     np.where(d <= large - small, 4 / 3 * np.pi * small**3, lens))
 
 
-def largest_voids(axis, distance, within, count):
-    """Radii (m) of the largest balls that fit between the spheres, wholly within `within` of the
-    centre and apart from each other."""
-    grid = np.stack(np.meshgrid(axis, axis, axis, indexing="ij"), axis=-1).reshape(-1, 3)
-    radius = distance.ravel().copy()
-    radius[np.linalg.norm(grid, axis=1) + np.where(np.isfinite(radius), radius, 0) > within] = -1
+def points_of(axis):
+    return np.stack(np.meshgrid(axis, axis, axis, indexing="ij"), axis=-1).reshape(-1, 3)
+
+
+def largest_voids(axis, distance, room, count):
+    """Radii (m) of the largest balls that fit between the spheres, apart from each other; none is
+    larger than its middle has `room` (m) for."""
+    grid = points_of(axis)
+    radius = np.where(distance <= room, distance, -1).ravel()
     found = []
     for _ in range(count):
         k = int(np.argmax(radius))
@@ -171,7 +184,7 @@ def interior(run):
     across, up = run.side_view()
     for (name, state), line, color in zip(states, axes, (BLUE, ORANGE)):
         axis, distance = state.distance_to_solid(81)
-        voids = largest_voids(axis, distance, 0.85 * side, 10)
+        voids = largest_voids(axis, distance, state.room(axis, 0.85), 10)
         rows.append((name, state, voids))
         top = axes[-1]
         top[0].stairs(1 - state.profile(edges), edges, color=color, label=name)
@@ -190,7 +203,7 @@ def interior(run):
         draw_network(line[2], state, state.force < 0, run.flight, up, across, side, RED,
                      f"Pulling contacts, {name}")
     axes[-1][0].set(xlabel="distance from the centre (m)", ylabel="porosity of the shell",
-                    ylim=(0, 1), title="Porosity")
+                    ylim=(0, 1), title="Porosity, what is outside counted as empty")
     axes[-1][1].set(xlabel="contacts of a body", ylabel="bodies", title="Coordination")
     axes[-1][2].set(xscale="log", yscale="log", xlabel="normal force (N)", ylabel="contacts",
                     title="Forces")

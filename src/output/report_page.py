@@ -93,7 +93,7 @@ def results_of(runs):
             values = [run.results.get(section, {}).get(key) for run in runs]
             note = next((note for run in runs if (note := run.notes.get((section, key)))), "")
             texts = ["" if value is None else number(value) for value in values]
-            if len(runs) > 1 and any(value != values[0] for value in values):
+            if len(runs) > 1 and not all(same(value, values[0]) for value in values):
                 texts = [f"<b>{text}</b>" for text in texts]
             lines.append((key, *texts, f"<span class=note>{escape(note)}</span>"))
         heading = ["", *(escape(name_of(run, runs)) for run in runs), ""] if len(runs) > 1 else ()
@@ -222,9 +222,9 @@ def footer(data):
         parts.append(f"{name}Places are rounded to {bodies['step']:.2g} m, a {PARTS_OF_RADIUS}th "
                      f"of the smallest radius, "
                      "fields to three digits.")
-        if bodies["count"] < bodies["all"]:
+        if bodies["shown"] < bodies["all"]:
             parts.append(
-                f"Of {bodies['all']} bodies {bodies['count']} are shown, equally far apart in "
+                f"Of {bodies['all']} bodies {bodies['shown']} are shown, equally far apart in "
                 f"their numbers.")
         if run["series"]["rows"] < run["series"]["all"]:
             parts.append(
@@ -232,6 +232,13 @@ def footer(data):
         if run["frames"] and len(run["frames"]) < run["snapshots"]:
             parts.append(f"Of {run['snapshots']} snapshots {len(run['frames'])} are here.")
     return " ".join(parts) + " Walls are not drawn."
+
+
+def same(one, other):
+    """Of results, lists of them too; two that are no numbers are the same."""
+    if isinstance(one, list) and isinstance(other, list):
+        return len(one) == len(other) and all(map(same, one, other))
+    return one == other or (one != one and other != other)
 
 
 def case_of(run):

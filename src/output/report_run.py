@@ -14,6 +14,7 @@ import numpy as np
 from report_clumps import Shapes, shape_of, turned
 
 GRAVITY = 6.67430e-11
+ROUND_OFF = 1e-9  # of sums of steps
 
 
 def readable_time(seconds):
@@ -251,11 +252,17 @@ class Run:
         return np.cross(self.flight, up), up
 
     def name_of(self, frame):
-        if not self.has_impact:
-            return f"{readable_time(frame.time)} after the start"
-        if frame is self.before:
+        if self.is_before_impact(frame):
             return "before the impact"
-        return f"{readable_time(frame.time - self.before.time)} after the impact"
+        impact = self.impact_time() if self.has_impact else None
+        if impact is None:
+            return f"{readable_time(frame.time)} after the start"
+        return f"{readable_time(frame.time - impact)} after the impact"
+
+    def is_before_impact(self, frame):
+        """Never where the run went on from a state after it: no snapshot is older."""
+        impact = self.impact_time() if self.has_impact else None
+        return impact is not None and frame.time <= impact * (1 + ROUND_OFF)
 
     def is_free(self):
         """Whether neither walls nor a uniform field act, so that momentum is kept; as
@@ -277,8 +284,21 @@ class Run:
         return marks
 
     def impact_time(self):
-        """s, of the first row of the phase that begins with an impactor; None before it."""
+        """s, at which the impactor was added; None before. Restart files tell it; without them it
+        is the first row of the series since."""
         if self.impact_phase is None:
             return None
+        if self.impact_phase == 0:
+            return 0.0
+        ended = [f"after_{phase['name']}" for phase in self.case["phases"][self.impact_phase - 1:]]
+        for name in (*ended, "restart"):
+            try:
+                with h5py.File(os.path.join(self.folder, name + ".h5")) as file:
+                    (_, phase, _), (time, _, since) = (file[f"clock/{part}"][:]
+                                                       for part in ("counts", "times"))
+            except OSError:  # there is none, or it is being written
+                continue
+            if since >= 0 or phase == self.impact_phase:
+                return float(time - max(since, 0))
         rows = np.flatnonzero(self.series["phase"] >= self.impact_phase)
         return float(self.series["time"][rows[0]]) if len(rows) else None

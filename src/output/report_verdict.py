@@ -12,7 +12,7 @@ NEXT_TO_NOTHING = 1e-6  # dissipated, of the kinetic energy; as src/run/account.
 SAME_BETA = 0.02  # beta within this of 1 + e is taken for it
 STILL_RISING = 0.02  # of dv between the last two read-outs
 YET_TO_COME = 0.01  # of the energy that flies at a wall, beyond which its verdict is not final
-STILL_FAILING = 0.05  # of the margin between the last two snapshots
+STILL_FAILING = 0.05  # of the margin between the last two times at which it was judged
 FEW_LAYERS = 3  # of bodies in a wall, fewer than which tell little of it
 LARGE_OVERLAP = 0.01  # of the smaller radius: rigid bodies should have none
 SOFT_OVERLAP = 0.01  # the same: until there a low stiffness changes little
@@ -174,23 +174,25 @@ def beta(results):
                                for key in ("beta_along", "dv_plastic", "dv_elastic"))
     if value is None or not plastic:
         return
-    rebound = elastic / plastic
+    # What is coupled to the ground comes back with what was launched near the site.
+    bounces = "coupling" not in results
+    rebound = elastic / plastic if bounces else 1
+    bounce = f"1 + e = {rebound:.3g} of a bounce" if bounces else "1 of an impactor that stays"
+    left = ("dv_ejecta",) if bounces else ("dv_ejecta", "dv_rebound")
     if (told := deflection.get("foreign_motion")) is not None:
         yield BAD, f"Beta is {value:.3g}, but {told}."
     elif (told := deflection.get("warning")) is not None:
         told = told.removeprefix("WARNING: ")
         yield NOTE, f"{told[0].upper()}{told[1:]}.{coupled(deflection)}"
     elif abs(value - rebound) <= SAME_BETA * rebound:
-        yield NOTE, (f"Beta is {value:.3g}, which is only 1 + e = {rebound:.3g}: the impactor "
-                     f"bounced off, and ejecta added "
+        yield NOTE, (f"Beta is {value:.3g}, which is only {bounce}: ejecta added "
                      f"nothing.{coupled(deflection)}")
     elif value > rebound:
-        yield GOOD, (f"Beta is {value:.3g}, more than the 1 + e = {rebound:.3g} of a bounce: "
-                     f"ejecta carried off "
-                     f"{value - rebound:.2g} of the impactor's momentum.{coupled(deflection)}")
+        share = sum(deflection[key] for key in left) / deflection["dv_impactor"]
+        yield GOOD, (f"Beta is {value:.3g}, more than the {bounce}: ejecta carried off "
+                     f"{share:.2g} of the impactor's momentum.{coupled(deflection)}")
     else:
-        yield NOTE, (f"Beta is {value:.3g}, less than the 1 + e = {rebound:.3g} of a bounce: the "
-                     f"impactor kept part of its "
+        yield NOTE, (f"Beta is {value:.3g}, less than the {bounce}: the impactor kept part of its "
                      "momentum, or bodies left forwards.")
     if (closure := deflection.get("momentum_closure")) is not None and closure > ROUND_OFF:
         yield BAD, (f"The parts of the deflection miss its sum by {closure:.2g} of the impactor's "
@@ -207,10 +209,13 @@ def told_by_the_run(results):
 def rising(results):
     read = results.get("read_out", {})
     times, dv = read.get("since_impact", []), read.get("dv", [])
-    if len(dv) < 2 or not dv[-1]:
+    # Two that are asked for within one step are of one instant.
+    before = [k for k, time in enumerate(times) if time < times[-1]]
+    if not before or not dv[-1]:
         return None
-    change = (dv[-1] - dv[-2]) / abs(dv[-1])
-    between = f"between {readable_time(times[-2])} and {readable_time(times[-1])} after the impact"
+    change = (dv[-1] - dv[before[-1]]) / abs(dv[-1])
+    between = (f"between {readable_time(times[before[-1]])} and {readable_time(times[-1])} after "
+               "the impact")
     if abs(change) > STILL_RISING:
         return NOTE, (f"The deflection still changed by {percent(change)} {between}: a longer run "
                       f"may give another.")
