@@ -179,10 +179,15 @@ int dispatch(const Comm& comm, int argc, char** argv) {
       ->allow_extra_args(false)
       ->check(CLI::Range(1, std::numeric_limits<int>::max()));
   planning->add_option("--set", options.overrides, "change keys")->take_all();
-  planning->add_option("--latency", options.latency, "of a message; default: \"2 us\"");
-  planning->add_option("--bandwidth", options.bandwidth, "of a rank; default: \"1 GB/s\"");
-  planning->add_flag("--calibrate", options.plan.calibrate,
-                     "measure both between the first two ranks, under mpirun");
+  auto* latency =
+      planning->add_option("--latency", options.latency, "of a message; default: \"2 us\"");
+  auto* bandwidth =
+      planning->add_option("--bandwidth", options.bandwidth, "of a rank; default: \"1 GB/s\"");
+  planning
+      ->add_flag("--calibrate", options.plan.calibrate,
+                 "measure both between the first two ranks, under mpirun")
+      ->excludes(latency)
+      ->excludes(bandwidth);
   auto* page = app.add_subcommand(
       "report", "make report.html in the folder of a run: bodies in 3-D, curves, verdicts");
   page->add_option("folders", options.folders,

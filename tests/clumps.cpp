@@ -684,6 +684,10 @@ TEST(Case, a_shape_of_a_file_needs_the_file_no_more_after_a_restart) {
     EXPECT_EQ(again.shapes[1].spheres[k].at, scene.shapes[1].spheres[k].at);
     EXPECT_EQ(again.shapes[1].spheres[k].radius, scene.shapes[1].spheres[k].radius);
   }
+  // Nor does it where an override has named the file.
+  const std::vector<std::string> named = {"shapes.boulder.file=\"rock.obj\""};
+  const Case once_more = parse_case(scene.text, file, named, Groups::needed, {}, scene.constants);
+  EXPECT_EQ(once_more.shapes[1].spheres.size(), 5u);
 }
 
 TEST(Case, a_single_clump_lies_as_it_is_asked_to) {

@@ -106,6 +106,13 @@ const std::vector<Refused> table = {
      "every 0.01 s, and the phase ends after 0.005 s"},
     {with_group("volume = {radius = 1, center = [9, 0, 0]}\nvelocity = [4e7, 0, 0]\n"),
      "x.toml:11:1: groups.c.velocity: 4e+07 m/s are more than a tenth of the speed of light"},
+    {with_group("volume = {radius = 2, center = [9, 0, 0]}\nspin = [0, 0, 2e7]\n"),
+     "x.toml:11:1: groups.c.spin: 4e+07 m/s are more than a tenth of the speed of light"},
+    {with_group("volume = {radius = 1, center = [9, 0, 0]}\nmotion = {velocity = [0, 4e7, 0]}\n"),
+     "x.toml:11:1: groups.c.motion: 4e+07 m/s are more than a tenth of the speed of light"},
+    // Odd, and beyond what a double holds exactly.
+    {with_group("volume = {radius = 1, center = [9, 0, 0]}\nvelocity = [9007199254740993, 0, 0]\n"),
+     "x.toml:11:1: groups.c.velocity: 9.01e+15 m/s are more than a tenth of the speed of light"},
     // What would be moved away from what stays.
     {bodies + phase + "remove_drift = true\n[[planes]]\npoint = [0, 0, -2]\n",
      "x.toml:11:1: phases.only.remove_drift: a wall of [[planes]] or [[boxes]] would stay"},

@@ -300,6 +300,67 @@ TEST(Case, tables_and_keys_that_nothing_reads_are_told) {
       EXPECT_EQ(other.unused[1], "gravity.near_clumps is not used: no group has a shape");
     }
   }
+  const std::string hit = R"([contact]
+restitution = 0.5
+cohesion_range = 0.1
+[[groups]]
+name = "a"
+material = "rock"
+volume = {radius = 2}
+[[phases]]
+name = "hit"
+step = 1e-4
+duration = 1
+impactor = {mass = 1, radius = 0.1, speed = 1000, distance = 1, coupling = {law = "point_source", ground = "sand", density = 1600, hand_over = 1, n2 = 1.2}}
+)";
+  const std::string flow =
+      "phases.hit.impactor.coupling.n2 is not used: without crater_radius no rim ends the flow";
+  EXPECT_EQ(parse(hit).unused, (std::vector<std::string>{
+                                   "contact.cohesion_range is not used: nothing coheres", flow}));
+  const std::string springs = R"([contact]
+restitution = 0.5
+friction = 0
+[penalty]
+model = "hooke"
+stiffness = 1e6
+tangential_damping = 0.5
+[[groups]]
+name = "a"
+material = "rock"
+volume = {radius = 2}
+[[phases]]
+name = "soft"
+method = "penalty"
+step = 1e-4
+duration = 1
+)";
+  EXPECT_EQ(
+      parse(springs).unused,
+      std::vector<std::string>{"penalty.tangential_damping is not used: nothing has friction"});
+}
+
+TEST(Case, what_a_later_phase_of_a_method_does_not_use_is_told_too) {
+  const Case scene = parse(R"([contact]
+friction = 0.5
+[[groups]]
+name = "a"
+material = "rock"
+volume = {radius = 2}
+[[phases]]
+name = "first"
+step = 1
+duration = 1
+[[phases]]
+name = "second"
+step = 1
+duration = 1
+solver = {relaxation = 1.5}
+)");
+  const std::string text = describe_phases(scene, measure_groups(scene));
+  EXPECT_NE(text.find("\n  in phase second:\n  solver.relaxation is not used"), std::string::npos)
+      << text;
+  EXPECT_EQ(text.find("in phase first:"), std::string::npos) << text;
+  EXPECT_EQ(text.find("in phase only:"), std::string::npos) << text;
 }
 
 TEST(Case, a_read_out_needs_what_can_be_deflected) {

@@ -116,6 +116,64 @@ impactor = {mass = 1000, radius = 0.5, speed = 20, distance = 0.1}
             "WARNING: the target is shattered: its largest clump has 0.33 of its ma");
 }
 
+TEST(Told, margins_of_a_wall_though_no_snapshot_falls_into_the_phase) {
+  said("margins", R"([output]
+snapshot_every = "1 ms"
+[materials.al]
+library = "aluminium_6061_t6"
+[[groups]]
+name = "wall"
+material = "al"
+volume = {shape = "cylinder", diameter = "20 mm", height = "2 mm"}
+packing = {kind = "fcc", diameter = "1 mm", orientation = "random"}
+[[groups]]
+name = "ball"
+material = "al"
+volume = {shape = "sphere", diameter = "4 mm", center = [0, 0, "3.3 mm"]}
+packing = {kind = "fcc", diameter = "1 mm"}
+velocity = [0, 0, "-500 m/s"]
+[[phases]]
+name = "hit"
+method = "solid"
+step = "8 ns"
+duration = "0.4 us"
+[[shields]]
+wall = "wall"
+)");
+  const toml::table results = results_in(folder_of("margins"));
+  ASSERT_TRUE(results["shield_wall"]["times"].is_array());
+  EXPECT_EQ(results["shield_wall"]["times"].as_array()->size(), 10u);
+}
+
+TEST(Told, that_what_leaves_forwards_makes_beta_less_than_that_of_a_bounce) {
+  said("forwards", "read_out = [10]\n" + rock + R"([contact]
+restitution = 0.5
+[[groups]]
+name = "large"
+material = "rock"
+volume = {radius = 10}
+[[groups]]
+name = "behind"
+material = "rock"
+volume = {radius = 5, center = [15.05, 0, 0]}
+[[phases]]
+name = "hit"
+step = 0.01
+duration = 10
+impactor = {mass = 1e4, radius = 0.5, speed = 20, distance = 0.1}
+)");
+  const toml::table results = results_in(folder_of("forwards"));
+  const auto deflection = [&](const char* key) {
+    return results["deflection"][key].value_or(std::nan(""));
+  };
+  EXPECT_LT(deflection("dv_ejecta"), -0.1 * deflection("dv_impactor"));
+  EXPECT_LT(deflection("beta_along"), 1.4);
+  const auto told = results["deflection"]["warning"].value_or(std::string());
+  EXPECT_NE(told.find("less than a bounce alone would give: what left forwards took 0.2"),
+            std::string::npos)
+      << told;
+}
+
 TEST(Told, how_deep_springs_let_bodies_go) {
   // v sqrt(m / k) without losses, over the smaller radius.
   const double k = 1e8, v = 0.2, a = 1, b = 0.5;

@@ -33,7 +33,9 @@ std::string read_text(const std::string& path) {
 }  // namespace
 
 bool InputFiles::exists(const std::string& path) const {
-  const bool here = (!comm_ || comm_->rank == 0) && std::filesystem::is_regular_file(path);
+  std::error_code unreadable;  // such as a name that is too long: there is none
+  const bool here =
+      (!comm_ || comm_->rank == 0) && std::filesystem::is_regular_file(path, unreadable);
   return comm_ ? comm_->any(here) : here;
 }
 

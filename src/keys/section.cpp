@@ -228,7 +228,9 @@ double Section::number(std::string_view key, const toml::node& node,
                        const Quantity& quantity) const {
   double value = 0;
   if (node.is_number()) {
-    value = *node.value<double>();
+    // No double has all digits of a long whole number: value<double>() of that is none.
+    value = node.is_integer() ? static_cast<double>(*node.value<std::int64_t>())
+                              : *node.value<double>();
   } else if (const auto text = node.value<std::string>()) {
     try {
       value = parse_quantity(*text, quantity.dimension);

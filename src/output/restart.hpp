@@ -22,6 +22,10 @@ struct Clock {
   double time = 0;                 ///< s since the start
   double time_in_phase = 0;        ///< s
   double since_impact = -1;        ///< s since the impactor was added; negative: not yet
+
+  /// Of the last step; of the first where there was none. Its engine stands, and its step tells
+  /// what instants are seen, until another phase has begun.
+  std::int64_t phase_of_last_step() const { return phase - (step_in_phase == 0 && phase > 0); }
 };
 
 /// Whatever must go on beside bodies, contacts and clock, by name.

@@ -18,7 +18,7 @@ void check_later_steps(const World& world, const Case& scene, const Clock& clock
   later.time = clock.time - clock.time_in_phase;
   for (std::size_t p = next; p < scene.phases.size(); ++p) {
     const Phase &one = scene.phases[p], &former = scene.phases[p - 1];
-    later.time += former.duration;
+    later.time += former.lasts();
     if (former.until == PhaseEnd::settled) later.motions.clear();  // it may end sooner
     std::ranges::fill(bodies.velocity, Vec3::Zero());
     if (one.cohesion) set_cohesion(later.contact, *one.cohesion);

@@ -52,9 +52,7 @@ Case stored_case(const RestartState& state, const std::vector<std::string>& over
 /// answer to it, only the next step tells: there the last row closes the account.
 void close_account(Simulation& simulation) {
   World& world = simulation.world();
-  const Clock& clock = simulation.clock();
-  const bool ended = clock.step_in_phase == 0 && clock.phase > 0;
-  const Phase& phase = simulation.scene().phases[clock.phase - (ended ? 1 : 0)];
+  const Phase& phase = simulation.scene().phases[simulation.clock().phase_of_last_step()];
   if (!phase.engine->solves) close_kick(world);
   evaluate_field(world);
   if (world.kick.interval > 0) return;
@@ -285,12 +283,10 @@ class Run {
     const auto passed = [&](double every) {
       return passed_multiple(scene_, before, clock(), every);
     };
-    if (passed(scene_.output.snapshot_every)) {
-      snapshot();
-      judge_walls();
-    } else if (scene_.output.snapshot_every == 0 && passed(phase().duration / judgements_a_phase)) {
-      judge_walls();
-    }
+    const double snapshots = scene_.output.snapshot_every, duration = phase().duration;
+    const bool none = snapshots == 0 || snapshots > duration;
+    if (passed(snapshots)) snapshot();
+    if (passed(none ? duration / judgements_a_phase : snapshots)) judge_walls();
     if (passed(phase().duration / looks_a_phase)) watch_walls();
     if (passed(debris_.every())) {
       StageTimer timer(world().stages, "analysis");

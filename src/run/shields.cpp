@@ -68,11 +68,12 @@ void add(const ShieldWall& wall, const WallVerdict& v, const Coming& largest, Re
   table.add(section, "spall_speed", v.spall_speed, "m/s", "against the wall, mean by mass");
   table.add(section, "still_coming", v.still_coming, "",
             "of the energy that flew at it: has not met it yet");
-  const bool seen = largest.meets > 0 || largest.passes > 0;
+  const bool seen = largest.meets > 0;  // else pieces were not looked at in time
   table.add(section, "largest_met", seen ? largest.meets : std::nan(""), "J",
             "along the normal, of the piece with most of those that flew at what is judged");
   table.add(section, "largest_passed", seen ? largest.passes : std::nan(""), "J",
-            "the same, of those that flew past it; nan: none was seen before the wall alone");
+            "the same, of those that flew past it; nan: none was seen to fly at it before the wall "
+            "alone");
   table.add(section, "spacing", wall.spacing, "m", "of its bodies: narrower openings are not seen");
 }
 
@@ -144,7 +145,7 @@ std::vector<std::string> Shields::conclude(const World& world, const Engine& eng
   const std::vector<std::string> lines = read_out(world, engine, time);
   for (const Judged& judged : walls_) {
     add(judged.wall, judged.last, judged.largest, table);
-    table.add(judged.wall.section, "times", judged.times, "s", "of snapshots");
+    table.add(judged.wall.section, "times", judged.times, "s", "at which it was judged");
     table.add(judged.wall.section, "margins", judged.margins, "", "at these times");
   }
   return lines;

@@ -183,8 +183,7 @@ Simulation::Simulation(const Comm& comm, const Scene& scene, const RestartState&
   set_fields(world.bodies, fields);
   // At the start of a phase what pairs remember and hold is still the former phase's.
   const Clock& clock = state_->clock;
-  const bool begins = clock.step_in_phase == 0 && clock.phase > 0;
-  state_->set_engine(begins ? this->scene().phases[clock.phase - 1] : phase());
+  state_->set_engine(this->scene().phases[clock.phase_of_last_step()]);
   state_->engine->restart_pairs(world, {from.contacts, from.bonds});
   world.time = clock.time;
   check_held(world, this->scene().file);

@@ -15,14 +15,15 @@ namespace {
 /// Steps of `h` to the instant that is nearest to what is `ahead` (s), the earlier of two; at least
 /// 1.
 std::int64_t steps_to(double ahead, double h) {
-  return std::max<std::int64_t>(1, static_cast<std::int64_t>(std::ceil(ahead / h - 0.5)));
+  constexpr double never = 1e18;  // steps; more have no number
+  return std::max<std::int64_t>(
+      1, static_cast<std::int64_t>(std::ceil(std::min(ahead / h, never) - 0.5)));
 }
 
 /// s: up to what is nearer to this `instant` than to the next, and before the first step of a phase
 /// up to what was so at the former phase's last one.
 double seen_until(const Case& scene, const Clock& clock, double instant) {
-  const bool begins = clock.step_in_phase == 0 && clock.phase > 0;
-  return instant + scene.phases[clock.phase - (begins ? 1 : 0)].step / 2;
+  return instant + scene.phases[clock.phase_of_last_step()].step / 2;
 }
 
 /// How many multiples of `every` are seen.

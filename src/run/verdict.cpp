@@ -150,13 +150,19 @@ std::string Verdict::warning() const {
         "ways. beta_along, {:.4g}, is along the flight alone",
         last.beta_along);
   }
+  const double share = last.dv_ejecta / last.dv_impactor;
+  const std::string why =
+      share < -resolved
+          ? fmt::format(
+                "less than a bounce alone would give: what left forwards took {:.2g} of m U",
+                -share)
+          : fmt::format("that of a bounce alone, 1 + e at most: ejecta brought {:.2g} of m U",
+                        share);
   return fmt::format(
-      "WARNING: beta {:.4g} is that of a bounce alone, 1 + e at most: ejecta brought {:.2g} of m "
-      "U. "
-      "The body that was hit weighs {:.3g} impactors, so nothing of a crater is resolved. Bodies "
-      "lighter than the impactor at the site, or impactor.coupling, would tell of ejecta",
-      last.beta_along, last.dv_ejecta / last.dv_impactor,
-      before_.struck_mass / before_.impactor_mass);
+      "WARNING: beta {:.4g} is {}. The body that was hit weighs {:.3g} impactors, so nothing of a "
+      "crater is resolved. Bodies lighter than the impactor at the site, or impactor.coupling, "
+      "would tell of ejecta",
+      last.beta_along, why, before_.struck_mass / before_.impactor_mass);
 }
 
 void Verdict::add_to(ResultTable& table, const std::optional<Binary>& binary) const {

@@ -218,7 +218,8 @@ void read_case_keys(Section& in, Case& scene) {
            scene.output.snapshot_every, not_negative(time));
     s.take("series_every",
            "simulated; 0: every step; left out: every step where impulses are solved for, else "
-           "each hundredth",
+           "each hundredth. Under self-gravity steps that are solved for have a row at each "
+           "evaluation of it",
            scene.output.series_every, not_negative(time));
     s.take("restart_every", "of wall time", scene.output.restart_every, positive(time));
   });
@@ -373,6 +374,23 @@ std::vector<std::string> unused_parts(const toml::table& root, const Case& scene
         "gravity.refresh is not used: beside gravity.uniform each step evaluates the field");
   if (root["gravity"]["near_clumps"] && scene.shapes.empty())
     unused.push_back("gravity.near_clumps is not used: no group has a shape");
+  const bool coheres =
+      has_cohesion(scene.contact) ||
+      std::ranges::any_of(scene.phases, [](const Phase& phase) { return phase.cohesion > 0; });
+  for (const char* key : {"cohesion_range", "cohesion_law"})
+    if (root["contact"][key] && !methods.contains("contact") && !coheres)
+      unused.push_back(fmt::format("contact.{} is not used: nothing coheres", key));
+  for (const char* key : {"tangential_ratio", "tangential_damping"})
+    if (root["penalty"][key] && !methods.contains("penalty") && !has_friction(scene.contact))
+      unused.push_back(fmt::format("penalty.{} is not used: nothing has friction", key));
+  for (std::size_t k = 0; k < scene.phases.size(); ++k)
+    for (const char* key : {"n2", "p"})
+      if (root["phases"][k]["impactor"]["coupling"][key] &&
+          !scene.phases[k].impactor->coupling->crater_radius)
+        unused.push_back(
+            fmt::format("phases.{}.impactor.coupling.{} is not used: without crater_radius no rim "
+                        "ends the flow",
+                        scene.phases[k].name, key));
   return unused;
 }
 
@@ -397,11 +415,15 @@ Case parse_case(const std::string& text, const std::string& file,
     throw Error(fmt::format("{}:{}:{}: {}", file, error.source().begin.line,
                             error.source().begin.column, error.description()));
   }
-  for (const auto* changes : {&constants, &overrides})
-    for (const std::string& change : *changes) {
-      toml::table from = parse_override(change);
-      merge(from, root, "--set " + change);
-    }
+  std::vector<std::string> changes = constants;
+  changes.insert(changes.end(), overrides.begin(), overrides.end());
+  // Bodies keep the shapes that a file gave them, though an override named it.
+  const auto of_shape = [](const std::string& change) { return change.starts_with("shapes."); };
+  std::ranges::copy_if(constants, std::back_inserter(changes), of_shape);
+  for (const std::string& change : changes) {
+    toml::table from = parse_override(change);
+    merge(from, root, "--set " + change);
+  }
   Case scene;
   scene.file = file;
   scene.text = text;
@@ -413,11 +435,11 @@ Case parse_case(const std::string& text, const std::string& file,
       root, file, [&](Section& in) { read_case_keys(in, scene); }, all_keys());
   draw_orientations(scene);
   gather_shapes(scene);
-  scene.unused = unused_parts(root, scene);
   const auto hit = std::ranges::find_if(scene.phases, &Phase::has_impactor);
   if (hit != scene.phases.end()) find_material_of(*hit->impactor, scene.materials);
   const std::vector<MaterialUse> uses = material_uses(scene);
   derive_contact_law(scene, uses);
+  scene.unused = unused_parts(root, scene);
   for (const EngineType* type : all_engines()) type->derive(scene, uses, scene.engines);
   for (Phase& phase : scene.phases) phase.engine->derive(scene, uses, phase.settings);
   find_debris_groups(scene);

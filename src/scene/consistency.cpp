@@ -79,10 +79,23 @@ void check_settling(const Case& scene, const Phase& phase) {
 /// Mechanics here are Newton's: at a tenth of the speed of light the energy is wrong by 1 %.
 void check_speeds(const Case& scene) {
   constexpr double most = 0.1 * 299792458.0;  // m/s
-  for (const Group& group : scene.groups)
-    require(group.velocity.norm() <= most,
-            "{}.velocity: {:.3g} m/s are more than a tenth of the speed of light", group.place,
-            group.velocity.norm());
+  const auto check = [&](const Group& group, const char* key, double speed) {
+    require(speed <= most, "{}.{}: {:.3g} m/s are more than a tenth of the speed of light",
+            group.place, key, speed);
+  };
+  for (const Group& group : scene.groups) {
+    const Volume& volume = group.volume;
+    const bool round = volume.shape == Shape::sphere || volume.shape == Shape::hollow_sphere;
+    const bool unread = volume.shape == Shape::mesh && !volume.mesh;
+    const double half = round ? volume.radius : unread ? 0 : half_widths(volume).norm();
+    check(group, "velocity", group.velocity.norm());
+    check(group, "spin", group.spin.norm() * half);
+    if (group.thermal) check(group, "thermal_velocity", group.thermal->rms);
+    if (!group.motion) continue;
+    const VelocityRange range = group.motion->velocities(volume.center, 0, infinity);
+    const double turning = range.turning + std::abs(group.motion->rate) * half;
+    check(group, "motion", range.low.cwiseAbs().cwiseMax(range.high.cwiseAbs()).norm() + turning);
+  }
   for (const Phase& phase : scene.phases)
     require(!phase.impactor || phase.impactor->speed <= most,
             "{}.impactor.speed: {:.3g} m/s are more than a tenth of the speed of light",
@@ -253,7 +266,12 @@ double duration_of(std::span<const Phase> phases) {
 std::string taker_of_recoil(const Case& scene) {
   if (scene.walls().size() > 0) return "a wall";
   if (scene.period.any()) return "the box of [periodic]";
-  return find_held(scene) || has_fixed_sphere(scene) ? "a held body" : "";
+  const auto stores_fixed = [](const Group& group) {
+    return std::ranges::any_of(group.packing.stored, &StoredBody::fixed);
+  };
+  const bool holds = find_held(scene) || has_fixed_sphere(scene) ||
+                     std::ranges::any_of(scene.groups, stores_fixed);
+  return holds ? "a held body" : "";
 }
 
 std::string warning_of_read_outs(const Case& scene) {

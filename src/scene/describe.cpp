@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "gravity/field.hpp"
 #include "scene/consistency.hpp"
@@ -193,8 +196,15 @@ std::string describe_phases(const Case& scene, const std::vector<GroupContent>& 
     if (contents[g].count > 0)
       uses[g].mass = contents[g].lightest * contents[g].mass_factor(scene.groups[g]);
   for (const EngineType* type : all_engines()) {
-    const auto phase = std::ranges::find(scene.phases, type, &Phase::engine);
-    if (phase != scene.phases.end()) text += type->describe(scene, uses, phase->settings);
+    std::vector<std::pair<std::string, std::string>> told;  // of each phase
+    for (const Phase& phase : scene.phases)
+      if (phase.engine == type)
+        told.emplace_back(phase.name, type->describe(scene, uses, phase.settings));
+    const auto differs = [&](const auto& one) { return one.second != told.front().second; };
+    const bool alike = std::ranges::none_of(told, differs);
+    if (alike && !told.empty()) text += told.front().second;
+    for (const auto& [phase, words] : told)
+      if (!alike && !words.empty()) text += fmt::format("\n  in phase {}:\n{}", phase, words);
   }
 
   text += fmt::format("\n  {:<16}{:>12}{:>12}{:>10}{:>12}\n", "phase", "step (s)", "lasts (s)",
