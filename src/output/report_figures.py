@@ -76,7 +76,7 @@ def before_and_after(run):
         show(panel, camera, render(camera, places, radii, color[of], SKY))
         scale_bar(panel, camera)
         panel.set_title(run.name_of(frame), color="white", fontsize=12, pad=4, loc="center")
-        if run.is_before_impact(frame):
+        if run.since_impact(frame) == 0:
             x, y, _ = camera.project(center - run.flight * size * np.array([[0.95], [0.62]]))
             panel.annotate("", (x[1], y[1]), (x[0], y[0]),
                            arrowprops={"arrowstyle": "-|>", "color": "#ffb454", "lw": 2})

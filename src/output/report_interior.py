@@ -68,19 +68,21 @@ class Inside:
     def size(self):
         return np.max(np.linalg.norm(self.position[self.clump], axis=1) + self.radius[self.clump])
 
-    def moments(self):
-        """kg m^2, principal moments of inertia, smallest first, spheres' own included."""
+    def second_moments(self):
+        """kg m^2, of mass about the centre, spheres' own included."""
         x, m, r = self.position[self.clump], self.mass[self.clump], self.radius[self.clump]
-        second = (m[:, None] * x).T @ x
-        inertia = np.eye(3) * np.trace(second) - second + 0.4 * np.sum(m * r**2) * np.eye(3)
-        return np.linalg.eigvalsh(inertia)
+        return (m[:, None] * x).T @ x + 0.2 * np.sum(m * r**2) * np.eye(3)
+
+    def moments(self):
+        """kg m^2, principal moments of inertia, smallest first."""
+        second = self.second_moments()
+        return np.linalg.eigvalsh(np.eye(3) * np.trace(second) - second)
 
     def room(self, axis, share):
         """m, at the points of a cubic grid: a ball of this radius is wholly within `share` of the
         ellipsoid with the same moments; negative outside of that."""
-        x, m, r = self.position[self.clump], self.mass[self.clump], self.radius[self.clump]
-        second = (m[:, None] * x).T @ x + np.eye(3) * 0.2 * np.sum(m * r**2)
-        squares, axes = np.linalg.eigh(5 * second / m.sum())
+        mass = self.mass[self.clump].sum()
+        squares, axes = np.linalg.eigh(5 * self.second_moments() / mass)
         scaled = np.linalg.norm(points_of(axis) @ axes / np.sqrt(squares), axis=1)
         # It grows by no more than 1 over the shortest half axis a metre.
         return ((share - scaled) * np.sqrt(squares[0])).reshape((len(axis),) * 3)

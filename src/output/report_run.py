@@ -252,17 +252,18 @@ class Run:
         return np.cross(self.flight, up), up
 
     def name_of(self, frame):
-        if self.is_before_impact(frame):
-            return "before the impact"
+        since = self.since_impact(frame)
+        if since is None:
+            return f"{readable_time(frame.time)} after the start"
+        return f"{readable_time(since)} after the impact" if since > 0 else "before the impact"
+
+    def since_impact(self, frame):
+        """s; 0 before it, None where there is none. A run that went on from a state after it has no
+        frame before."""
         impact = self.impact_time() if self.has_impact else None
         if impact is None:
-            return f"{readable_time(frame.time)} after the start"
-        return f"{readable_time(frame.time - impact)} after the impact"
-
-    def is_before_impact(self, frame):
-        """Never where the run went on from a state after it: no snapshot is older."""
-        impact = self.impact_time() if self.has_impact else None
-        return impact is not None and frame.time <= impact * (1 + ROUND_OFF)
+            return None
+        return frame.time - impact if frame.time > impact * (1 + ROUND_OFF) else 0
 
     def is_free(self):
         """Whether neither walls nor a uniform field act, so that momentum is kept; as

@@ -174,11 +174,9 @@ def beta(results):
                                for key in ("beta_along", "dv_plastic", "dv_elastic"))
     if value is None or not plastic:
         return
-    # What is coupled to the ground comes back with what was launched near the site.
     bounces = "coupling" not in results
     rebound = elastic / plastic if bounces else 1
     bounce = f"1 + e = {rebound:.3g} of a bounce" if bounces else "1 of an impactor that stays"
-    left = ("dv_ejecta",) if bounces else ("dv_ejecta", "dv_rebound")
     if (told := deflection.get("foreign_motion")) is not None:
         yield BAD, f"Beta is {value:.3g}, but {told}."
     elif (told := deflection.get("warning")) is not None:
@@ -188,7 +186,9 @@ def beta(results):
         yield NOTE, (f"Beta is {value:.3g}, which is only {bounce}: ejecta added "
                      f"nothing.{coupled(deflection)}")
     elif value > rebound:
-        share = sum(deflection[key] for key in left) / deflection["dv_impactor"]
+        # What is coupled to the ground comes back with what was launched near the site.
+        left = deflection["dv_ejecta"] + (0 if bounces else deflection["dv_rebound"])
+        share = left / deflection["dv_impactor"]
         yield GOOD, (f"Beta is {value:.3g}, more than the {bounce}: ejecta carried off "
                      f"{share:.2g} of the impactor's momentum.{coupled(deflection)}")
     else:
@@ -210,12 +210,12 @@ def rising(results):
     read = results.get("read_out", {})
     times, dv = read.get("since_impact", []), read.get("dv", [])
     # Two that are asked for within one step are of one instant.
-    before = [k for k, time in enumerate(times) if time < times[-1]]
+    before = [row for row in zip(times, dv) if row[0] < times[-1]]
     if not before or not dv[-1]:
         return None
-    change = (dv[-1] - dv[before[-1]]) / abs(dv[-1])
-    between = (f"between {readable_time(times[before[-1]])} and {readable_time(times[-1])} after "
-               "the impact")
+    time, former = before[-1]
+    change = (dv[-1] - former) / abs(dv[-1])
+    between = f"between {readable_time(time)} and {readable_time(times[-1])} after the impact"
     if abs(change) > STILL_RISING:
         return NOTE, (f"The deflection still changed by {percent(change)} {between}: a longer run "
                       f"may give another.")

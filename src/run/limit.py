@@ -28,12 +28,12 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from sweep import (DONE, NUMBER, STOPPED, Run, by_names, claim, files_of, is_within, json_of,
-                   names_of)
+                   names_of, unit_of)
 
 NO_LIMIT = 4  # exit code
 NOT_FINAL = 0.01  # of the energy that flies at the wall, beyond which a verdict may change
 DOUBTED = 0.05  # of what was dissipated, beyond which a run tells not to believe it
-COLUMNS = ("wall", "verdict", "margin", "thinnest", "hole", "spall_mass", "still_coming",
+COLUMNS = ("verdict", "margin", "thinnest", "hole", "spall_mass", "still_coming",
            "opening_at_edge", "energy_unexplained")
 
 
@@ -51,9 +51,8 @@ class Range:
         low, dots, high = (part.strip() for part in values.partition(".."))
         if not equals or not dots or not low or not high:
             leave(f"--vary {text}: KEY=LOW..HIGH is wanted")
-        unit = re.fullmatch(rf"{NUMBER}\s*([^\d.\s].*)", high)
-        if unit and re.fullmatch(NUMBER, low) and not re.fullmatch(NUMBER, high):
-            low += unit[1]
+        if re.fullmatch(NUMBER, low):
+            low += unit_of(high)
         self.ends = low, high
         words, others = (re.split(f"({NUMBER})", end) for end in self.ends)
         if [word.strip() for word in words[::2]] != [word.strip() for word in others[::2]]:
@@ -69,6 +68,7 @@ class Range:
         if not self.varied:
             leave(f"--vary {text}: both ends are the same")
         self.whole = False  # whether numbers between the ends are to be whole ones
+        self.may_be_whole = all(end.is_integer() for end in (*self.low, *self.high))
 
     def value(self, part):
         if part in (0, 1):
@@ -83,11 +83,9 @@ class Range:
         return "".join(words)
 
     def between_whole(self):
-        """A value within, of no whole number; the middle where the ends are none."""
-        ends = list(zip(self.low, self.high))
-        if not all(end.is_integer() for pair in ends for end in pair):
-            return self.value(0.5)
-        return self.text(str(low + math.copysign(0.5, high - low)) for low, high in ends)
+        """A value within, of no whole number, where the ends are whole."""
+        return self.text(str(low + math.copysign(0.5, high - low))
+                         for low, high in zip(self.low, self.high))
 
     def numbers(self, text):
         words = re.split(f"({NUMBER})", text)
@@ -180,13 +178,13 @@ class Search:
         for part in sorted(self.states):
             found = self.known.get(part, {})
             rows.append({"value": self.span.value(part), "state": self.states[part],
-                         **{key: found.get(key, "") for key in COLUMNS}, "wall": self.wall})
+                         "wall": self.wall, **{key: found.get(key, "") for key in COLUMNS}})
         others = {row["value"] for row in rows}
         path = self.out / "table.json"
         rows += [row for row in (json.loads(path.read_text()) if path.is_file() else [])
                  if row["value"] not in others and row.get("wall") == self.wall]
         with open(self.out / "table.csv", "w", newline="") as file:
-            writer = csv.DictWriter(file, ["value", "state", *COLUMNS])
+            writer = csv.DictWriter(file, ["value", "state", "wall", *COLUMNS])
             writer.writeheader()
             writer.writerows(rows)
         path.write_text(json_of(rows))
@@ -282,7 +280,7 @@ def main():
         words = [options.spall, "check", options.case, *search.run_at(value).options()]
         return subprocess.run(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
-    span.whole = "is not whole" in check(span.between_whole()).stderr
+    span.whole = span.may_be_whole and "is not whole" in check(span.between_whole()).stderr
     for value in (span.value(0), span.value(1), span.value(0.5)):
         checked = check(value)
         print(checked.stderr, end="", file=sys.stderr)

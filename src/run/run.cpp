@@ -287,7 +287,7 @@ class Run {
     const bool none = snapshots == 0 || snapshots > duration;
     if (passed(snapshots)) snapshot();
     if (passed(none ? duration / judgements_a_phase : snapshots)) judge_walls();
-    if (passed(phase().duration / looks_a_phase)) watch_walls();
+    if (passed(duration / looks_a_phase)) watch_walls();
     if (passed(debris_.every())) {
       StageTimer timer(world().stages, "analysis");
       for (const std::string& line : debris_.read_out(world(), clock().time)) progress_.say(line);

@@ -80,6 +80,14 @@ def split(text):
     return [part.strip() for part in parts]
 
 
+def unit_of(text):
+    """What stands behind the number of '10 N'; "" of a number alone, 1e-3 too, and of no number."""
+    if re.fullmatch(NUMBER, text):
+        return ""
+    found = re.fullmatch(rf"{NUMBER}\s*([^\d.\s].*)", text)
+    return found[1] if found else ""
+
+
 def values_of(text):
     """'1,10,100N' -> ['1N', '10N', '100N']; a unit or name behind the last number is that of
     all."""
@@ -95,13 +103,10 @@ def values_of(text):
     if any(re.fullmatch(RANGE, part) for part in parts):
         sys.exit(f"spall sweep: {text}: a range is of whole numbers without a unit, and alone: "
                  "1..3; other values are told one by one: 0.1,0.2,0.3N")
-    unit = re.fullmatch(rf"{NUMBER}\s*([^\d.\s].*)", parts[-1])
-    if unit and not re.fullmatch(NUMBER, parts[-1]):
-        parts = [part + unit[1] if re.fullmatch(NUMBER, part) else part for part in parts]
+    unit = unit_of(parts[-1])
+    parts = [part + unit if re.fullmatch(NUMBER, part) else part for part in parts]
     plain = [part for part in parts if re.fullmatch(NUMBER, part) and float(part) != 0]
-    with_unit = [part for part in parts if not re.fullmatch(NUMBER, part)
-                 and re.fullmatch(rf"{NUMBER}\s*[A-Za-zµ°%].*", part)]
-    if plain and with_unit:
+    if plain and any(re.match(r"[A-Za-zµ°%]", unit_of(part)) for part in parts):
         sys.exit(f"spall sweep: {text}: {plain[0]} has no unit, and another value has one: a unit "
                  "behind the last value is that of all")
     return parts

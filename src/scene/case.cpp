@@ -415,11 +415,12 @@ Case parse_case(const std::string& text, const std::string& file,
     throw Error(fmt::format("{}:{}:{}: {}", file, error.source().begin.line,
                             error.source().begin.column, error.description()));
   }
+  // Overrides change a material's constants, but not the shapes that a file gave bodies, though one
+  // of them named it.
   std::vector<std::string> changes = constants;
-  changes.insert(changes.end(), overrides.begin(), overrides.end());
-  // Bodies keep the shapes that a file gave them, though an override named it.
-  const auto of_shape = [](const std::string& change) { return change.starts_with("shapes."); };
-  std::ranges::copy_if(constants, std::back_inserter(changes), of_shape);
+  const auto shapes = std::ranges::stable_partition(
+      changes, [](const std::string& change) { return !change.starts_with("shapes."); });
+  changes.insert(shapes.begin(), overrides.begin(), overrides.end());
   for (const std::string& change : changes) {
     toml::table from = parse_override(change);
     merge(from, root, "--set " + change);
