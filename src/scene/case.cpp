@@ -418,9 +418,10 @@ Case parse_case(const std::string& text, const std::string& file,
   // Overrides change a material's constants, but not the shapes that a file gave bodies, though one
   // of them named it.
   std::vector<std::string> changes = constants;
-  const auto shapes = std::ranges::stable_partition(
-      changes, [](const std::string& change) { return !change.starts_with("shapes."); });
-  changes.insert(shapes.begin(), overrides.begin(), overrides.end());
+  const auto shapes = std::stable_partition(
+      changes.begin(), changes.end(),
+      [](const std::string& change) { return !change.starts_with("shapes."); });
+  changes.insert(shapes, overrides.begin(), overrides.end());
   for (const std::string& change : changes) {
     toml::table from = parse_override(change);
     merge(from, root, "--set " + change);
