@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "pairs/near_pairs.hpp"
@@ -55,6 +57,7 @@ inline constexpr Index response_width = sizeof(ResponseRow) / sizeof(double);
 
 /// Impulse (N s) and the energy that turns to heat (J); zero before a sweep.
 using PushRow = RowHalf;
+inline constexpr Index push_width = sizeof(PushRow) / sizeof(double);
 
 /// So many pairs are worked on at once: as many as a register holds.
 inline constexpr std::size_t pair_lanes = register_lanes;
@@ -65,14 +68,22 @@ inline PairLanes spread_pairs(double value) {
   return PairLanes{} + value;
 }
 
+/// Where the row of a body begins, of `width` doubles.
+template <Index width>
+[[gnu::always_inline]] inline std::ptrdiff_t row_at(Index place) {
+  if constexpr (width % doubles_a_row == 0)
+    return std::ptrdiff_t{place} * (width / doubles_a_row);
+  else
+    return static_cast<std::uint32_t>(place) / (doubles_a_row / width);
+}
+
 /// The halves `half` of the rows at these places, of `width` doubles each.
 template <Index width>
 [[gnu::always_inline]] inline void gather_half(const double* rows, const Index* places,
                                                PairLanes* x, PairLanes* y, PairLanes* z,
                                                PairLanes* w) {
-  constexpr std::ptrdiff_t times = width / 4;
   const auto half = [&](int l) {
-    return *reinterpret_cast<const RowHalf*>(rows + places[l] / 2 * times);
+    return *reinterpret_cast<const RowHalf*>(rows + row_at<width>(places[l]));
   };
   if constexpr (pair_lanes == lane_count) {
     const auto a = joined(half(0), half(2)), b = joined(half(1), half(3));
@@ -115,11 +126,10 @@ template <Index width>
 [[gnu::always_inline]] inline void add_half(const PairLanes& x, const PairLanes& y,
                                             const PairLanes& z, const PairLanes& w,
                                             const Index* places, double* rows) {
-  constexpr std::ptrdiff_t times = width / 4;
   RowHalf half[pair_lanes];
   halves_of_pairs(x, y, z, w, half);
   for (std::size_t l = 0; l < pair_lanes; ++l)
-    *reinterpret_cast<RowHalf*>(rows + places[l] / 2 * times) += half[l];
+    *reinterpret_cast<RowHalf*>(rows + row_at<width>(places[l])) += half[l];
 }
 
 /// numbers[b] of the bodies b at these places.

@@ -49,6 +49,13 @@ RowBox kick_and_drift(World& world, Elastoplastic& engine, bool all, double h, d
     return v[0] == 0 && v[1] == 0 && v[2] == 0 && v[3] == 0;
   };
   double taken = 0;
+  const auto ask = [&](Index b) {
+    for (const auto* numbers : {&bodies.mass, &bodies.compression, &bodies.damage, &bodies.pressure,
+                                &bodies.heat, &bodies.internal_energy, &engine.rest_volume})
+      __builtin_prefetch(numbers->data() + b);
+    for (const auto* vectors : {&bodies.velocity, &bodies.kick})
+      __builtin_prefetch(vectors->data() + b);
+  };
   const auto finish = [&](Index b) {
     MotionRow& row = engine.rows[b];
     const RowHalf impulse = engine.impulses[b];
@@ -91,7 +98,7 @@ RowBox kick_and_drift(World& world, Elastoplastic& engine, bool all, double h, d
   push_by_contacts(world, engine.laws, engine.contacts, h, engine.rows.data(),
                    engine.responses.data(), engine.impulses.data());
   sweep_forces(engine.pairs, all ? Pace::brisk | Pace::slow : Pace::brisk, engine.reach.data(),
-               engine.rows.data(), engine.responses.data(), engine.impulses.data(), finish);
+               engine.rows.data(), engine.responses.data(), engine.impulses.data(), ask, finish);
   world.ledger.dissipated += taken;
   if (all) strides.slow_box = {};
   strides.slow_box.add(slow_box);

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -35,11 +36,25 @@ inline bool any_holds(const std::uint8_t* holds, Index slots, std::uint8_t paces
   return all & paces;
 }
 
+/// Asks memory for rows, `width` doubles each, of the bodies of a slot some way ahead of this one
+/// of a window: the processor itself looks no further than a slot, less than memory takes to
+/// answer.
+template <Index width>
+[[gnu::always_inline]] inline void ask_ahead(const PieceWindow& window, const Index* slot,
+                                             const double* rows) {
+  constexpr std::ptrdiff_t slots = 4;
+  const Index* const places = slot + slots * static_cast<std::ptrdiff_t>(pair_lanes);
+  if (places >= window.partners.data() + window.partners.size()) return;
+  for (std::size_t l = 0; l < pair_lanes; ++l)
+    for (Index k = 0; k < width; k += doubles_a_row)
+      __builtin_prefetch(rows + row_at<width>(places[l]) + k);
+}
+
 /// Where some bodies are, and their volumes.
 struct PlaceLanes {
   PairLanes x, y, z, volume;
 
-  PlaceLanes(const MotionRow* rows, const Index* places) {
+  [[gnu::always_inline]] PlaceLanes(const MotionRow* rows, const Index* places) {
     gather_half<doubles_a_row>(reinterpret_cast<const double*>(rows), places, &x, &y, &z, &volume);
   }
 };
@@ -47,7 +62,7 @@ struct PlaceLanes {
 struct MotionLanes {
   PairLanes u, v, w, pressure;
 
-  MotionLanes(const MotionRow* rows, const Index* places) {
+  [[gnu::always_inline]] MotionLanes(const MotionRow* rows, const Index* places) {
     gather_half<doubles_a_row>(reinterpret_cast<const double*>(rows) + 4, places, &u, &v, &w,
                                &pressure);
   }
@@ -61,6 +76,7 @@ struct MotionLanes {
 inline double sweep_shapes(const std::vector<PieceWindow>& windows, std::uint8_t paces,
                            const std::uint8_t* is_slow, const double* reach, const MotionRow* rows,
                            ShapeRow* shapes) {
+  const double* const of_rows = reinterpret_cast<const double*>(rows);
   double* const sums = reinterpret_cast<double*>(shapes);
   const PairLanes zero{};
   PairLanes fastest{};
@@ -82,6 +98,8 @@ inline double sweep_shapes(const std::vector<PieceWindow>& windows, std::uint8_t
       PairLanes sum[16] = {};
       for (Index s = 0; s < window.slots[g]; ++s, partners += pair_lanes) {
         if (!(holds[s] & paces)) continue;
+        ask_ahead<doubles_a_row>(window, partners, of_rows);
+        ask_ahead<shape_width>(window, partners, sums);
         const PlaceLanes beside(rows, partners);
         const PairLanes x = beside.x - at.x, y = beside.y - at.y, z = beside.z - at.z;
         const PairLanes r2 = x * x + y * y + z * z, share2 = r2 * inverse2;
@@ -136,6 +154,7 @@ inline void sweep_meetings(const std::vector<PieceWindow>& windows, const double
       const PairLanes inverse = 1.0 / gather_numbers(reach, own), inverse2 = inverse * inverse;
       PairLanes fastest{};
       for (Index s = 0; s < window.slots[g]; ++s, partners += pair_lanes) {
+        ask_ahead<doubles_a_row>(window, partners, reinterpret_cast<const double*>(rows));
         const PlaceLanes beside(rows, partners);
         const PairLanes x = beside.x - at.x, y = beside.y - at.y, z = beside.z - at.z;
         const PairMask near = (x * x + y * y + z * z) * inverse2 < 1.0;
@@ -161,7 +180,7 @@ inline void sweep_meetings(const std::vector<PieceWindow>& windows, const double
 struct ResponseLanes {
   PairLanes t[9], d[6], linear, square, u, v, w, time;
 
-  ResponseLanes(const ResponseRow* rows, const Index* places) {
+  [[gnu::always_inline]] ResponseLanes(const ResponseRow* rows, const Index* places) {
     const double* all = reinterpret_cast<const double*>(rows);
     gather_half<response_width>(all, places, &t[0], &t[1], &t[2], &t[3]);
     gather_half<response_width>(all + 4, places, &t[4], &t[5], &t[6], &t[7]);
@@ -195,14 +214,17 @@ struct ResponseLanes {
 /// 160), and never more than that of the bodies themselves; c and s are the material's own, as
 /// behind a shock rho (c + s u) u (Dukowicz, J. Comput. Phys. 61 (1985) 119). Calls `finish(body)`
 /// once nothing will be added to its row and neither its place nor its answer will be asked for
-/// again.
-template <class Finish>
+/// again, and `ask(body)` a window before.
+template <class Ask, class Finish>
 void sweep_forces(const std::vector<PieceWindow>& windows, std::uint8_t paces, const double* reach,
-                  const MotionRow* rows, const ResponseRow* responses, PushRow* impulses,
+                  const MotionRow* rows, const ResponseRow* responses, PushRow* impulses, Ask&& ask,
                   Finish&& finish) {
+  const double* const of_rows = reinterpret_cast<const double*>(rows);
+  const double* const of_responses = reinterpret_cast<const double*>(responses);
   double* const sums = reinterpret_cast<double*>(impulses);
   const PairLanes zero{};
-  for (const PieceWindow& window : windows) {
+  for (std::size_t n = 0; n < windows.size(); ++n) {
+    const PieceWindow& window = windows[n];
     const Index* partners = window.partners.data();
     const std::uint8_t* all_holds = window.holds.data();
     for (std::size_t g = 0; g < window.slots.size(); ++g) {
@@ -222,6 +244,9 @@ void sweep_forces(const std::vector<PieceWindow>& windows, std::uint8_t paces, c
       PairLanes fx{}, fy{}, fz{}, heat{};
       for (Index s = 0; s < window.slots[g]; ++s, partners += pair_lanes) {
         if (!(holds[s] & paces)) continue;
+        ask_ahead<doubles_a_row>(window, partners, of_rows);
+        ask_ahead<response_width>(window, partners, of_responses);
+        ask_ahead<push_width>(window, partners, sums);
         const PlaceLanes j(rows, partners);
         const PairLanes x = j.x - i.x, y = j.y - i.y, z = j.z - i.z;
         const PairLanes r2 = x * x + y * y + z * z, share2 = r2 * inverse2;
@@ -264,11 +289,12 @@ void sweep_forces(const std::vector<PieceWindow>& windows, std::uint8_t paces, c
         fy += py;
         fz += pz;
         heat += half;
-        add_half<4>(-px, -py, -pz, half, partners, sums);
+        add_half<push_width>(-px, -py, -pz, half, partners, sums);
       }
-      add_half<4>(fx, fy, fz, heat, own, sums);
+      add_half<push_width>(fx, fy, fz, heat, own, sums);
     }
-    for (const Index b : window.bodies) finish(b);
+    if (n + 1 < windows.size()) std::ranges::for_each(windows[n + 1].bodies, ask);
+    std::ranges::for_each(window.bodies, finish);
   }
 }
 
