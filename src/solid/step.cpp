@@ -76,20 +76,23 @@ RowBox kick_and_drift(World& world, Elastoplastic& engine, bool all, double h, d
       book_held(world, b, vector_of(row.place), vector_of(impulse), Vec3::Zero());
     const RowHalf v = half_row(bodies.velocity[b], 0) + half_row(vector_of(kick), 0);
     bodies.velocity[b] = vector_of(v);
-    for (int k = 0; k < 3; ++k) row.motion[k] = v[k];
+    // Each half of a row is written at once: one that is read whole would wait for a part of it.
+    RowHalf place = row.place, motion = v;
+    motion[3] = row.motion[3];
     if (response.acts()) {
       // A brisk body beside slow ones gets another kick when all act than in between.
       if (strides.long_kicks && !strides.is_slow[b])
         strides.kick_by_slow[b] = vector_of(kick) - bodies.kick[b];
       else if (time >= h)
         bodies.kick[b] = h / time * vector_of(kick);
-      row.place[3] = engine.rest_volume[b] / std::max(1.0, bodies.compression[b]);
-      row.motion[3] = bodies.damage[b] >= 1 ? infinity : bodies.pressure[b];
+      place[3] = engine.rest_volume[b] / std::max(1.0, bodies.compression[b]);
+      motion[3] = bodies.damage[b] >= 1 ? infinity : bodies.pressure[b];
       response.rest();
       for (int k = 0; k < 3; ++k) response.half_kick(k) = 0;
     }
-    row.place = multiply_add(first, v, row.place);
-    if (second != 0) row.place = multiply_add(second, v, row.place);
+    row.motion = motion;
+    place = multiply_add(first, v, place);
+    row.place = second != 0 ? multiply_add(second, v, place) : place;
     (strides.is_slow[b] ? slow_box : box).add(v);
     bodies.heat[b] += impulse[3];
     bodies.internal_energy[b] += impulse[3];
