@@ -28,7 +28,7 @@ constexpr double surely_resolved = 0.82;
 /// A body is not deformed by more within a step: what moves so is not resolved in time.
 constexpr double most_squeezed = 0.5, most_stretched = 2;
 /// Johnson & Cook's strain at failure is that of bars with notches, in which mean tension is no
-/// more than about von Mises' stress (Bridgman). Beyond, it is no more than there.
+/// more than about von Mises' stress (Bridgman). Beyond, voids alone are judged.
 constexpr double most_triaxial = 1;
 /// Metal that is pressed by more than a bar in compression does not tear by strain, however far it
 /// flows (Bao & Wierzbicki, Engineering Fracture Mechanics 72 (2005) 1049).
@@ -152,7 +152,8 @@ struct Sheared {
 /// Johnson and Cook's sum of metal that flows by `flowing`: from 1 on it fails.
 double strained_by(const SolidLaw& law, double strained, double flowing, double triaxiality,
                    double h, double hot) {
-  const double most = law.failure_strain(std::min(triaxiality, most_triaxial), flowing / h, hot);
+  if (triaxiality > most_triaxial) return strained;
+  const double most = law.failure_strain(triaxiality, flowing / h, hot);
   return most > 0 ? strained + flowing / most : std::max(strained, 1.0);
 }
 
