@@ -150,6 +150,25 @@ TEST(Tearing, by_strain_is_put_off_by_pressure) {
   }
 }
 
+// Stretched to a mean tension above von Mises' stress and below the spall strength, then sheared.
+TEST(Tearing, by_strain_rests_where_voids_alone_are_judged) {
+  const double d = 1e-3, step = 2e-3;
+  const SolidLaw law = cold("aluminium_2024_t351");
+  Lab world = held_ball(d, law);
+  const double h = 0.1 * d / law.sound_speed();
+  deform(world, 0.01 / 3 / h * as_is, h, 1);
+  deform(world, step / h * simple_shear(), h, 10);
+  const double strained = of_the_middle_body(world, &Bodies::strained);
+  for (int n = 0; n < 200; ++n) {
+    deform(world, step / h * simple_shear(), h, 1);
+    const double mises = std::sqrt(1.5) * deviator_of_the_middle(world).norm();
+    ASSERT_GT(-of_the_middle_body(world, &Bodies::pressure), 1.1 * mises);
+  }
+  EXPECT_GT(of_the_middle_body(world, &Bodies::plastic_strain), 0.2);
+  EXPECT_EQ(of_the_middle_body(world, &Bodies::strained), strained);
+  EXPECT_EQ(of_the_middle_body(world, &Bodies::damage), 0);
+}
+
 // Sheared until it is half torn, squeezed, and sheared on.
 TEST(Tearing, by_strain_rests_under_more_pressure_than_in_a_bar) {
   const double d = 1e-3, step = 2e-3;

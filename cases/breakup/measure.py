@@ -1,7 +1,7 @@
 """Shoots balls through bumpers, and pieces at walls, and puts what becomes of them beside what is
 known. Writes the tables of README.md.
 
-    /usr/bin/python3 cases/breakup/measure.py onset pieces landing wall shields
+    /usr/bin/python3 cases/breakup/measure.py onset pieces landing shock wall shields
 
 SPDX-License-Identifier: BSD-3-Clause
 """
@@ -17,6 +17,7 @@ import numpy as np
 HERE = Path(__file__).parent
 sys.path += [str(HERE.parent), str(HERE.parent.parent / "bench")]
 from cour_palais import crater_depth  # noqa: E402
+from euler import SOUND, peaks  # noqa: E402
 from program import PROGRAM, ROOT, spall  # noqa: E402
 from readme import replace_section  # noqa: E402
 from remnants import clump_names, commits, results  # noqa: E402
@@ -57,6 +58,10 @@ PIECE_SPEED = 4  # km/s
 HARDNESS, DENSITIES = 95, 2.80 / 2.71  # Brinell's, of 6061-T6; of 2017-T4 over that
 # Of the finest wall under such a piece, which costs 30 times as much otherwise: m, s.
 NARROW_WIDTH, NARROW_LASTS = 7e-3, 8e-6
+# Of the block in which the shock below it is followed, for so long: diameters of the piece; s.
+BLOCK_WIDTH, BLOCK_DEPTH, SHOCK_LASTS, SHOCK_FRAMES = 2.7, 1.6, 0.25e-6, 50
+SHOCK_DEPTHS, NEAR_AXIS, NEAR_DEPTH = (0.5, 0.75, 1, 1.25), 0.13, 0.06  # diameters
+CELLS = 72  # across the piece, by euler.py
 
 
 def run(options, case, folder, changes):
@@ -118,7 +123,8 @@ def finer(options):
     text = ["| fails by strain | across | failed | largest pieces, of the ball "
             "| bodies in the largest |\n|---|--:|--:|---|--:|"]
     folders = []
-    for fails, more in (("yes", ()), ("no", ("materials.ball.solid.johnson_cook_d1=1e3",))):
+    never = [f"materials.ball.solid.johnson_cook_d{k}=0" for k in range(1, 6)]
+    for fails, more in (("yes", ()), ("no", never)):
         for across in (12, 18, 24):
             folder = through_a_bumper(options, f"pieces-{fails}-{across}", SMALL, SMALL_BUMPER,
                                       SMALL_SPEED, across, more)
@@ -179,6 +185,45 @@ def hit_wall(options, name, piece, speed, thick, spacing, of_piece):
         f"groups.piece.velocity=[0,0,{-1e3 * speed}]"])
 
 
+def shock_below_piece(options, across):
+    """The peak pressures (Pa) at SHOCK_DEPTHS, each the mean of its bodies' own; and the run."""
+    spacing = PIECE / across
+    diameter, its_spacing = grown_piece(options, PIECE, spacing)
+    deep, each = BLOCK_DEPTH * PIECE, SHOCK_LASTS / SHOCK_FRAMES
+    folder = run(options, "wall.toml", f"shock-{across}", [
+        f"groups.wall.volume.diameter={BLOCK_WIDTH * PIECE}", f"groups.wall.volume.height={deep}",
+        f"groups.wall.volume.center=[0,0,{-deep / 2}]", f"groups.wall.packing.diameter={spacing}",
+        f"groups.piece.volume.diameter={diameter}", f"groups.piece.packing.diameter={its_spacing}",
+        f"groups.piece.volume.center=[0,0,{diameter / 2 + 1.05 * spacing}]",
+        f"groups.piece.velocity=[0,0,{-1e3 * PIECE_SPEED}]", f"phases.impact.step={each}",
+        f"phases.impact.duration={SHOCK_LASTS}", f"output.series_every={each}",
+        f"output.snapshot_every={each}"])
+    with h5py.File(folder / "trajectory.h5") as file:
+        bodies = file["particles/all"]
+        block = bodies["group"][:] == 0
+        place = bodies["position/value"][0][block] / PIECE
+        peak = bodies["pressure/value"][:][:, block].max(axis=0)
+    axis = np.hypot(place[:, 0], place[:, 1]) < NEAR_AXIS
+    return [peak[axis & (abs(place[:, 2] + depth) < NEAR_DEPTH)].mean()
+            for depth in SHOCK_DEPTHS], folder
+
+
+def shock(options):
+    depth, known = peaks(PIECE, 1e3 * PIECE_SPEED, CELLS, 2 * PIECE / SOUND)
+    columns = [[np.interp(share * PIECE, depth[::-1], known[::-1]) for share in SHOCK_DEPTHS]]
+    folders, sizes = [], (7.5, 12, 18)
+    for across in sizes:
+        peak, folder = shock_below_piece(options, across)
+        columns.append(peak)
+        folders.append(folder)
+    heads = [f"{across:g} across" for across in sizes]
+    text = [f"| depth, diameters | Euler's equations | {' | '.join(heads)} |",
+            "|--:|--:|--:|--:|--:|"]
+    for share, *row in zip(SHOCK_DEPTHS, *columns):
+        text.append(f"| {share:g} | {' | '.join(f'{one / 1e9:.1f}' for one in row)} |")
+    return text, folders
+
+
 def told_of_wall(folder):
     told = results(folder)["shield_wall"]
     return f"{told['verdict']} | {told['margin']:.2f} | {1e3 * told['hole']:.2f}"
@@ -214,7 +259,8 @@ def shields(options):
     return text, folders
 
 
-TABLES = {"onset": onset, "pieces": finer, "landing": landing, "wall": wall, "shields": shields}
+TABLES = {"onset": onset, "pieces": finer, "landing": landing, "shock": shock, "wall": wall,
+          "shields": shields}
 
 
 def main():
