@@ -51,8 +51,7 @@ def face_fluxes(state, along):
         flows.append(flow)
         slowest.append(velocity[along] - sound(density))
         fastest.append(velocity[along] + sound(density))
-    low, high = np.minimum(*slowest), np.maximum(*fastest)
-    low, high = np.minimum(low, 0), np.maximum(high, 0)
+    low, high = np.minimum(np.minimum(*slowest), 0), np.maximum(np.maximum(*fastest), 0)
     span = np.where(high - low > 0, high - low, 1)
     flow = (high * flows[0] - low * flows[1] + low * high * (sides[1] - sides[0])) / span
     return np.moveaxis(flow, -1, 1 + along)
@@ -80,8 +79,9 @@ def filled(state, most):
     return state
 
 
-def peaks(diameter, speed, across, until):
-    """Depths on the axis (m) and the peak pressures there until a time (Pa)."""
+def peaks(diameter, speed, across, depths):
+    """The peak pressures on the axis (Pa) at these depths (ball diameters), until sound has come
+    through the block."""
     h = diameter / across
     deep, high, wide = round(DEEP * across), round(HIGH * across), round(WIDE * across)
     inner = (np.arange(CORNERS) + 0.5) / CORNERS
@@ -93,7 +93,7 @@ def peaks(diameter, speed, across, until):
     state[0, deep:] = DENSITY * np.maximum(ball, EMPTY)
     state[1, deep:] = -speed * DENSITY * ball
     most, now, highest = FASTEST * speed, 0.0, np.zeros(deep)
-    while now < until:
+    while now < DEEP * diameter / SOUND:
         there = state[0] > 0.01 * DENSITY
         swift = np.maximum(abs(state[1]), abs(state[2])) / state[0] + sound(state[0])
         step = COURANT * h / swift[there].max()
@@ -101,7 +101,7 @@ def peaks(diameter, speed, across, until):
         state = filled((state + middle + step * rates(middle, h)) / 2, most)
         now += step
         highest = np.maximum(highest, pressure(state[0, :deep, 0]))
-    return (deep - np.arange(deep) - 0.5) * h, highest
+    return np.interp(depths, (np.arange(deep) + 0.5) / across, highest[::-1])
 
 
 def main():
@@ -110,13 +110,11 @@ def main():
     parser.add_argument("--diameter", type=float, default=0.9e-3, help="m")
     parser.add_argument("--speed", type=float, default=4e3, help="m/s")
     options = parser.parse_args()
+    depths = (0.5, 0.75, 1, 1.25, 1.5)
     print("| across | depth, diameters | peak, GPa |\n|--:|--:|--:|")
     for across in options.across:
-        until = DEEP * options.diameter / SOUND
-        depth, highest = peaks(options.diameter, options.speed, across, until)
-        for share in (0.5, 0.75, 1, 1.25, 1.5):
-            there = np.interp(share * options.diameter, depth[::-1], highest[::-1])
-            print(f"| {across} | {share:g} | {there / 1e9:.2f} |", flush=True)
+        for depth, peak in zip(depths, peaks(options.diameter, options.speed, across, depths)):
+            print(f"| {across} | {depth:g} | {peak / 1e9:.2f} |", flush=True)
 
 
 if __name__ == "__main__":

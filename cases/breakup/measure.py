@@ -17,7 +17,7 @@ import numpy as np
 HERE = Path(__file__).parent
 sys.path += [str(HERE.parent), str(HERE.parent.parent / "bench")]
 from cour_palais import crater_depth  # noqa: E402
-from euler import SOUND, peaks  # noqa: E402
+from euler import peaks  # noqa: E402
 from program import PROGRAM, ROOT, spall  # noqa: E402
 from readme import replace_section  # noqa: E402
 from remnants import clump_names, commits, results  # noqa: E402
@@ -166,38 +166,39 @@ def grown_piece(options, piece, spacing):
     return piece * grown, spacing * grown
 
 
+def shoot_piece(options, name, piece, speed, thick, spacing, of_piece, more=()):
+    """A piece as heavy as a ball of `piece` hits a wall at `speed`. m, m/s."""
+    diameter, its_spacing = grown_piece(options, piece, of_piece)
+    return run(options, "wall.toml", name, [
+        f"groups.wall.volume.height={thick}", f"groups.wall.volume.center=[0,0,{-thick / 2}]",
+        f"groups.wall.packing.diameter={spacing}", f"groups.piece.volume.diameter={diameter}",
+        f"groups.piece.packing.diameter={its_spacing}",
+        f"groups.piece.volume.center=[0,0,{diameter / 2 + 1.05 * spacing}]",
+        f"groups.piece.velocity=[0,0,{-speed}]", *more])
+
+
+def for_a_time(lasts, frames):
+    return [f"phases.impact.duration={lasts}", f"output.series_every={lasts / frames}",
+            f"output.snapshot_every={lasts / frames}"]
+
+
 def hit_wall(options, name, piece, speed, thick, spacing, of_piece):
-    """A piece as heavy as a ball of `piece` (mm) hits a wall at `speed` (km/s). Spacings: mm."""
-    diameter, its_spacing = grown_piece(options, 1e-3 * piece, 1e-3 * of_piece)
+    """As `shoot_piece`, but in mm and km/s; fine walls are narrow, and their runs short."""
     size = 1e-3 * piece / PIECE
     lasts = size * NARROW_LASTS * PIECE_SPEED / speed
-    narrow = (f"groups.wall.volume.diameter={size * NARROW_WIDTH}",
-              f"phases.impact.duration={lasts}", f"output.series_every={lasts / 10}",
-              f"output.snapshot_every={lasts / 10}")
-    return run(options, "wall.toml", name, [
-        *(narrow if spacing < 0.2 else ()),
-        f"groups.wall.volume.height={1e-3 * thick}",
-        f"groups.wall.volume.center=[0,0,{-5e-4 * thick}]",
-        f"groups.wall.packing.diameter={1e-3 * spacing}",
-        f"groups.piece.volume.diameter={diameter}",
-        f"groups.piece.packing.diameter={its_spacing}",
-        f"groups.piece.volume.center=[0,0,{diameter / 2 + 1.05e-3 * spacing}]",
-        f"groups.piece.velocity=[0,0,{-1e3 * speed}]"])
+    narrow = [f"groups.wall.volume.diameter={size * NARROW_WIDTH}", *for_a_time(lasts, 10)]
+    return shoot_piece(options, name, 1e-3 * piece, 1e3 * speed, 1e-3 * thick, 1e-3 * spacing,
+                       1e-3 * of_piece, narrow if spacing < 0.2 else ())
 
 
 def shock_below_piece(options, across):
     """The peak pressures (Pa) at SHOCK_DEPTHS, each the mean of its bodies' own; and the run."""
     spacing = PIECE / across
-    diameter, its_spacing = grown_piece(options, PIECE, spacing)
-    deep, each = BLOCK_DEPTH * PIECE, SHOCK_LASTS / SHOCK_FRAMES
-    folder = run(options, "wall.toml", f"shock-{across}", [
-        f"groups.wall.volume.diameter={BLOCK_WIDTH * PIECE}", f"groups.wall.volume.height={deep}",
-        f"groups.wall.volume.center=[0,0,{-deep / 2}]", f"groups.wall.packing.diameter={spacing}",
-        f"groups.piece.volume.diameter={diameter}", f"groups.piece.packing.diameter={its_spacing}",
-        f"groups.piece.volume.center=[0,0,{diameter / 2 + 1.05 * spacing}]",
-        f"groups.piece.velocity=[0,0,{-1e3 * PIECE_SPEED}]", f"phases.impact.step={each}",
-        f"phases.impact.duration={SHOCK_LASTS}", f"output.series_every={each}",
-        f"output.snapshot_every={each}"])
+    folder = shoot_piece(options, f"shock-{across}", PIECE, 1e3 * PIECE_SPEED, BLOCK_DEPTH * PIECE,
+                         spacing, spacing, [
+                             f"groups.wall.volume.diameter={BLOCK_WIDTH * PIECE}",
+                             f"phases.impact.step={SHOCK_LASTS / SHOCK_FRAMES}",
+                             *for_a_time(SHOCK_LASTS, SHOCK_FRAMES)])
     with h5py.File(folder / "trajectory.h5") as file:
         bodies = file["particles/all"]
         block = bodies["group"][:] == 0
@@ -209,8 +210,7 @@ def shock_below_piece(options, across):
 
 
 def shock(options):
-    depth, known = peaks(PIECE, 1e3 * PIECE_SPEED, CELLS, 2 * PIECE / SOUND)
-    columns = [[np.interp(share * PIECE, depth[::-1], known[::-1]) for share in SHOCK_DEPTHS]]
+    columns = [peaks(PIECE, 1e3 * PIECE_SPEED, CELLS, SHOCK_DEPTHS)]
     folders, sizes = [], (7.5, 12, 18)
     for across in sizes:
         peak, folder = shock_below_piece(options, across)
