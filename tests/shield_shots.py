@@ -9,11 +9,12 @@ import tempfile
 import tomllib
 from argparse import Namespace
 from dataclasses import replace
-from math import isclose
+from math import isclose, pi
 from pathlib import Path
 
 sys.path.insert(0, str(Path(sys.argv[1]) / "cases/shields"))
 import equations  # noqa: E402
+import largest_piece  # noqa: E402
 import run  # noqa: E402
 import score  # noqa: E402
 
@@ -162,10 +163,10 @@ def what_is_done_is_kept_and_what_is_missing_goes_on():
             sys.argv = ["run.py", "--most", str(most), "--jobs", "2", "--program", str(program),
                         "--out", str(folder / "out")]
             run.main()
-            assert sorted(row["row"] for row in run.known()) == sorted(wanted[:expected])
-        assert {row["bodies"] for row in run.known()} == {"1234"}
+            assert sorted(row["row"] for row in run.known(run.RESULTS)) == sorted(wanted[:expected])
+        assert {row["bodies"] for row in run.known(run.RESULTS)} == {"1234"}
         # The ball is as heavy as that of the shot, however many sites of the lattice are in it.
-        row = run.known()[0]
+        row = run.known(run.RESULTS)[0]
         shot = shots[int(row["row"]) - 1]
         case = tomllib.loads((folder / f"out/{row['row']}-18-6-1-0.7-0.35/shot.toml").read_text())
         grown = case["groups"][2]["volume"]["diameter"] / (shot.diameter / 100)
@@ -176,13 +177,43 @@ def what_is_done_is_kept_and_what_is_missing_goes_on():
         sys.argv = ["run.py", "--most", "1", "--program", str(program),
                     "--out", str(folder / "out")]
         run.main()
-        assert run.known()[-1]["verdict"] == "failed"
+        assert run.known(run.RESULTS)[-1]["verdict"] == "failed"
         options = Namespace(**vars(run.FINE), results=run.RESULTS)
         some, without, planned = score.counted(shots, options)
         assert (len(some), without, planned) == (5, 1, len(wanted))
         text = score.table(some, without, planned, options)
         held = sum(not shot.perforated for shot, _ in some)
         assert f"| Spall | {score.share([True] * held + [False] * (5 - held))} |" in text, text
+
+
+def a_piece_has_the_energy_with_which_it_met_the_wall():
+    for shot in cheap[::20]:
+        shot = replace(shot, metals=(*shot.metals[:2], "AA6061-T6"))
+        piece = largest_piece.largest_piece(shot, 2.5)
+        mass = 1000 * shot.density[0] * pi / 6 * (1e-3 * piece.diameter)**3
+        assert isclose(mass / 2 * (1e3 * piece.speed)**2, 2.5)
+        assert isclose(piece.speed, shot.speed * equations.cosine(shot))
+        # In centimetres, from the paper: 2.2 craters.
+        crater = (5.24 * (piece.diameter / 10)**(19 / 18) / 95**0.25
+                  * (shot.density[0] / shot.density[2])**0.5 * (piece.speed / 5.1)**(2 / 3))
+        assert isclose(piece.needs, 22 * crater)
+
+
+def a_second_look_has_walls_fail_that_held_and_no_other():
+    some = [(replace(shot, metals=(*shot.metals[:2], "AA6061-T6"), perforated=True),
+             {"row": str(shot.row), "verdict": verdict, "largest_met_j": "1e-9",
+              **{key: str(value) for key, value in vars(run.FINE).items()}})
+            for shot, verdict in zip(cheap, ("held", "held", "perforated"))]
+    options = Namespace(**vars(run.FINE), results=score.RESULTS)
+    with tempfile.TemporaryDirectory() as folder:
+        score.SECOND = Path(folder) / "second.csv"
+        assert score.at_second_look(some, options) == {score.BY_FORMULA: [False, False, True]}
+        some[1][1]["largest_met_j"] = "1e9"
+        for (_, line), verdict in zip(some, ("perforated", "held")):
+            run.keep({**line, "verdict": verdict}, [*vars(run.RULE), "row", "verdict"],
+                     score.SECOND)
+        assert score.at_second_look(some, options) == {
+            score.SECOND_LOOK: [True, False, True], score.BY_FORMULA: [False, True, True]}
 
 
 for test in (the_shares_are_those_that_were_counted_before,
@@ -195,6 +226,8 @@ for test in (the_shares_are_those_that_were_counted_before,
              an_uneven_split_is_as_unlikely_as_coins_say,
              the_order_is_drawn_and_no_outcome_enters_it,
              plates_are_as_far_apart_as_the_table_says,
+             a_piece_has_the_energy_with_which_it_met_the_wall,
+             a_second_look_has_walls_fail_that_held_and_no_other,
              what_is_done_is_kept_and_what_is_missing_goes_on):
     test()
     print(test.__name__)

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <functional>
+#include <numbers>
 
 #include "analysis/shield_wall.hpp"
 #include "run/simulation.hpp"
@@ -392,6 +393,8 @@ TEST(Shields, the_largest_piece_that_meets_the_wall_and_the_largest_that_flies_p
   const Coming straight = turn(0, 1), aside = turn(6.8, 4), rim = turn(7.2, 4), back = turn(0, -1);
   EXPECT_TRUE(close(straight.meets, mass / 2)) << straight.meets;
   EXPECT_EQ(straight.passes, 0);
+  const double volume = mass / shot.scene.materials[0].density;
+  EXPECT_TRUE(close(straight.diameter, std::cbrt(6 * volume / std::numbers::pi)));
   EXPECT_TRUE(close(aside.meets, 8 * mass)) << aside.meets;  // at 11.9 mm
   EXPECT_EQ(aside.passes, 0);
   EXPECT_EQ(rim.meets, 0);
@@ -405,6 +408,31 @@ TEST(Shields, the_largest_piece_that_meets_the_wall_and_the_largest_that_flies_p
     EXPECT_EQ(sentence_of(shot.wall, held, fine).find("too narrow"), std::string::npos);
   held.outcome = Outcome::perforated;
   EXPECT_EQ(sentence_of(shot.wall, held, {1, 2}).find("too narrow"), std::string::npos);
+}
+
+TEST(Shields, a_wall_that_held_is_said_to_be_coarse_beside_the_largest_piece) {
+  const Scenery shot(testing_world(), {});
+  const auto is_told = [&](Outcome outcome, double diameter) {
+    WallVerdict verdict;
+    verdict.outcome = outcome;
+    const std::string text = sentence_of(shot.wall, verdict, {.meets = 1, .diameter = diameter});
+    return text.find("coarse") != std::string::npos;
+  };
+  const double seven = 7 * shot.wall.spacing;
+  EXPECT_TRUE(is_told(Outcome::held, 0.99 * seven));
+  EXPECT_FALSE(is_told(Outcome::held, 1.01 * seven));
+  EXPECT_FALSE(is_told(Outcome::perforated, 0.99 * seven));
+  EXPECT_FALSE(is_told(Outcome::held, thickness / 10));  // which it bears at any speed
+}
+
+TEST(Shields, of_two_looks_the_piece_with_more_energy_is_kept) {
+  Coming most{.meets = 2, .passes = 1, .diameter = 3};
+  most.add({.meets = 1, .passes = 4, .diameter = 5});
+  EXPECT_EQ(most.meets, 2);
+  EXPECT_EQ(most.passes, 4);
+  EXPECT_EQ(most.diameter, 3);
+  most.add({.meets = 3, .passes = 0, .diameter = 1});
+  EXPECT_EQ(most.diameter, 1);
 }
 
 TEST(Shields, what_has_a_bumper_before_it_and_what_flies_at_another_wall_is_no_piece_yet) {
@@ -447,7 +475,7 @@ TEST(Shields, verdicts_are_the_same_on_any_number_of_ranks) {
     Scenery shot(comm, turned[2]);
     shot.drill(-4 * d, 0, 4 * d);
     throw_flake(shot, 5 * d, 3 * d, 70);
-    return std::pair(shot.judge(), shot.coming().meets);
+    return std::pair(shot.judge(), shot.coming());
   };
   const auto [many, met] = hit(testing_world());
   const auto [one, met_alone] = hit(alone());
@@ -460,13 +488,15 @@ TEST(Shields, verdicts_are_the_same_on_any_number_of_ranks) {
   EXPECT_NEAR(many.spall_mass, one.spall_mass, 1e-12 * one.spall_mass);
   EXPECT_NEAR(many.spall_speed, one.spall_speed, 1e-9);
   EXPECT_NEAR(many.still_coming, one.still_coming, 1e-12);
-  EXPECT_GT(met, 0);
-  EXPECT_NEAR(met, met_alone, 1e-12 * met);
+  EXPECT_GT(met.meets, 0);
+  EXPECT_NEAR(met.meets, met_alone.meets, 1e-12 * met.meets);
+  EXPECT_NEAR(met.diameter, met_alone.diameter, 1e-12 * met.diameter);
 }
 
 TEST(Shields, margins_survive_a_restart_and_are_told_with_the_verdict) {
   const Scenery shot(testing_world(), {});
   Shields walls(shot.world.comm, shot.scene), resumed(shot.world.comm, shot.scene);
+  walls.watch(shot.world, *shot.engine);
   walls.read_out(shot.world, *shot.engine, 1);
   walls.read_out(shot.world, *shot.engine, 2);
   Scalars scalars;

@@ -31,6 +31,7 @@ from equations import is_cheap, read_shots
 HERE = Path(__file__).parent
 ROOT = HERE.parent.parent
 RESULTS = HERE / "results.csv"
+SECOND = HERE / "second_look.csv"
 
 # Metals of the table and the constants that stand for them. A bumper or a wall has its own alloy's,
 # of a temper that differs by stretching alone; the ball's are those of the nearest alloy whose
@@ -242,20 +243,20 @@ def run(options, shot):
         "commit": results["provenance"]["commit"]}
 
 
-def known():
-    return list(csv.DictReader(RESULTS.open())) if RESULTS.exists() else []
+def known(path):
+    return list(csv.DictReader(path.open())) if path.exists() else []
 
 
-def keep(line, lock):
-    """Written anew as a whole, so that a stop leaves the old or the new."""
-    with lock:
-        rows = known() + [{key: str(line.get(key, "")) for key in COLUMNS}]
-        with tempfile.NamedTemporaryFile("w", dir=RESULTS.parent, delete=False, newline="") as file:
-            writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
-            writer.writeheader()
-            writer.writerows(rows)
-        os.chmod(file.name, 0o644)
-        os.replace(file.name, RESULTS)
+def keep(line, columns, path):
+    """Adds a line to a file that is written anew as a whole, so that a stop leaves the old or the
+    new."""
+    rows = known(path) + [{key: str(line.get(key, "")) for key in columns}]
+    with tempfile.NamedTemporaryFile("w", dir=path.parent, delete=False, newline="") as file:
+        writer = csv.DictWriter(file, columns, lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+    os.chmod(file.name, 0o644)
+    os.replace(file.name, path)
 
 
 def ask_for_setting(parser):
@@ -268,6 +269,14 @@ def ask_for_setting(parser):
         value = getattr(FINE, key)
         parser.add_argument("--" + key.replace("_", "-"), type=type(value), default=value,
                             help=told)
+
+
+def end_of(until):
+    """s since 1970, of a time of today, HH:MM, or never."""
+    if not until:
+        return math.inf
+    hour, minute = map(int, until.split(":"))
+    return datetime.datetime.now().replace(hour=hour, minute=minute, second=0).timestamp()
 
 
 def main():
@@ -305,11 +314,8 @@ def main():
                 sys.exit(f"shot {row} counts: the machinery is tried on others")
             print(run(options, shots[row - 1]), flush=True)
         return
-    end = math.inf
-    if options.until:
-        hour, minute = map(int, options.until.split(":"))
-        end = datetime.datetime.now().replace(hour=hour, minute=minute, second=0).timestamp()
-    done = {int(line["row"]) for line in known() if is_of(line, options)}
+    end = end_of(options.until)
+    done = {int(line["row"]) for line in known(RESULTS) if is_of(line, options)}
     left = [shot for shot in wanted if shot.row not in done]
     if options.rows:
         left = [shot for shot in left if shot.row in options.rows]
@@ -326,7 +332,8 @@ def main():
             line = run(limited, shot)
             if line["verdict"] == "too long" and time.time() >= end:
                 return  # given up for the clock's sake: it is run again
-            keep(line, lock)
+            with lock:
+                keep(line, COLUMNS, RESULTS)
             print(*line.values(), flush=True)
 
     workers = [threading.Thread(target=work) for _ in range(options.jobs)]

@@ -9,7 +9,6 @@ SPDX-License-Identifier: BSD-3-Clause
 import argparse
 import math
 import sys
-import threading
 from pathlib import Path
 
 import run
@@ -17,6 +16,7 @@ from equations import is_right, read_shots
 from score import BEST, FAILED, has_verdict
 
 HERE = Path(__file__).parent
+RESULTS = HERE / "two_materials_results.csv"
 WALL_ACROSS = 3  # walls are up to three diameters thick: 9 layers, or the 3 of the rule
 sys.path.append(str(HERE.parent.parent / "bench"))
 from readme import replace_section  # noqa: E402
@@ -26,7 +26,7 @@ def table(shots):
     lines = ["| shot | ball | km/s | bumper, gap, wall, mm | experiment | Spall | margin "
              f"| hole, mm | {BEST} |", "|---|---|--:|---|---|---|--:|--:|---|"]
     right, equation = 0, 0
-    rows = [row for row in run.known() if has_verdict(row)]
+    rows = [row for row in run.known(RESULTS) if has_verdict(row)]
     for row in rows:
         shot = shots[int(row["row"]) - 1]
         called = is_right(shot, BEST) == shot.perforated  # perforated
@@ -57,12 +57,11 @@ def main():
     parser.add_argument("--out", type=Path, default=run.ROOT / "out/shields_two")
     options = argparse.Namespace(**vars(run.RULE) | {
         "wall_across": WALL_ACROSS, "before": [], "limit": math.inf} | vars(parser.parse_args()))
-    run.RESULTS = HERE / "two_materials_results.csv"
     shots = read_shots(HERE / "two_materials.csv")
-    done = {row["row"] for row in run.known()}
+    done = {row["row"] for row in run.known(RESULTS)}
     for shot in shots:
         if not options.only_table and str(shot.row) not in done:
-            run.keep(run.run(options, shot), threading.Lock())
+            run.keep(run.run(options, shot), run.COLUMNS, RESULTS)
     replace_section(HERE / "README.md", "two_materials", table(shots))
 
 

@@ -407,7 +407,8 @@ ShieldWall lay_wall(const Comm& comm, const Case& scene, const Shield& shield) {
     if (speed > 0)
       wall.approaches.push_back({.group = static_cast<std::int32_t>(g),
                                  .speed = speed,
-                                 .clear = where_clear(scene, wall, scene.groups[g])});
+                                 .clear = where_clear(scene, wall, scene.groups[g]),
+                                 .density = scene.materials[scene.groups[g].material].density});
   }
 
   // The recipe alone: every rank runs through it, and draws its share.
@@ -447,6 +448,20 @@ ShieldWall lay_wall(const Comm& comm, const Case& scene, const Shield& shield) {
   return wall;
 }
 
+void Coming::add(const Coming& other) {
+  if (other.meets > meets) diameter = other.diameter;
+  meets = std::max(meets, other.meets);
+  passes = std::max(passes, other.passes);
+}
+
+bool is_coarse(const ShieldWall& wall, const Coming& coming) {
+  constexpr double across = 7;  // from so many on walls' verdicts stay: cases/breakup
+  // Diameters: twice what Cour-Palais's formula asks of aluminium under aluminium at 8 km/s.
+  constexpr double thick = 9;
+  return coming.meets > 0 && coming.diameter < across * wall.spacing &&
+         wall.thickness < thick * coming.diameter;
+}
+
 Coming look_at_what_comes(const Comm& comm, const LinkedBodies& linked, const ShieldWall& wall) {
   const Bodies& bodies = linked.bodies;
   const std::vector<BodyId> own = pieces_of_group(comm, linked, wall.group);
@@ -461,11 +476,18 @@ Coming look_at_what_comes(const Comm& comm, const LinkedBodies& linked, const Sh
       const auto arrival =
           arrival_of(frame, wall.thickness, piece.position, piece.velocity - main.velocity);
       if (!arrival) continue;
-      double& most = window.contains(arrival->x, arrival->y) ? coming.meets : coming.passes;
-      most = std::max(most, piece.mass / 2 * arrival->speed * arrival->speed);
+      const double energy = piece.mass / 2 * arrival->speed * arrival->speed;
+      if (window.contains(arrival->x, arrival->y))
+        coming.add({.meets = energy, .diameter = diameter_of_ball(piece.mass / approach.density)});
+      else
+        coming.add({.passes = energy});
     }
   }
-  return {.meets = comm.max(coming.meets), .passes = comm.max(coming.passes)};
+  const double meets = comm.max(coming.meets);
+  const bool here = coming.meets == meets;
+  return {.meets = meets,
+          .passes = comm.max(coming.passes),
+          .diameter = comm.max(here ? coming.diameter : 0)};
 }
 
 WallVerdict judge_wall(const Comm& comm, const LinkedBodies& linked, const ShieldWall& wall) {

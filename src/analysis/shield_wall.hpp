@@ -33,8 +33,9 @@ struct ShieldWall {
   double columns = 0;  ///< 1/m^2, bodies behind each other where it is whole: the median
   struct Approach {
     std::int32_t group;
-    double speed;  ///< m/s at the start, towards the wall
-    double clear;  ///< m from the wall's middle, from which on nothing stands before it
+    double speed;    ///< m/s at the start, towards the wall
+    double clear;    ///< m from the wall's middle, from which on nothing stands before it
+    double density;  ///< kg/m^3
   };
   std::vector<Approach> approaches;  ///< what flies at it
 };
@@ -76,7 +77,14 @@ WallVerdict judge_wall(const Comm& comm, const LinkedBodies& linked, const Shiel
 /// other plate before it. It will meet what is judged, or fly past that.
 struct Coming {
   double meets = 0, passes = 0;
+  double diameter = 0;  ///< m, of a ball as heavy as that which meets it
+
+  /// The more energetic of what two looks saw.
+  void add(const Coming& other);
 };
+/// Whether so few of the wall's bodies lie across that piece that its verdict may be another with
+/// smaller ones. A wall that is thick beside it holds anyway.
+bool is_coarse(const ShieldWall& wall, const Coming& coming);
 /// The same holds. Collective.
 Coming look_at_what_comes(const Comm& comm, const LinkedBodies& linked, const ShieldWall& wall);
 

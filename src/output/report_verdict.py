@@ -75,6 +75,11 @@ def shields(results):
             yield NOTE, (f"The {name} is too narrow: a piece of {wall['largest_passed']:.3g} J flew"
                          f" past what is judged, and none that met it had more than "
                          f"{wall['largest_met']:.3g} J.")
+        if found == "held" and wall.get("coarse", False):
+            yield NOTE, (f"The {name} is too coarse to be sure of: the largest piece that met it is"
+                         f" as heavy as a ball of {1e3 * wall['largest_met_diameter']:.2g} mm, and "
+                         f"its bodies are {1e3 * wall['spacing']:.2g} mm. Walls of smaller bodies "
+                         "fail more easily.")
         if found == "held" and wall["rim_mass"] >= wall.get("least_spall", float("inf")):
             yield NOTE, (f"The rim of the {name}, which is not judged, has lost "
                          f"{1e3 * wall['rim_mass']:.2g} g: a wider wall may give another verdict.")

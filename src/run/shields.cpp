@@ -71,6 +71,10 @@ void add(const ShieldWall& wall, const WallVerdict& v, const Coming& largest, Re
   const bool seen = largest.meets > 0;  // else pieces were not looked at in time
   table.add(section, "largest_met", seen ? largest.meets : std::nan(""), "J",
             "along the normal, of the piece with most of those that flew at what is judged");
+  table.add(section, "largest_met_diameter", seen ? largest.diameter : std::nan(""), "m",
+            "of a ball as heavy as it");
+  table.add(section, "coarse", is_coarse(wall, largest), "",
+            "fewer than seven of its bodies lie across that: smaller ones may have it fail");
   table.add(section, "largest_passed", seen ? largest.passes : std::nan(""), "J",
             "the same, of those that flew past it; nan: none was seen to fly at it before the wall "
             "alone");
@@ -105,6 +109,11 @@ std::string sentence_of(const ShieldWall& wall, const WallVerdict& v, const Comi
         "than "
         "{:.3g} J flew",
         largest.passes, largest.meets);
+  if (is_coarse(wall, largest) && v.outcome == Outcome::held)
+    text += fmt::format(
+        "; coarse: its bodies are {:.3g} m, and the largest piece that met it is a ball of {:.3g} "
+        "m, so smaller ones may tell otherwise",
+        wall.spacing, largest.diameter);
   constexpr double little = 0.01;
   if (v.still_coming > little && v.outcome != Outcome::perforated)
     text += fmt::format("; not final: {:.2g} % of the energy that flies at it has not met it",
@@ -115,11 +124,8 @@ std::string sentence_of(const ShieldWall& wall, const WallVerdict& v, const Comi
 void Shields::watch(const World& world, const Engine& engine) {
   if (walls_.empty()) return;
   const LinkedBodies linked = engine.links(world);
-  for (Judged& judged : walls_) {
-    const Coming now = look_at_what_comes(world.comm, linked, judged.wall);
-    judged.largest.meets = std::max(judged.largest.meets, now.meets);
-    judged.largest.passes = std::max(judged.largest.passes, now.passes);
-  }
+  for (Judged& judged : walls_)
+    judged.largest.add(look_at_what_comes(world.comm, linked, judged.wall));
 }
 
 std::vector<std::string> Shields::read_out(const World& world, const Engine& engine, double time) {
@@ -163,6 +169,7 @@ void Shields::save(Scalars& scalars) const {
   for (const Judged& judged : walls_) {
     scalars[judged.wall.section + ".largest_met"] = judged.largest.meets;
     scalars[judged.wall.section + ".largest_passed"] = judged.largest.passes;
+    scalars[judged.wall.section + ".largest_met_diameter"] = judged.largest.diameter;
     for (std::size_t r = 0; r < judged.times.size(); ++r) {
       scalars[entry(judged.wall, r, "time")] = judged.times[r];
       scalars[entry(judged.wall, r, "margin")] = judged.margins[r];
@@ -177,6 +184,7 @@ void Shields::load(const Scalars& scalars) {
     if (scalars.contains(section + ".largest_met")) {
       judged.largest.meets = find_scalar(scalars, section + ".largest_met");
       judged.largest.passes = find_scalar(scalars, section + ".largest_passed");
+      judged.largest.diameter = find_scalar(scalars, section + ".largest_met_diameter");
     }
     for (std::size_t r = 0; scalars.contains(entry(judged.wall, r, "time")); ++r) {
       judged.times.push_back(find_scalar(scalars, entry(judged.wall, r, "time")));

@@ -1,0 +1,33 @@
+"""The largest piece that met a wall, as a ball, and the wall that a formula asks for behind it.
+
+SPDX-License-Identifier: BSD-3-Clause
+"""
+import sys
+from dataclasses import dataclass
+from math import cos, pi, radians
+from pathlib import Path
+
+sys.path.append(str(Path(__file__).parent.parent))
+from cour_palais import crater_depth  # noqa: E402
+
+HARDNESS = {"AA6061-T6": 95, "AA6061-T651": 95, "AA2024-T3": 120}  # Brinell's, ASM Handbook 2
+# Of a crater in a thick block: thinner walls lose spall (NASA/TM-2009-214785).
+HOLDS = 2.2
+
+
+@dataclass(frozen=True)
+class Piece:
+    diameter: float  # mm
+    speed: float  # km/s, along the wall's normal
+    needs: float  # mm, the thickness from which on a wall holds, by the formula
+
+
+def largest_piece(shot, energy):
+    """As a ball of the shot's own ball's metal, which has this energy (J) along the normal at the
+    ball's speed along it. Pieces are slower: for one half as fast walls were 3 % thicker."""
+    speed = shot.speed * cos(radians(shot.angle))
+    mass = 2 * energy / (1e3 * speed)**2
+    ball, _, wall = shot.density  # g/cm^3
+    diameter = 1e3 * (6 * mass / (pi * 1e3 * ball))**(1 / 3)
+    crater = crater_depth(diameter, speed, HARDNESS[shot.metals[2]], ball / wall)
+    return Piece(diameter, speed, HOLDS * crater)
