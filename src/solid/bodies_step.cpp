@@ -164,8 +164,8 @@ double rubbing_stress(const SolidLaw& law, double stiffness, double pressure, do
 }
 
 /// Metals return to their flow stress, by the plastic strains `flowing`, and fail where they have
-/// flown too far: over a strain whose work is the fracture energy. What has failed slides. Of rock
-/// it is found anew.
+/// flown too far: over a strain whose work is the fracture energy, or less. What has failed slides.
+/// Of rock it is found anew.
 Sheared sheared_metals(Bodies& bodies, const Group& g, const PairLanes& hot, const PairMask& melted,
                        const PairLanes& bears, const PairLanes& flowing) {
   const PairLanes none{}, one = spread_pairs(1);
@@ -186,7 +186,8 @@ Sheared sheared_metals(Bodies& bodies, const Group& g, const PairLanes& hot, con
       if (strained[l] < 1)
         strained[l] = strained_by(law, strained[l], flowing[l], triaxiality, g.h, hot[l]);
       else
-        damage[l] += flowing[l] / law.parting_strain(stress / bears[l], g.rest_volume[l]);
+        damage[l] +=
+            flowing[l] / law.parting_strain(triaxiality, stress / bears[l], g.rest_volume[l]);
       if (strained[l] >= 1 && law.fracture_energy == 0) damage[l] = 1;
       damage[l] = std::min(damage[l], 1.0);
       if (damage[l] == 1) left.scale[l] = 0;

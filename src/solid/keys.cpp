@@ -140,6 +140,7 @@ std::string failure_of(const SolidLaw& law, double spacing) {
         "{:.4g} Pa opens one in half of the bodies\n{}",
         crack_speed(law), law.flaws.k, law.flaws.m, law.youngs_modulus() * strain, failed);
   }
+  constexpr double of_a_bar = 1.0 / 3;  // the triaxiality
   std::string text =
       std::isfinite(law.strength)
           ? fmt::format(
@@ -151,9 +152,10 @@ std::string failure_of(const SolidLaw& law, double spacing) {
   if (!law.flow.fails())
     text += "    does not fail by strain: johnson_cook_d1 … are not known\n";
   else if (law.fracture_energy > 0)
-    text +=
-        fmt::format("    once strain fails it, parts over {:.3g} of plastic strain at {:.4g} Pa\n",
-                    law.parting_strain(law.flow.a, volume_of_lattice(spacing)), law.flow.a);
+    text += fmt::format(
+        "    once strain fails it, parts over {:.3g} of plastic strain at {:.4g} Pa in "
+        "a bar\n",
+        law.parting_strain(of_a_bar, law.flow.a, volume_of_lattice(spacing)), law.flow.a);
   return text + failed;
 }
 

@@ -35,18 +35,31 @@ double SolidLaw::failure_strain(double triaxiality, double rate, double homologo
   return (d[0] + notched) * fast * (1 + d[4] * homologous);
 }
 
-double SolidLaw::parting_strain(double flow_stress, double rest_volume) const {
+namespace {
+
+// The shares of the volume at which voids begin to join, and at which they have: Tvergaard &
+// Needleman, Acta Metallurgica 32 (1984) 157.
+constexpr double voids_join = 0.15, voids_part = 0.25;
+
+/// The plastic strain in which voids grow from the one to the other: their radius by 0.283
+/// exp(1.5 sigma*) of itself a strain (Rice & Tracey, J. Mech. Phys. Solids 17 (1969) 201).
+double joining_strain(double triaxiality) {
+  return std::log(voids_part / voids_join) / (3 * 0.283 * std::exp(1.5 * triaxiality));
+}
+
+}  // namespace
+
+double SolidLaw::parting_strain(double triaxiality, double flow_stress, double rest_volume) const {
   // The stress falls in proportion to the strain, as in `most_voids` the tension.
-  return 2 * fracture_energy / (flow_stress * std::cbrt(rest_volume));
+  const double by_energy = 2 * fracture_energy / (flow_stress * std::cbrt(rest_volume));
+  return std::min(by_energy, joining_strain(triaxiality));
 }
 
 double SolidLaw::most_voids(double rest_volume) const {
-  // Tvergaard & Needleman, Acta Metallurgica 32 (1984) 157.
-  constexpr double joined = 0.25;
-  if (fracture_energy == 0) return joined;
+  if (fracture_energy == 0) return voids_part;
   // A layer of bodies is a band whose opening takes the fracture energy (Bazant & Oh, Matériaux et
   // Constructions 16 (1983) 155): the tension falls in proportion to it.
-  return std::min(joined, 2 * fracture_energy / (strength * std::cbrt(rest_volume)));
+  return std::min(voids_part, 2 * fracture_energy / (strength * std::cbrt(rest_volume)));
 }
 
 double SolidLaw::intact_strength(double pressure) const {

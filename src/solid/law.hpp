@@ -50,7 +50,7 @@ struct SolidLaw {
   double failure_strain(double triaxiality, double rate, double homologous) const;
   /// The plastic strain from its beginning to its end over which a body of this volume at rest
   /// (m^3) fails, with the flow stress (Pa) of whole metal.
-  double parting_strain(double flow_stress, double rest_volume) const;
+  double parting_strain(double triaxiality, double flow_stress, double rest_volume) const;
   /// The share of voids at which a body of this volume at rest (m^3) bears nothing any more.
   double most_voids(double rest_volume) const;
   /// Pa, which no flow stress at this temperature is below, at the stiffness 1.
