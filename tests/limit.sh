@@ -56,6 +56,8 @@ still_coming = {0.3 if size == 2 else 0.0}
 opening_at_edge = {'true' if size == 9 else 'false'}
 largest_met = 1.0
 largest_passed = {2.0 if size == 3 else 0.5}
+largest_met_diameter = 0.002
+coarse = {'true' if size == 3 else 'false'}
 [shield_front]
 wall = "front"
 verdict = "{'held' if size < 2.5 else 'perforated'}"
@@ -126,7 +128,7 @@ limit shield.toml --vary ball.diameter=2..8mm --set islands.key=1 --jobs 7 --out
 grep -q "changes more than once" out.txt || fail "islands: $(cat out.txt)"
 limit shield.toml --vary ball.diameter=3..9mm --within 60% --out out/doubts || fail "doubts: $(cat out.txt)"
 grep -q "^9mm: perforated, margin .*; opened as far as its edge: .*; not to be believed: 0.07 of what .*; groups.ball: its lattice has 0.9" out.txt &&
-  grep -q "^3mm: held, margin .*; too narrow: a piece of 2 J flew past" out.txt ||
+  grep -q "^3mm: held, margin .*; too narrow: a piece of 2 J flew past.*; coarse: .* of 0.002 m" out.txt ||
   fail "what runs say against their verdicts: $(cat out.txt)"
 python3 - <<'END' || fail "doubts: $(cat out/doubts/limit.json)"
 import csv, json

@@ -282,7 +282,7 @@ class Verdicts(unittest.TestCase):
         self.check(wall("held", largest_met=2.0, largest_passed=3.0), "note",
                    "too narrow: a piece of 3 J flew past")
         coarse = {"coarse": True, "largest_met_diameter": 2.1e-3}
-        self.check(wall("held", **coarse), "note", "a ball of 2.1 mm, and its bodies are 1 mm")
+        self.check(wall("held", **coarse), "note", "a ball of 2.1 mm, and fewer than seven")
         self.assertEqual(len(wall("perforated", **coarse)), len(wall("perforated")))
         self.check(self.of({"penalty": {"overlap_max": 0.02}}, method="penalty"), "note",
                    "overlapped by up to 2 % of the smaller radius")

@@ -412,17 +412,19 @@ TEST(Shields, the_largest_piece_that_meets_the_wall_and_the_largest_that_flies_p
 
 TEST(Shields, a_wall_that_held_is_said_to_be_coarse_beside_the_largest_piece) {
   const Scenery shot(testing_world(), {});
-  const auto is_told = [&](Outcome outcome, double diameter) {
+  const auto is_told = [&](Outcome outcome, double diameter, double times = 1) {
     WallVerdict verdict;
     verdict.outcome = outcome;
-    const std::string text = sentence_of(shot.wall, verdict, {.meets = 1, .diameter = diameter});
-    return text.find("coarse") != std::string::npos;
+    const Coming piece{.meets = 1, .diameter = diameter, .density = times * shot.wall.density};
+    return sentence_of(shot.wall, verdict, piece).find("coarse") != std::string::npos;
   };
   const double seven = 7 * shot.wall.spacing;
   EXPECT_TRUE(is_told(Outcome::held, 0.99 * seven));
   EXPECT_FALSE(is_told(Outcome::held, 1.01 * seven));
   EXPECT_FALSE(is_told(Outcome::perforated, 0.99 * seven));
   EXPECT_FALSE(is_told(Outcome::held, thickness / 10));  // which it bears at any speed
+  EXPECT_TRUE(is_told(Outcome::held, thickness / 10, 4));
+  EXPECT_FALSE(sentence_of(shot.wall, {}, {.meets = 1}).find("coarse") != std::string::npos);
 }
 
 TEST(Shields, of_two_looks_the_piece_with_more_energy_is_kept) {
@@ -507,6 +509,13 @@ TEST(Shields, margins_survive_a_restart_and_are_told_with_the_verdict) {
   EXPECT_EQ(said, resumed.conclude(shot.world, *shot.engine, 2, two));
   EXPECT_EQ(said.at(0).substr(0, 31), "wall rear wall: held, margin 0.");
   EXPECT_EQ(one.toml(), two.toml());
+  for (const char* key : {"diameter", "density"})  // as of files that know neither
+    scalars.erase(std::string("shield_rear_wall.largest_met_") + key);
+  Shields former(shot.world.comm, shot.scene);
+  former.load(scalars);
+  ResultTable of_former;
+  former.conclude(shot.world, *shot.engine, 2, of_former);
+  EXPECT_NE(of_former.toml().find("largest_met_diameter = nan"), std::string::npos);
   EXPECT_EQ(one.toml().find("[shield_rear_wall]\nwall = \"rear wall\"\nverdict = \"held\""), 0u);
   EXPECT_NE(one.toml().find("times = [1.0, 2.0]"), std::string::npos);
 }

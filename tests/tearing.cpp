@@ -134,6 +134,35 @@ TEST(Tearing, by_strain_takes_no_more_than_voids_need_to_join) {
   EXPECT_NEAR(parts, std::log(0.25 / 0.15) / (3 * 0.283), 0.03 * parts);
 }
 
+// Sheared until strain begins to fail it, stretched, and sheared on. What voids feel is the mean
+// tension over the flow stress of what is still whole, and no more than 1.
+TEST(Tearing, by_strain_is_faster_under_tension) {
+  SolidLaw law = cold("aluminium_6061_t6");
+  law.flow.d = {0.2, 0, 0, 0, 0};
+  const double d = 0.01e-3, h = 0.1 * d / law.sound_speed(), step = 1e-3;
+  for (const double pull : {0.0, 0.5, 2.0}) {
+    Lab world = held_ball(d, law);
+    while (of_the_middle_body(world, &Bodies::strained) < 1)
+      deform(world, step / h * simple_shear(), h, 1);
+    deform(world, pull * law.flow.a / law.bulk / 3 / h * as_is, h, 1);
+    const double begun = of_the_middle_body(world, &Bodies::damage);
+    double expected = begun, before = of_the_middle_body(world, &Bodies::plastic_strain);
+    for (int n = 0; of_the_middle_body(world, &Bodies::damage) < 0.8; ++n) {
+      ASSERT_LT(n, 2000) << pull;
+      const double whole = 1 - of_the_middle_body(world, &Bodies::damage);
+      const double tension = -of_the_middle_body(world, &Bodies::pressure);
+      deform(world, step / h * simple_shear(), h, 1);
+      const double flow = std::sqrt(1.5) * deviator_of_the_middle(world).norm() / whole;
+      const double strain = of_the_middle_body(world, &Bodies::plastic_strain);
+      expected += (strain - before) /
+                  law.parting_strain(std::min(tension / flow, 1.0), flow, volume_of_body(d));
+      before = strain;
+    }
+    const double damage = of_the_middle_body(world, &Bodies::damage);
+    EXPECT_NEAR(damage, expected, 0.03 * (damage - begun)) << pull;
+  }
+}
+
 TEST(Tearing, by_strain_is_at_once_where_no_energy_is_known) {
   SolidLaw law = cold("copper");
   law.flow.d = {0.2, 0, 0, 0, 0};

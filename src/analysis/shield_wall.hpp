@@ -28,9 +28,11 @@ struct ShieldWall {
   double thickness = 0;                ///< m
   std::array<double, 2> half_width{};  ///< m, across
   bool round = false;                  ///< a disc
-  double spacing = 0;  ///< m, of its bodies, or of a 400th of its width where that is more: what
-                       ///< can be seen of it
-  double columns = 0;  ///< 1/m^2, bodies behind each other where it is whole: the median
+  double spacing = 0;   ///< m, of its bodies, or of a 400th of its width where that is more: what
+                        ///< can be seen of it
+  double distance = 0;  ///< m, of its bodies from their neighbours
+  double density = 0;   ///< kg/m^3
+  double columns = 0;   ///< 1/m^2, bodies behind each other where it is whole: the median
   struct Approach {
     std::int32_t group;
     double speed;    ///< m/s at the start, towards the wall
@@ -77,7 +79,7 @@ WallVerdict judge_wall(const Comm& comm, const LinkedBodies& linked, const Shiel
 /// other plate before it. It will meet what is judged, or fly past that.
 struct Coming {
   double meets = 0, passes = 0;
-  double diameter = 0;  ///< m, of a ball as heavy as that which meets it
+  double diameter = 0, density = 0;  ///< m, of a ball as heavy as that which meets it; kg/m^3
 
   /// The more energetic of what two looks saw.
   void add(const Coming& other);

@@ -78,8 +78,8 @@ def shields(results):
         if found == "held" and wall.get("coarse", False):
             yield NOTE, (f"The {name} is too coarse to be sure of: the largest piece that met it is"
                          f" as heavy as a ball of {1e3 * wall['largest_met_diameter']:.2g} mm, and "
-                         f"its bodies are {1e3 * wall['spacing']:.2g} mm. Walls of smaller bodies "
-                         "fail more easily.")
+                         "fewer than seven of its bodies lie across that. One of smaller bodies "
+                         "may fail.")
         if found == "held" and wall["rim_mass"] >= wall.get("least_spall", float("inf")):
             yield NOTE, (f"The rim of the {name}, which is not judged, has lost "
                          f"{1e3 * wall['rim_mass']:.2g} g: a wider wall may give another verdict.")

@@ -208,6 +208,9 @@ class Search:
         if self.holds(part) and passed > met:
             doubts.append(f"too narrow: a piece of {passed:.3g} J flew past what is judged, which "
                           f"no piece of more than {met:.3g} J has met")
+        if found.get("coarse", False):
+            doubts.append("coarse: fewer than seven of its bodies lie across the largest piece "
+                          f"that met it, of {found['largest_met_diameter']:.2g} m")
         if not abs(found["energy_unexplained"]) <= DOUBTED:
             doubts.append(f"not to be believed: {found['energy_unexplained']:.2g} of what was "
                           "dissipated is explained by no entry")

@@ -71,9 +71,9 @@ void add(const ShieldWall& wall, const WallVerdict& v, const Coming& largest, Re
   const bool seen = largest.meets > 0;  // else pieces were not looked at in time
   table.add(section, "largest_met", seen ? largest.meets : std::nan(""), "J",
             "along the normal, of the piece with most of those that flew at what is judged");
-  table.add(section, "largest_met_diameter", seen ? largest.diameter : std::nan(""), "m",
-            "of a ball as heavy as it");
-  table.add(section, "coarse", is_coarse(wall, largest), "",
+  table.add(section, "largest_met_diameter", largest.diameter > 0 ? largest.diameter : std::nan(""),
+            "m", "of a ball as heavy as it");
+  table.add(section, "coarse", v.outcome == Outcome::held && is_coarse(wall, largest), "",
             "fewer than seven of its bodies lie across that: smaller ones may have it fail");
   table.add(section, "largest_passed", seen ? largest.passes : std::nan(""), "J",
             "the same, of those that flew past it; nan: none was seen to fly at it before the wall "
@@ -113,7 +113,7 @@ std::string sentence_of(const ShieldWall& wall, const WallVerdict& v, const Comi
     text += fmt::format(
         "; coarse: its bodies are {:.3g} m, and the largest piece that met it is a ball of {:.3g} "
         "m, so smaller ones may tell otherwise",
-        wall.spacing, largest.diameter);
+        wall.distance, largest.diameter);
   constexpr double little = 0.01;
   if (v.still_coming > little && v.outcome != Outcome::perforated)
     text += fmt::format("; not final: {:.2g} % of the energy that flies at it has not met it",
@@ -170,6 +170,7 @@ void Shields::save(Scalars& scalars) const {
     scalars[judged.wall.section + ".largest_met"] = judged.largest.meets;
     scalars[judged.wall.section + ".largest_passed"] = judged.largest.passes;
     scalars[judged.wall.section + ".largest_met_diameter"] = judged.largest.diameter;
+    scalars[judged.wall.section + ".largest_met_density"] = judged.largest.density;
     for (std::size_t r = 0; r < judged.times.size(); ++r) {
       scalars[entry(judged.wall, r, "time")] = judged.times[r];
       scalars[entry(judged.wall, r, "margin")] = judged.margins[r];
@@ -184,7 +185,11 @@ void Shields::load(const Scalars& scalars) {
     if (scalars.contains(section + ".largest_met")) {
       judged.largest.meets = find_scalar(scalars, section + ".largest_met");
       judged.largest.passes = find_scalar(scalars, section + ".largest_passed");
+    }
+    // Files before 2026-11-30 have none: then the wall is not told to be coarse.
+    if (scalars.contains(section + ".largest_met_diameter")) {
       judged.largest.diameter = find_scalar(scalars, section + ".largest_met_diameter");
+      judged.largest.density = find_scalar(scalars, section + ".largest_met_density");
     }
     for (std::size_t r = 0; scalars.contains(entry(judged.wall, r, "time")); ++r) {
       judged.times.push_back(find_scalar(scalars, entry(judged.wall, r, "time")));

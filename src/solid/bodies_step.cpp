@@ -187,7 +187,8 @@ Sheared sheared_metals(Bodies& bodies, const Group& g, const PairLanes& hot, con
         strained[l] = strained_by(law, strained[l], flowing[l], triaxiality, g.h, hot[l]);
       else
         damage[l] +=
-            flowing[l] / law.parting_strain(triaxiality, stress / bears[l], g.rest_volume[l]);
+            flowing[l] / law.parting_strain(std::min(triaxiality * bears[l], most_triaxial),
+                                            stress / bears[l], g.rest_volume[l]);
       if (strained[l] >= 1 && law.fracture_energy == 0) damage[l] = 1;
       damage[l] = std::min(damage[l], 1.0);
       if (damage[l] == 1) left.scale[l] = 0;

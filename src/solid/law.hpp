@@ -49,7 +49,7 @@ struct SolidLaw {
   /// The plastic strain at which it fails; infinite under a pressure that keeps it together.
   double failure_strain(double triaxiality, double rate, double homologous) const;
   /// The plastic strain from its beginning to its end over which a body of this volume at rest
-  /// (m^3) fails, with the flow stress (Pa) of whole metal.
+  /// (m^3) fails, with the flow stress (Pa) of whole metal, over which the triaxiality is told.
   double parting_strain(double triaxiality, double flow_stress, double rest_volume) const;
   /// The share of voids at which a body of this volume at rest (m^3) bears nothing any more.
   double most_voids(double rest_volume) const;
