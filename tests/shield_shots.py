@@ -200,20 +200,40 @@ def a_piece_has_the_energy_with_which_it_met_the_wall():
 
 
 def a_second_look_has_walls_fail_that_held_and_no_other():
-    some = [(replace(shot, metals=(*shot.metals[:2], "AA6061-T6"), perforated=True),
-             {"row": str(shot.row), "verdict": verdict, "largest_met_j": "1e-9",
-              **{key: str(value) for key, value in vars(run.FINE).items()}})
-            for shot, verdict in zip(cheap, ("held", "held", "perforated"))]
+    def lines(energy):
+        return [(replace(shot, metals=(*shot.metals[:2], "AA6061-T6"), perforated=True),
+                 {"row": str(shot.row), "verdict": verdict, "largest_met_j": energy,
+                  **{key: str(value) for key, value in vars(run.FINE).items()}})
+                for shot, verdict in zip(cheap, ("held", "held", "perforated"))]
+
     options = Namespace(**vars(run.FINE), results=score.RESULTS)
     with tempfile.TemporaryDirectory() as folder:
         score.SECOND = Path(folder) / "second.csv"
-        assert score.at_second_look(some, options) == {score.BY_FORMULA: [False, False, True]}
-        some[1][1]["largest_met_j"] = "1e9"
-        for (_, line), verdict in zip(some, ("perforated", "held")):
-            run.keep({**line, "verdict": verdict}, [*vars(run.RULE), "row", "verdict"],
-                     score.SECOND)
-        assert score.at_second_look(some, options) == {
-            score.SECOND_LOOK: [True, False, True], score.BY_FORMULA: [False, True, True]}
+        columns = [*vars(run.RULE), "row", "verdict", "needs_mm", "unexplained_of_dissipated"]
+
+        def look(some, **more):
+            for (shot, line), verdict in zip(some, ("perforated", "held")):
+                needs = largest_piece.largest_piece(shot, float(line["largest_met_j"])).needs
+                told = {"verdict": verdict, "needs_mm": f"{needs:.4g}",
+                        "unexplained_of_dissipated": "0.001", **more}
+                run.keep({**line, **told}, columns, score.SECOND)
+
+        weak, strong, none = lines("1e-9"), lines("1e9"), lines("nan")
+        assert score.second_calls(weak, options) == {score.BY_FORMULA: [False, False, True]}
+        look(weak, verdict="failed")
+        look(weak, unexplained_of_dissipated="0.02")
+        look(strong)  # of another run of these shots
+        assert score.SECOND_LOOK not in score.second_calls(weak, options)
+        assert score.second_calls(strong, options) == {
+            score.SECOND_LOOK: [True, False, True], score.BY_FORMULA: [True, True, True]}
+        look(none, verdict="held", needs_mm="", unexplained_of_dissipated="")
+        assert score.second_calls(none, options) == {
+            score.SECOND_LOOK: [False, False, True], score.BY_FORMULA: [False, False, True]}
+        score.KNOWN_FROM = Path(folder) / "known.csv"
+        run.keep({"row": strong[0][1]["row"]}, ["row"], score.KNOWN_FROM)
+        assert "2 have been looked at" in score.afterwards(strong, options)
+        score.SECOND.unlink()
+        assert "1 have been looked at as the rule says; 1 more" in score.afterwards(strong, options)
 
 
 for test in (the_shares_are_those_that_were_counted_before,

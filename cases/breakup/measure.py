@@ -183,11 +183,11 @@ def for_a_time(lasts, frames):
             f"output.snapshot_every={lasts / frames}"]
 
 
-def narrow(piece, speed):
-    """Of a wall and its run as large as a piece needs (mm, km/s)."""
+def narrow(piece, speed, width=0, lasts=0):
+    """Of a wall and its run as large as a piece needs (mm, km/s), or as these are (m, s)."""
     size = 1e-3 * piece / PIECE
-    return [f"groups.wall.volume.diameter={size * NARROW_WIDTH}",
-            *for_a_time(size * NARROW_LASTS * PIECE_SPEED / speed, 10)]
+    return [f"groups.wall.volume.diameter={max(width, size * NARROW_WIDTH)}",
+            *for_a_time(max(lasts, size * NARROW_LASTS * PIECE_SPEED / speed), 10)]
 
 
 def hit_wall(options, name, piece, speed, thick, spacing, of_piece):

@@ -7,7 +7,6 @@ or of former.md, from those of former laws.
 SPDX-License-Identifier: BSD-3-Clause
 """
 import argparse
-import csv
 import sys
 from math import comb, sqrt
 from pathlib import Path
@@ -26,9 +25,9 @@ MOST_COMING = 0.01  # of the energy that flies: a wall that more has not met yet
 # Of the published ones on all shots of the table and on the cheap ones (JSC is its equal there).
 BEST = "modified JSC"
 NEAR = (0.8, 1.25)  # ball diameters over the critical one
-# Looks again where a wall held; it was chosen when so many shots were known, the first lines of
-# results.csv, and is tested on those after them.
-SECOND_LOOK, KNOWN_THEN = "Spall, at second look", 51
+SECOND_LOOK = "Spall, at second look"  # again where a wall held
+# It was chosen when the shots of this file were known, and is tested on others.
+KNOWN_FROM = RESULTS.with_stem(RESULTS.stem + "_until_f5f5c5b")
 BY_FORMULA = "Spall, and Cour-Palais for its largest piece"
 # Reports of one laboratory: a shot of the same number in both is one shot, if what they tell of it
 # is the same but for rounding.
@@ -93,7 +92,7 @@ def counted(shots, options):
     """(shot, line of results.csv) of what was run by the rule and has a verdict; how many have
     none, and how many the rule has."""
     by_row = {shot.row: shot for shot in chosen(shots)}
-    lines = [line for line in csv.DictReader(options.results.open()) if int(line["row"]) in by_row
+    lines = [line for line in known(options.results) if int(line["row"]) in by_row
              and is_of(line, options)]
     good = [line for line in lines if has_verdict(line)]
     return [(by_row[int(line["row"])], line) for line in good], len(lines) - len(good), len(by_row)
@@ -133,7 +132,7 @@ def of_other_seeds(some, options):
     """In words: how many of these shots, run with crystals that are turned otherwise, Spall calls
     otherwise, and the standard error that this alone gives the share that it calls right."""
     fails = {shot.row: FAILED[line["verdict"]] for shot, line in some}
-    seeds = {int(line["seed"]) for line in csv.DictReader(options.results.open())} - {options.seed}
+    seeds = {int(line["seed"]) for line in known(options.results)} - {options.seed}
     again = [(shot.row, FAILED[line["verdict"]], line["commit"]) for seed in sorted(seeds)
              for shot, line in counted(read_shots(), argparse.Namespace(
                  **vars(options) | {"seed": seed}))[0]
@@ -151,18 +150,35 @@ def of_other_seeds(some, options):
 
 
 def at_second_look(some, options):
-    """{name: calls} of the two that look again where a wall held, if all of these walls were."""
+    """{row: whether the wall fails in either run}, of those shots whose wall failed or was looked
+    at again, with a verdict that counts."""
+    fails = {line["row"]: True for _, line in some if FAILED[line["verdict"]]}
+    if options.results != RESULTS:
+        return fails
+    needs = {line["row"]: f"{largest_piece(shot, float(line['largest_met_j'])).needs:.4g}"
+             for shot, line in some}
+    for line in known(SECOND):
+        # Of another run of the shot it tells nothing.
+        belongs = line["row"] in needs and line["needs_mm"] in ("", needs[line["row"]])
+        explained = float(line["unexplained_of_dissipated"] or 0) <= MOST_UNEXPLAINED
+        if is_of(line, options) and belongs and explained and line["verdict"] in FAILED:
+            fails.setdefault(line["row"], FAILED[line["verdict"]])
+    return fails
+
+
+def second_calls(some, options):
+    """{name: calls} of the two that look again where a wall held; of the first of them where all
+    have been looked at."""
     if not all(line["largest_met_j"] for _, line in some):  # former runs did not tell
         return {}
-    first = [FAILED[line["verdict"]] for _, line in some]
-    formula = [failed or largest_piece(shot, float(line["largest_met_j"])).needs > 10 * shot.wall
-               for failed, (shot, line) in zip(first, some)]
-    fails = {BY_FORMULA: formula}
-    again = {line["row"]: FAILED[line["verdict"]] for line in known(SECOND)
-             if is_of(line, options)}
-    if all(failed or line["row"] in again for failed, (_, line) in zip(first, some)):
-        fails = {SECOND_LOOK: [failed or again[line["row"]]
-                               for failed, (_, line) in zip(first, some)], **fails}
+    again = at_second_look(some, options)
+    fails = {}
+    if len(again) == len(some):
+        fails[SECOND_LOOK] = [again[line["row"]] for _, line in some]
+    fails[BY_FORMULA] = [
+        FAILED[line["verdict"]]
+        or largest_piece(shot, float(line["largest_met_j"])).needs > 10 * shot.wall
+        for shot, line in some]
     return {name: [failed == shot.perforated for failed, (shot, _) in zip(calls, some)]
             for name, calls in fails.items()}
 
@@ -171,9 +187,7 @@ def calls_of(some, options):
     """{name: whether it calls each shot right}, of Spall, at both settings and at second look, and
     of the others."""
     ours = {"Spall": [FAILED[line["verdict"]] == shot.perforated for shot, line in some],
-            **coarse_calls(some, options)}
-    if options.results == RESULTS:
-        ours |= at_second_look(some, options)
+            **coarse_calls(some, options), **second_calls(some, options)}
     others = {name: [is_right(shot, name) for shot, _ in some] for name in EQUATIONS}
     others["every wall held"] = [not shot.perforated for shot, _ in some]
     return ours, others
@@ -197,7 +211,7 @@ def by_labels(told, options):
             "without this report": [(shot, line) for shot, line in told if shot.source != SWAPPED]}
     text = [f"| called right | {' | '.join(sets)} |", f"|---|{'--:|' * len(sets)}",
             f"| shots | {' | '.join(str(len(some)) for some in sets.values())} |"]
-    rows = {caller: [] for caller in ("Spall", *EQUATIONS, "every wall held")}
+    rows = {caller: [] for callers in calls_of(told, options) for caller in callers}
     for some in sets.values():
         ours, others = calls_of(some, options)
         tests = tests_of(some, ours["Spall"], others)
@@ -273,12 +287,22 @@ def table(some, without, planned, options):
 
 
 def afterwards(some, options):
-    """Table of the shots that ended after the second look had been chosen."""
+    """Table of the shots that were not known when the second look was chosen, and were looked
+    at."""
+    known_then = {line["row"] for line in known(KNOWN_FROM)}
+    some = [(shot, line) for shot, line in some if line["row"] not in known_then]
+    again = at_second_look(some, options)
+    waiting = len(some) - len(again)
+    some = [(shot, line) for shot, line in some if line["row"] in again]
+    if not some:
+        return ""
     ours, others = calls_of(some, options)
-    tested = SECOND_LOOK if SECOND_LOOK in ours else "Spall"
+    tested = SECOND_LOOK
     tests = tests_of(some, ours[tested], others)
     adjusted = dict(zip(EQUATIONS, holm([max(tests[name][2:]) for name in EQUATIONS])))
-    text = [f"| of the {len(some)} shots after the first {KNOWN_THEN} | called right "
+    text = ["", "", f"Of the shots beside the {len(known_then)} that were known then, {len(some)} "
+            f"have been looked at as the rule says; {waiting} more wait for it.", "",
+            "| these alone | called right "
             f"| McNemar beside {tested} |", "|---|--:|---|"]
     for name, calls in (ours | others).items():
         beside = ""
@@ -326,8 +350,8 @@ def main():
     told = counted(read_shots(), options)[0]
     some, without, planned = counted(mended(read_shots()), options)
     text = table(some, without, planned, options) + "\n\n" + by_labels(told, options)
-    if options.results == RESULTS and is_of(vars(FINE), options) and some[KNOWN_THEN:]:
-        text += "\n\n" + afterwards(some[KNOWN_THEN:], options)
+    if options.results == RESULTS and is_of(vars(FINE), options):
+        text += afterwards(some, options)
     print(text)
     name = f"score_{options.across:g}_{options.wall_across:g}{ending}"
     replace_section(HERE / ("former.md" if options.until else "README.md"), name, text)
