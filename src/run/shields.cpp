@@ -74,7 +74,7 @@ void add(const ShieldWall& wall, const WallVerdict& v, const Coming& largest, Re
   table.add(section, "largest_met_diameter", largest.diameter > 0 ? largest.diameter : std::nan(""),
             "m", "of a ball as heavy as it");
   table.add(section, "coarse", v.outcome == Outcome::held && is_coarse(wall, largest), "",
-            "fewer than seven of its bodies lie across that: smaller ones may have it fail");
+            "it held, and fewer than seven of its bodies lie across that: smaller ones may fail");
   table.add(section, "largest_passed", seen ? largest.passes : std::nan(""), "J",
             "the same, of those that flew past it; nan: none was seen to fly at it before the wall "
             "alone");
