@@ -58,7 +58,7 @@ PIECE_SPEED = 4  # km/s
 HARDNESS, DENSITIES = 95, 2.80 / 2.71  # Brinell's, of 6061-T6; of 2017-T4 over that
 # Of the finest wall under such a piece, which costs 30 times as much otherwise: m, s.
 NARROW_WIDTH, NARROW_LASTS = 7e-3, 8e-6
-FINE = 7.5  # bodies across such a piece
+FINE_ACROSS = 7.5  # bodies of such a piece
 # Of the block in which the shock below it is followed, for so long: diameters of the piece; s.
 BLOCK_WIDTH, BLOCK_DEPTH, SHOCK_LASTS, SHOCK_FRAMES = 2.7, 1.6, 0.25e-6, 50
 SHOCK_DEPTHS, NEAR_AXIS, NEAR_DEPTH = (0.5, 0.75, 1, 1.25), 0.13, 0.06  # diameters
@@ -184,16 +184,17 @@ def for_a_time(lasts, frames):
 
 
 def narrow(piece, speed, width=0, lasts=0):
-    """Of a wall and its run as large as a piece needs (mm, km/s), or as these are (m, s)."""
-    size = 1e-3 * piece / PIECE
+    """Of a wall and its run as large as a piece needs, or as these are. m, m/s, s."""
+    size = piece / PIECE
     return [f"groups.wall.volume.diameter={max(width, size * NARROW_WIDTH)}",
-            *for_a_time(max(lasts, size * NARROW_LASTS * PIECE_SPEED / speed), 10)]
+            *for_a_time(max(lasts, size * NARROW_LASTS * 1e3 * PIECE_SPEED / speed), 10)]
 
 
 def hit_wall(options, name, piece, speed, thick, spacing, of_piece):
     """As `shoot_piece`, but in mm and km/s; fine walls are narrow, and their runs short."""
-    return shoot_piece(options, name, 1e-3 * piece, 1e3 * speed, 1e-3 * thick, 1e-3 * spacing,
-                       1e-3 * of_piece, narrow(piece, speed) if spacing < 0.2 else ())
+    piece, speed, fine = 1e-3 * piece, 1e3 * speed, spacing < 0.2
+    return shoot_piece(options, name, piece, speed, 1e-3 * thick, 1e-3 * spacing, 1e-3 * of_piece,
+                       narrow(piece, speed) if fine else ())
 
 
 def shock_below_piece(options, across):
@@ -255,7 +256,7 @@ def shields(options):
     for ball, share, speed, thick in LARGEST:
         piece = 1e3 * SMALL * share**(1 / 3)
         crater = crater_depth(piece, speed, HARDNESS, DENSITIES)
-        for spacing, of_piece in ((0.53, 0.177), (piece / FINE, piece / FINE)):
+        for spacing, of_piece in ((0.53, 0.177), (piece / FINE_ACROSS,) * 2):
             folder = hit_wall(options, f"shields-{ball}-{thick}-{spacing:.3g}", piece, speed, thick,
                               spacing, of_piece)
             text.append(f"| {ball} | {piece:.2f} | {speed} | {thick:.2f} | {1.8 * crater:.2f} "

@@ -4,8 +4,10 @@ SPDX-License-Identifier: BSD-3-Clause
 """
 import sys
 from dataclasses import dataclass
-from math import cos, pi, radians
 from pathlib import Path
+
+from equations import cosine
+from run import ball_of
 
 sys.path.append(str(Path(__file__).parent.parent))
 from cour_palais import crater_depth  # noqa: E402
@@ -25,9 +27,9 @@ class Piece:
 def largest_piece(shot, energy):
     """As a ball of the shot's own ball's metal, which has this energy (J) along the normal at the
     ball's speed along it. Pieces are slower: for one half as fast walls were 3 % thicker."""
-    speed = shot.speed * cos(radians(shot.angle))
-    mass = 2 * energy / (1e3 * speed)**2
-    ball, _, wall = shot.density  # g/cm^3
-    diameter = 1e3 * (6 * mass / (pi * 1e3 * ball))**(1 / 3)
+    speed = shot.speed * cosine(shot)
+    of_ball = ball_of(shot) / 2 * (1e3 * speed)**2  # J: energies are as masses, at one speed
+    diameter = 10 * shot.diameter * (energy / of_ball)**(1 / 3)
+    ball, _, wall = shot.density
     crater = crater_depth(diameter, speed, HARDNESS[shot.metals[2]], ball / wall)
     return Piece(diameter, speed, HOLDS * crater)

@@ -271,6 +271,17 @@ def ask_for_setting(parser):
                             help=told)
 
 
+def ask_for_runs(parser, out):
+    """Adds the options that tell which runs are made, when and how; results go below `out`."""
+    parser.add_argument("--rows", type=int, nargs="+", metavar="ROW",
+                        help="these alone, as for another number across")
+    parser.add_argument("--until", metavar="HH:MM", help="nothing is begun later today")
+    parser.add_argument("--jobs", type=int, default=1, help="runs at a time, one rank each")
+    parser.add_argument("--program", default=ROOT / "build/release/spall")
+    parser.add_argument("--before", default="", help='put before the program, such as "nice -n 5"')
+    parser.add_argument("--out", type=Path, default=out)
+
+
 def end_of(until):
     """s since 1970, of a time of today, HH:MM, or never."""
     if not until:
@@ -282,16 +293,10 @@ def end_of(until):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     ask_for_setting(parser)
-    parser.add_argument("--rows", type=int, nargs="+", metavar="ROW",
-                        help="of the rule's shots these alone, as for another number across")
+    ask_for_runs(parser, ROOT / "out/shields")
     parser.add_argument("--most", type=int, default=math.inf, help="shots that are run now")
-    parser.add_argument("--until", metavar="HH:MM",
-                        help="nothing is begun later today, and what then runs is given up")
-    parser.add_argument("--limit", type=float, default=3600, help="s that a run may take")
-    parser.add_argument("--jobs", type=int, default=1, help="runs at a time, one rank each")
-    parser.add_argument("--program", default=ROOT / "build/release/spall")
-    parser.add_argument("--before", default="", help='put before the program, such as "nice -n 5"')
-    parser.add_argument("--out", type=Path, default=ROOT / "out/shields")
+    parser.add_argument("--limit", type=float, default=3600,
+                        help="s that a run may take; at --until it is given up")
     parser.add_argument("--plan", action="store_true", help="list the shots, run nothing")
     parser.add_argument("--trial", type=int, nargs="+", default=[], metavar="ROW",
                         help="shots outside of the rule")

@@ -201,6 +201,17 @@ def tests_of(some, ours, others):
             for name, calls in others.items()}
 
 
+def in_short(test):
+    """One of `tests_of`, with the larger of its two odds."""
+    right, wrong, *odds = test
+    return f"{right} : {wrong}, p = {max(odds):.2g}"
+
+
+def of_five_tests(tests):
+    """{equation: the larger of its two odds, by Holm's method}"""
+    return dict(zip(EQUATIONS, holm([max(tests[name][2:]) for name in EQUATIONS])))
+
+
 def by_labels(told, options):
     """Table of what the labels of SWAPPED decide, and rows that are copies. `told`: with the labels
     of the table."""
@@ -219,8 +230,7 @@ def by_labels(told, options):
             calls = (ours | others)[caller]
             cells.append(f"{sum(calls)}, {share(calls)}")
             if caller in tests:
-                right, wrong, odds, by_shield = tests[caller]
-                cells[-1] += f"; {right} : {wrong}, p = {max(odds, by_shield):.2g}"
+                cells[-1] += f"; {in_short(tests[caller])}"
     text += [f"| {caller} | {' | '.join(cells)} |" for caller, cells in rows.items()]
     return "\n".join(text)
 
@@ -246,7 +256,7 @@ def table(some, without, planned, options):
             f"|---|{'--:|' * len(parts)}---|",
             f"| shots | {' | '.join(str(sum(inside)) for inside in parts.values())} | |"]
     tests = tests_of(some, ours["Spall"], others)
-    adjusted = dict(zip(EQUATIONS, holm([max(tests[name][2:]) for name in EQUATIONS])))
+    adjusted = of_five_tests(tests)
     for name, calls in (ours | others).items():
         beside = ""
         if name in tests:
@@ -299,7 +309,7 @@ def afterwards(some, options):
     ours, others = calls_of(some, options)
     tested = SECOND_LOOK
     tests = tests_of(some, ours[tested], others)
-    adjusted = dict(zip(EQUATIONS, holm([max(tests[name][2:]) for name in EQUATIONS])))
+    adjusted = of_five_tests(tests)
     text = ["", "", f"Of the shots beside the {len(known_then)} that were known then, {len(some)} "
             f"have been looked at as the rule says; {waiting} more wait for it.", "",
             "| these alone | called right "
@@ -307,8 +317,7 @@ def afterwards(some, options):
     for name, calls in (ours | others).items():
         beside = ""
         if name in tests:
-            right, wrong, odds, by_shield = tests[name]
-            beside = f"{right} : {wrong}, p = {max(odds, by_shield):.2g}"
+            beside = in_short(tests[name])
         if name in adjusted:
             beside += f", of five tests {adjusted[name]:.2g}"
         text.append(f"| {name} | {sum(calls)}, {share(calls)} | {beside} |")

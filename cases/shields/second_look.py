@@ -15,13 +15,13 @@ from pathlib import Path
 
 from equations import read_shots
 from largest_piece import largest_piece
-from run import (BALLS, PLATES, RESULTS, ROOT, RULE, SECOND, SOUND, ask_for_setting, end_of, is_of,
-                 keep, known)
+from run import (BALLS, PLATES, RESULTS, ROOT, RULE, SECOND, SOUND, ask_for_runs, ask_for_setting,
+                 end_of, is_of, keep, known)
 from score import has_verdict
 
 HERE = Path(__file__).parent
 sys.path.append(str(HERE.parent / "breakup"))
-from measure import FINE, narrow, results, shoot_piece  # noqa: E402
+from measure import FINE_ACROSS, narrow, results, shoot_piece  # noqa: E402
 
 # Times what the formula asks for: thicker walls are not shot at again, and hold. They would cost
 # the most and tell least.
@@ -45,12 +45,13 @@ def look_again(options, shot, line):
              "needs_mm": f"{piece.needs:.4g}"}
     if 1e3 * wall > THICK * piece.needs:
         return told | {"verdict": "held"}
-    begin, spacing = time.monotonic(), 1e-3 * piece.diameter / FINE
+    begin, diameter, speed = time.monotonic(), 1e-3 * piece.diameter, 1e3 * piece.speed
+    spacing = diameter / FINE_ACROSS
     try:
         folder = shoot_piece(
-            options, "-".join(line[key] for key in ("row", *vars(RULE))), 1e-3 * piece.diameter,
-            1e3 * piece.speed, wall, spacing, spacing,
-            [*narrow(piece.diameter, piece.speed, WIDE * wall, PASSAGES * wall / SOUND),
+            options, "-".join(line[key] for key in ("row", *vars(RULE))), diameter, speed, wall,
+            spacing, spacing,
+            [*narrow(diameter, speed, WIDE * wall, PASSAGES * wall / SOUND),
              f"seed={1000 * int(line['seed']) + shot.row}",
              f"materials.piece.library={BALLS[shot.metals[0]]}",
              f"materials.wall.library={PLATES[shot.metals[2]]}"])
@@ -69,12 +70,7 @@ def look_again(options, shot, line):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     ask_for_setting(parser)
-    parser.add_argument("--rows", type=int, nargs="+", metavar="ROW", help="these alone")
-    parser.add_argument("--until", metavar="HH:MM", help="nothing is begun later today")
-    parser.add_argument("--jobs", type=int, default=1, help="runs at a time, one rank each")
-    parser.add_argument("--program", default=ROOT / "build/release/spall")
-    parser.add_argument("--before", default="", help='put before the program, such as "nice -n 5"')
-    parser.add_argument("--out", type=Path, default=ROOT / "out/shields_second")
+    ask_for_runs(parser, ROOT / "out/shields_second")
     options = parser.parse_args()
     end, shots = end_of(options.until), read_shots()
     done = {line["row"] for line in known(SECOND) if is_of(line, options)}
