@@ -13,14 +13,15 @@ namespace {
 /// s: how long sound takes across a spacing.
 const double crossing = d / ductile.sound_speed();
 
-/// A ball hits a plate, coarser than itself by `coarser`, at `speed` (m/s).
-std::vector<Sphere> shot(double speed, double coarser) {
+/// A ball hits a plate, coarser than itself by `coarser`, at `speed` (m/s). It comes from `far` (m)
+/// farther away than where both see each other.
+std::vector<Sphere> shot(double speed, double coarser, double far) {
   auto plate = crystal(
       coarser * d, copper.density, turn({0.4, 0.2, -0.7}), 9 * d,
       [](const Vec3& x) { return std::abs(x.z()) < 2.5 * d && std::hypot(x.x(), x.y()) < 9 * d; });
   const double mass = copper.density * volume_of_lattice(d);
   for (Sphere s : ball(d, copper.density, turned, 2.2 * d)) {
-    s.position.z() += 5.2 * d;
+    s.position.z() += 5.2 * d + far;
     s.velocity.z() = -speed;
     s.mass = mass;
     plate.push_back(s);
@@ -28,8 +29,8 @@ std::vector<Sphere> shot(double speed, double coarser) {
   return plate;
 }
 Lab world_of_shot(const Comm& comm, double speed, const SolidLaw& law,
-                  double courant = usual_courant, double coarser = 1.5) {
-  Lab world = world_of(comm, shot(speed, coarser), law);
+                  double courant = usual_courant, double coarser = 1.5, double far = 0) {
+  Lab world = world_of(comm, shot(speed, coarser, far), law);
   for (Index b = 0; b < world.bodies.owned; ++b)
     world.bodies.group[b] = 2 * world.bodies.radius[b] > 1.1 * d ? 0 : 1;
   world.solid.courant = courant;
@@ -49,7 +50,7 @@ TEST(Strides, few_bodies_act_in_most_parts_where_a_shot_is_fast) {
   Lab world = world_of_shot(testing_world(), 4000, ductile);
   solid_steps(world, 3 * crossing, 1);
   EXPECT_LT(acting_share(world), 0.6);
-  Lab slow = world_of_shot(testing_world(), 0, ductile, usual_courant, 1);
+  Lab slow = world_of_shot(testing_world(), 1, ductile, usual_courant, 1);
   solid_steps(slow, 3 * crossing, 1);
   EXPECT_EQ(acting_share(slow), 1);
 }
@@ -194,6 +195,66 @@ TEST(Strides, a_period_changes_nothing_for_what_does_not_reach_across_it) {
     EXPECT_LE((p[k].position - wrapped.period.nearest(q[k].position, p[k].position)).norm(),
               1e-9 * d)
         << k;
+}
+
+/// The shot from far away; where it does not rest the plate is warm, by too little to matter.
+Lab world_from_far(double courant, bool rests) {
+  Lab world = world_of_shot(testing_world(), 4000, ductile, courant, 1.5, 5 * d);
+  for (Index b = 0; b < world.bodies.owned && !rests; ++b)
+    if (world.bodies.group[b] == 0) world.bodies.heat[b] = 1e-290;
+  return world;
+}
+double bodies_of(const Lab& world, int group) {
+  return world.comm.sum(static_cast<double>(std::ranges::count(
+      world.bodies.group.begin(), world.bodies.group.begin() + world.bodies.owned, group)));
+}
+
+TEST(Rest, a_plate_does_not_act_before_anything_is_near_and_then_as_if_it_had) {
+  Lab rests = world_from_far(0, true), acting = world_from_far(0, false);
+  const double h = 0.04 * crossing;
+  solid_steps(rests, h, 10);
+  solid_steps(acting, h, 10);
+  EXPECT_EQ(acts(rests), 10 * bodies_of(rests, 1));
+  EXPECT_EQ(acting_share(acting), 1);
+  solid_steps(rests, h, 200);
+  solid_steps(acting, h, 200);
+  EXPECT_GT(acts(rests), 210.0 * bodies_of(rests, 1));  // the plate acts by now
+  const auto p = spheres_of(rests), q = spheres_of(acting);
+  for (std::size_t k = 0; k < p.size(); ++k)
+    EXPECT_LE((p[k].position - q[k].position).norm(), 1e-9 * d) << k;
+}
+
+TEST(Rest, what_wakes_within_a_stride_keeps_momenta_and_energy) {
+  Lab world = world_from_far(usual_courant, true);
+  const Sums before = sums_of(world);
+  solid_steps(world, 2 * crossing, 1);
+  EXPECT_EQ(acts(world), world.solid.parts * bodies_of(world, 1));
+  for (int k = 0; k < 5; ++k) solid_steps(world, 2 * crossing, 1);
+  const Sums after = sums_of(world);
+  const double p = before.momentum.norm();
+  EXPECT_LE((after.momentum - before.momentum).norm(), 1e-12 * p);
+  EXPECT_LE((after.angular - before.angular).norm(), 1e-12 * p * 14 * d);
+  EXPECT_GT(after.heat, 0.2 * before.kinetic);
+  EXPECT_NEAR(after.kinetic + after.internal, before.kinetic, 0.01 * before.kinetic);
+}
+
+TEST(Rest, what_is_set_in_motion_between_steps_acts) {
+  Lab world = world_from_far(usual_courant, true);
+  solid_steps(world, 0.1 * crossing, 1);
+  for (Index b = 0; b < world.bodies.owned; ++b)
+    if (world.bodies.group[b] == 0 && world.bodies.id[b] % 7 == 0) world.bodies.velocity[b].x() = 1;
+  const double before = sums_of(world).momentum.x();
+  solid_steps(world, 0.1 * crossing, 1);  // sooner than pairs are found again for the ball's sake
+  EXPECT_NEAR(sums_of(world).momentum.x(), before, 1e-12 * sums_of(world).momentum.norm());
+  double most = 0, others = 0;
+  for (Index b = 0; b < world.bodies.owned; ++b) {
+    if (world.bodies.group[b] != 0) continue;
+    const double u = std::abs(world.bodies.velocity[b].x());
+    double& fastest = world.bodies.id[b] % 7 == 0 ? most : others;
+    fastest = std::max(fastest, u);
+  }
+  EXPECT_LT(world.comm.max(most), 1);
+  EXPECT_GT(world.comm.max(others), 0);
 }
 
 TEST(Strides, a_field_and_a_force_of_one_s_own_act_for_the_whole_time) {

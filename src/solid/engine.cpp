@@ -71,6 +71,7 @@ double Elastoplastic::energy(const World& world) const {
 void Elastoplastic::restart_pairs(World& world, PairMemory) {
   resize(world.bodies, world.bodies.owned);
   near = {};
+  rests = {};
   strides = {};
   next_part = 0;
 }

@@ -19,8 +19,8 @@ struct SolidSettings {
   std::vector<SolidLaw> laws;  ///< by material, once derived; without density: it is no solid
 };
 
-/// Which bodies act in each part of a step, and which once a stride of several parts. Owned bodies;
-/// lists rise.
+/// Which bodies act in each part of a step, and which once a stride of several parts. Owned bodies
+/// that do not rest; lists rise.
 struct Strides {
   double lasts = 0;        ///< s, from one time that all act to the next; 0: none is slow
   double least_limit = 0;  ///< s, of a part, below which all act before
@@ -45,8 +45,11 @@ struct Elastoplastic final : Engine {
   std::int64_t parts = 0;  ///< steps made with their forces, since it was made
   std::int64_t acts = 0;   ///< bodies of this rank that acted in them
   NearPairs near;
-  std::vector<PieceWindow> pairs;   ///< those of one piece
-  SolidContacts contacts;           ///< of the pairs
+  std::vector<PieceWindow> pairs;  ///< those of one piece
+  SolidContacts contacts;          ///< of the pairs
+  /// By group: at rest without stress, and near no other when pairs were found. Its bodies are in
+  /// no pairs, and do not act until pairs are found again.
+  std::vector<std::uint8_t> rests;
   std::vector<double> rest_volume;  ///< m^3, of the bodies, ghosts included; as all below
   std::vector<double> reach;        ///< m, up to which a body sees others of its piece
   std::vector<MotionRow> rows;

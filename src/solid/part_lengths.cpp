@@ -81,9 +81,10 @@ std::vector<double> longest_parts(const World& world, const Elastoplastic& engin
                                   const PartBounds& bounds, std::vector<double> meeting2) {
   for_each_meeting(world, engine,
                    [&](Index b, double rate) { meeting2[b] = std::max(meeting2[b], rate * rate); });
-  std::vector<double> limit(world.bodies.owned);
-  for (std::size_t b = 0; b < limit.size(); ++b)
-    limit[b] = longest_part(engine, bounds, engine.waves[b], std::sqrt(meeting2[b]));
+  std::vector<double> limit(world.bodies.owned, infinity);
+  for (const auto* bodies : {&engine.strides.brisk, &engine.strides.slow})
+    for (const Index b : *bodies)
+      limit[b] = longest_part(engine, bounds, engine.waves[b], std::sqrt(meeting2[b]));
   return limit;
 }
 
@@ -95,9 +96,10 @@ Stride cheapest_stride(const Comm& comm, const std::vector<double>& limit, doubl
   constexpr double begins = 1.4, moves = 0.1, worth = 5.0 / 6;
   constexpr int longest = 8;
   std::array<double, longest + 1> brisk{};  // by the parts of a stride; first all
-  brisk[0] = static_cast<double>(limit.size());
-  for (const double its : limit)
+  for (const double its : limit) {
+    if (its < infinity) ++brisk[0];
     for (int parts = longest; parts > 1 && its < parts * part; --parts) ++brisk[parts];
+  }
   comm.sum(brisk);
   Stride best;
   double least = worth;

@@ -36,8 +36,8 @@ double fastest_meeting(const World& world, const Elastoplastic& engine);
 double longest_part(const Elastoplastic& engine, const PartBounds& bounds, double waves,
                     double meeting);
 
-/// s, of owned bodies: the longest part that each allows. `meeting2`: the largest v^2/R^2 (1/s^2)
-/// of neighbours of one piece.
+/// s, of owned bodies: the longest part that each allows; infinite of those that rest. `meeting2`:
+/// the largest v^2/R^2 (1/s^2) of neighbours of one piece.
 std::vector<double> longest_parts(const World& world, const Elastoplastic& engine,
                                   const PartBounds& bounds, std::vector<double> meeting2);
 
@@ -46,8 +46,8 @@ struct Stride {
   double work = 1;  ///< a part, of one in which all act
 };
 /// The cheapest stride of up to `most` parts that last `part` (s) each, where bodies allow parts of
-/// up to `limit` (s, one an owned body). Counted, not timed, so that a run gives the same bits
-/// again. Collective.
+/// up to `limit` (s, one an owned body; infinite: it does not act). Counted, not timed, so that a
+/// run gives the same bits again. Collective.
 Stride cheapest_stride(const Comm& comm, const std::vector<double>& limit, double part,
                        double most);
 

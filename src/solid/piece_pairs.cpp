@@ -6,7 +6,6 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <numeric>
 #include <span>
 #include <tuple>
 
@@ -48,13 +47,58 @@ PairReach reach_of_pieces(const World& world) {
   return {.most = neighbour_reach * widest_spacing(world), .radii = neighbour_reach};
 }
 
-void forget_slow(const Bodies& bodies, Strides& strides) {
+namespace {
+
+/// A step leaves such a body as it is, among others that are as still.
+bool is_still(const Bodies& bodies, Index b) {
+  return bodies.velocity[b].isZero(0) && bodies.kick[b].isZero(0) &&
+         bodies.direct_stress[b].isZero(0) && bodies.shear_stress[b].isZero(0) &&
+         bodies.pressure[b] == 0 && bodies.compression[b] == 1 && bodies.heat[b] == 0;
+}
+
+bool rests(const Bodies& bodies, const Elastoplastic& engine, Index b) {
+  return !engine.rests.empty() && engine.rests[static_cast<std::size_t>(bodies.group[b])];
+}
+
+/// As `Elastoplastic::rests`, of the pairs of bodies of two groups, and of bodies and walls, that
+/// are listed; empty where no group rests. Collective.
+std::vector<std::uint8_t> resting_groups(const World& world, const SolidContacts& contacts) {
+  const Bodies& bodies = world.bodies;
+  if (world.has_gravity() || !world.own_forces.empty()) return {};
+  double groups = 0;
+  for (Index b = 0; b < bodies.owned; ++b) groups = std::max(groups, bodies.group[b] + 1.0);
+  std::vector<double> acts(static_cast<std::size_t>(world.comm.max(groups)));
+  const auto note = [&](Index b) { acts[static_cast<std::size_t>(bodies.group[b])] = 1; };
+  for (Index b = 0; b < bodies.owned; ++b)
+    if (!is_still(bodies, b)) note(b);
+  for (const PieceContact& c : contacts.pieces) note(c.i), note(c.j);
+  for (const WallContact& c : contacts.walls) note(c.row);
+  world.comm.max(acts);
+  if (std::ranges::count(acts, 0) == 0) return {};
+  std::vector<std::uint8_t> rest(acts.size());
+  for (std::size_t g = 0; g < acts.size(); ++g) rest[g] = acts[g] == 0;
+  return rest;
+}
+
+}  // namespace
+
+void wake_what_moves(const World& world, Elastoplastic& engine) {
+  if (engine.rests.empty()) return;
+  double moves = 0;
+  for (Index b = 0; b < world.bodies.owned; ++b)
+    if (rests(world.bodies, engine, b) && !is_still(world.bodies, b)) moves = 1;
+  if (world.comm.max(moves) > 0) engine.near.skin = 0;
+}
+
+void forget_slow(const Bodies& bodies, Elastoplastic& engine) {
+  Strides& strides = engine.strides;
   strides.lasts = 0;
   strides.work = 1;
   strides.is_slow.assign(bodies.size(), 0);
   strides.slow.clear();
-  strides.brisk.resize(bodies.owned);
-  std::iota(strides.brisk.begin(), strides.brisk.end(), 0);
+  strides.brisk.clear();
+  for (Index b = 0; b < bodies.owned; ++b)
+    if (!rests(bodies, engine, b)) strides.brisk.push_back(b);
 }
 
 void tell_slow(const Bodies& bodies, Elastoplastic& engine) {
@@ -85,12 +129,12 @@ void note_paces(const std::vector<std::uint8_t>& is_slow, std::vector<PieceWindo
 
 namespace {
 
-/// The pairs of one piece of all that were found, with bodies where they were found. `reach` is R
-/// of each body (m). Those that `is_slow` (ghosts included) stand last, so that few slots hold
-/// both.
-std::vector<PieceWindow> pairs_of_pieces(const Bodies& bodies, const double* reach,
-                                         const std::vector<NearWindow>& windows,
-                                         const std::vector<std::uint8_t>& is_slow) {
+/// The pairs of one piece of all that were found, with bodies where they were found, but for what
+/// rests. Those that are slow stand last, so that few slots hold both.
+std::vector<PieceWindow> pairs_of_pieces(const Bodies& bodies, const Elastoplastic& engine) {
+  const std::vector<NearWindow>& windows = engine.near.windows;
+  const std::vector<std::uint8_t>& is_slow = engine.strides.is_slow;
+  const std::vector<double>& reach = engine.reach;
   // Whether a partner is slow, its distance squared, its place: one number is sorted soonest.
   const auto key_of = [](std::uint8_t slow, double distance2, Index place) {
     return std::uint64_t{slow} << 63 |
@@ -121,12 +165,16 @@ std::vector<PieceWindow> pairs_of_pieces(const Bodies& bodies, const double* rea
         for (std::size_t l = 0; l < lane_count; ++l) {
           Row& row = all[g * lane_count + l];
           const Index place = *partners++, i = row.place / doubles_a_row, j = place / doubles_a_row;
-          if (place == row.place || bodies.group[i] != bodies.group[j]) continue;
+          if (place == row.place || bodies.group[i] != bodies.group[j] || rests(bodies, engine, i))
+            continue;
           const double distance2 = (bodies.position[j] - bodies.position[i]).squaredNorm();
           row.within += distance2 < reach[i] * reach[i];
           row.partners.push_back(key_of(is_slow[j], distance2, place));
         }
-    const std::span rows(all.data(), static_cast<std::size_t>(window.count));
+    const auto rest = std::ranges::stable_partition(
+        all.begin(), all.begin() + window.count,
+        [&](const Row& row) { return !rests(bodies, engine, row.place / doubles_a_row); });
+    const std::span rows(all.begin(), rest.begin());
     PieceWindow& piece = pieces[n];
     for (Row& row : rows) {
       std::ranges::sort(row.partners);
@@ -171,6 +219,25 @@ double skin_of(const World& world, const NearPairs& near) {
   return best_skin(world.comm, world.bodies, near, crowd, 0, skins_of_lattice(sums[0] / sums[1]));
 }
 
+/// What rests from now on. Within a stride nothing falls asleep, and what wakes is brisk.
+/// Collective.
+void find_resting(const World& world, Elastoplastic& engine, bool within_stride) {
+  std::vector<std::uint8_t> now = resting_groups(world, engine.contacts);
+  if (within_stride) {
+    now.resize(engine.rests.size());
+    for (std::size_t g = 0; g < now.size(); ++g) now[g] &= engine.rests[g];
+    Strides& strides = engine.strides;
+    for (Index b = 0; b < world.bodies.owned; ++b) {
+      if (!rests(world.bodies, engine, b) || now[static_cast<std::size_t>(world.bodies.group[b])])
+        continue;
+      strides.brisk.push_back(b);
+      strides.kick_by_slow[b] = Vec3::Zero();
+    }
+    std::ranges::sort(strides.brisk);
+  }
+  engine.rests = std::move(now);
+}
+
 /// Pairs and ghosts anew. Within a stride the domain is not cut: bodies stay where they are.
 void search_pairs(World& world, Elastoplastic& engine) {
   NearPairs& near = engine.near;
@@ -188,14 +255,15 @@ void search_pairs(World& world, Elastoplastic& engine) {
     search_near_pairs(world.comm, world.bodies, world.period, reach_of_pieces(world), skin, {},
                       near);
   engine.contacts = find_contacts(world, near.windows, near.skin);
+  find_resting(world, engine, within_stride);
   fill_rows(world, engine);
   if (within_stride) {
     for (Index b = 0; b < world.bodies.owned; ++b) strides.from[b] += engine.rows[b].place;
     tell_slow(world.bodies, engine);
   } else {
-    forget_slow(world.bodies, strides);
+    forget_slow(world.bodies, engine);
   }
-  engine.pairs = pairs_of_pieces(world.bodies, engine.reach.data(), near.windows, strides.is_slow);
+  engine.pairs = pairs_of_pieces(world.bodies, engine);
   note_paces(strides.is_slow, engine.pairs);
   strides.served = 0;
   strides.cut_waits = within_stride && world.comm.size > 1;

@@ -28,8 +28,11 @@ PairReach reach_of_pieces(const World& world);
 /// Makes pairs and ghosts current at the present places. Collective.
 void update_pairs(World& world, Elastoplastic& engine);
 
-/// All owned bodies are brisk.
-void forget_slow(const Bodies& bodies, Strides& strides);
+/// Where a body of a group that rests has been set in motion, pairs are to be found anew.
+/// Collective.
+void wake_what_moves(const World& world, Elastoplastic& engine);
+/// All owned bodies that do not rest are brisk.
+void forget_slow(const Bodies& bodies, Elastoplastic& engine);
 /// Tells ghosts which bodies are slow. Collective.
 void tell_slow(const Bodies& bodies, Elastoplastic& engine);
 /// Notes what slots hold. `is_slow`: of all bodies, ghosts included.

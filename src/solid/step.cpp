@@ -23,12 +23,8 @@ namespace {
 /// neighbours' v^2/R^2 (1/s^2).
 double find_shapes(Elastoplastic& engine, Pace pace, const std::vector<MotionRow>& rows) {
   const Strides& strides = engine.strides;
-  if (strides.lasts == 0) {
-    std::ranges::fill(engine.shapes, ShapeRow{});
-  } else {
-    for (const Index b : pace == Pace::slow ? strides.slow : strides.brisk)
-      engine.shapes[b] = ShapeRow{};
-  }
+  for (const Index b : pace == Pace::slow ? strides.slow : strides.brisk)
+    engine.shapes[b] = ShapeRow{};
   // Where slow ones are swept, brisk ones follow, and tell who is fastest.
   const bool tells = pace == Pace::brisk && strides.lasts > 0;
   return sweep_shapes(engine.pairs, pace, tells ? strides.is_slow.data() : nullptr,
@@ -138,7 +134,8 @@ class Motion {
     longest_stride_ = h;
     velocities_ = velocities_with_walls(world_);
     fill_rows(world_, engine_);
-    forget_slow(world_.bodies, engine_.strides);
+    forget_slow(world_.bodies, engine_);
+    wake_what_moves(world_, engine_);
   }
   void drift(double t) {
     for (Index b = 0; b < world_.bodies.owned; ++b) {
@@ -155,7 +152,7 @@ class Motion {
   }
   void kick(double h, double first, double second) {
     update(since_ / 2);  // strains are of the motion before any kick
-    for (Index b = 0; b < world_.bodies.owned; ++b) act_for(b, h / 2, h / 2, h);
+    for (const Index b : engine_.strides.brisk) act_for(b, h / 2, h / 2, h);
     push(h, first, second);
   }
   void end() {
@@ -264,10 +261,11 @@ class Motion {
       kick_by_own_forces(world_, h);
     }
     ++engine_.parts;
-    engine_.acts += all_act_ ? world_.bodies.owned : std::ssize(engine_.strides.brisk);
+    const Strides& strides = engine_.strides;
+    engine_.acts += std::ssize(strides.brisk) + (all_act_ ? std::ssize(strides.slow) : 0);
     velocities_ = kick_and_drift(world_, engine_, all_act_, h, first, second);
     StageTimer timer(world_.stages, "motion");
-    if (world_.walls().size() > 0) velocities_.add(Vec3(Vec3::Zero()));
+    if (world_.walls().size() > 0 || !engine_.rests.empty()) velocities_.add(Vec3(Vec3::Zero()));
     move(first + second);
   }
   /// m/s: no two bodies are faster against each other. Collective.
@@ -301,18 +299,17 @@ class Motion {
     for (const Index b : strides.slow) act_for(b, slow_late_, after(b), h);
     strides.long_kicks = had_slow || parts > 1;
     strides.kick_by_slow.resize(world_.bodies.owned);
-    forget_slow(world_.bodies, strides);
+    forget_slow(world_.bodies, engine_);
     strides.parts_to_look = parts_between_looks;
     if (parts > 1) {
       strides.lasts = lasts;
       strides.work = stride.work;
       strides.least_limit = longest_ / 2;
-      strides.brisk.clear();
+      std::vector<Index> brisk;
+      for (const Index b : strides.brisk) (goes_slow(b) ? strides.slow : brisk).push_back(b);
+      strides.brisk = std::move(brisk);
       strides.from.resize(world_.bodies.owned);
-      for (Index b = 0; b < world_.bodies.owned; ++b) {
-        (goes_slow(b) ? strides.slow : strides.brisk).push_back(b);
-        strides.from[b] = engine_.rows[b].place;
-      }
+      for (Index b = 0; b < world_.bodies.owned; ++b) strides.from[b] = engine_.rows[b].place;
       slow_since_ = 0;
       slow_late_ = -lasts / 2;
     }
