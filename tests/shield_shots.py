@@ -168,7 +168,7 @@ def what_is_done_is_kept_and_what_is_missing_goes_on():
         # The ball is as heavy as that of the shot, however many sites of the lattice are in it.
         row = run.known(run.RESULTS)[0]
         shot = shots[int(row["row"]) - 1]
-        case = tomllib.loads((folder / f"out/{row['row']}-18-6-1-0.7-0.35/shot.toml").read_text())
+        case = tomllib.loads((folder / f"out/{row['row']}-18-6-1-0.5-0.35/shot.toml").read_text())
         grown = case["groups"][2]["volume"]["diameter"] / (shot.diameter / 100)
         assert isclose(4.45637e-05 * grown**3, run.ball_of(shot), rel_tol=1e-6)
         assert isclose(float(row["energy_unexplained"]),

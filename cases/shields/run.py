@@ -52,9 +52,10 @@ LACKING = {"aluminium_7075_t651": 'solid = {spall_strength = "1.2 GPa"}'}
 # What RULE costs decides which shots are run, and when.
 RULE = argparse.Namespace(across=6.0, wall_across=6.0, seed=1, end=1.0, spread=0.2)
 # Unless others are asked for.
-FINE = argparse.Namespace(**vars(RULE) | {"across": 18.0, "end": 0.7, "spread": 0.35})
+FINE = argparse.Namespace(**vars(RULE) | {"across": 18.0, "end": 0.5, "spread": 0.35})
 BUMPER_LAYERS, WALL_LAYERS = 2, 3  # at least
-BUMPER_WIDTH = 4  # ball diameters
+BUMPER_WIDTH = 3  # ball diameters
+CHOSEN_WIDTH = 4  # of bumpers when shots were chosen by their cost
 WALL_RIM = 1.5  # ball diameters that the wall is wider than that, on each side
 FLIGHT = 2.5  # times that which the ball would need at its speed from the bumper to the wall
 DRAWS = 5  # of crystals, until the wall's have its mass
@@ -99,7 +100,7 @@ def set_up(shot, options):
     per_volume = math.sqrt(2)  # spheres of fcc in a cube of their spacing
     disc = 1 if angle else math.pi / 4
     bodies = per_volume * (math.pi / 6 * d**3 / ball**3
-                           + disc * (BUMPER_WIDTH * d)**2 / math.cos(angle) * t / bumper**3
+                           + disc * (CHOSEN_WIDTH * d)**2 / math.cos(angle) * t / bumper**3
                            + disc * (width + sideways) * width * w / wall**3)
     step = COURANT * min(ball, bumper, wall) / (SOUND + 4 * SLOPE * v)
     return Setting(ball, bumper, wall, width + sideways, width, sideways / 2, duration, bodies,
