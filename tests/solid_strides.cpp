@@ -257,6 +257,49 @@ TEST(Rest, what_is_set_in_motion_between_steps_acts) {
   EXPECT_GT(world.comm.max(others), 0);
 }
 
+TEST(Rest, what_is_heated_between_steps_acts) {
+  for (const double courant : {0.0, usual_courant}) {
+    Lab world = world_from_far(courant, true);
+    solid_steps(world, 0.04 * crossing, 1);
+    for (Index b = 0; b < world.bodies.owned; ++b)
+      if (world.bodies.group[b] == 0 && world.bodies.id[b] % 7 == 0)
+        world.bodies.internal_energy[b] = 1;
+    solid_steps(world, 0.04 * crossing, 2);
+    double pressed = 0, moving = 0;
+    for (Index b = 0; b < world.bodies.owned; ++b) {
+      if (world.bodies.group[b] != 0) continue;
+      pressed = std::max(pressed, world.bodies.pressure[b]);
+      moving = std::max(moving, world.bodies.velocity[b].norm());
+    }
+    EXPECT_GT(world.comm.max(pressed), 0) << courant;
+    EXPECT_GT(world.comm.max(moving), 0) << courant;
+  }
+}
+
+TEST(Rest, a_force_that_comes_later_acts_as_from_the_start) {
+  for (const double courant : {0.0, usual_courant}) {
+    const double h = 0.1 * crossing, a = 1e7;
+    const auto block = ball(turned, 3 * d);
+    Lab later = world_of(testing_world(), block, ductile),
+        at_once = world_of(testing_world(), block, ductile);
+    later.solid.courant = at_once.solid.courant = courant;
+    const auto pull = [&](const Bodies& bodies, std::span<Vec3> force) {
+      for (std::size_t b = 0; b < force.size(); ++b)
+        if (bodies.position[b].x() > 0) force[b].x() += a * bodies.mass[b];
+    };
+    solid_steps(later, h, 1);
+    EXPECT_EQ(acts(later), 0);
+    for (Lab* world : {&later, &at_once}) {
+      world->own_forces.emplace_back(pull);
+      solid_steps(*world, h, 3);
+    }
+    const auto p = spheres_of(later), q = spheres_of(at_once);
+    for (std::size_t k = 0; k < p.size(); ++k)
+      EXPECT_LE((p[k].position - q[k].position).norm(), 1e-12 * d) << k;
+    EXPECT_GT(sums_of(later).momentum.x(), 0);
+  }
+}
+
 TEST(Strides, a_field_and_a_force_of_one_s_own_act_for_the_whole_time) {
   const double g = 1e7, lasts = 1.5 * crossing;
   for (const bool own : {true, false}) {

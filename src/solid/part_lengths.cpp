@@ -102,6 +102,7 @@ Stride cheapest_stride(const Comm& comm, const std::vector<double>& limit, doubl
   }
   comm.sum(brisk);
   Stride best;
+  if (brisk[0] == 0) return best;
   double least = worth;
   for (int parts = 2; parts <= std::min<double>(most, longest); ++parts) {
     const double share = brisk[parts] / brisk[0];

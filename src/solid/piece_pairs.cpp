@@ -53,7 +53,8 @@ namespace {
 bool is_still(const Bodies& bodies, Index b) {
   return bodies.velocity[b].isZero(0) && bodies.kick[b].isZero(0) &&
          bodies.direct_stress[b].isZero(0) && bodies.shear_stress[b].isZero(0) &&
-         bodies.pressure[b] == 0 && bodies.compression[b] == 1 && bodies.heat[b] == 0;
+         bodies.pressure[b] == 0 && bodies.compression[b] == 1 && bodies.heat[b] == 0 &&
+         bodies.internal_energy[b] == 0 && (!bodies.has(Field::crushed) || bodies.crushed[b] == 0);
 }
 
 bool rests(const Bodies& bodies, const Elastoplastic& engine, Index b) {
@@ -84,10 +85,12 @@ std::vector<std::uint8_t> resting_groups(const World& world, const SolidContacts
 
 void wake_what_moves(const World& world, Elastoplastic& engine) {
   if (engine.rests.empty()) return;
-  double moves = 0;
+  double moves = world.own_forces.empty() ? 0 : 1;
   for (Index b = 0; b < world.bodies.owned; ++b)
     if (rests(world.bodies, engine, b) && !is_still(world.bodies, b)) moves = 1;
-  if (world.comm.max(moves) > 0) engine.near.skin = 0;
+  if (world.comm.max(moves) == 0) return;
+  engine.near.skin = 0;
+  engine.next_part = 0;  // that of others, or of none
 }
 
 void forget_slow(const Bodies& bodies, Elastoplastic& engine) {

@@ -28,8 +28,8 @@ PairReach reach_of_pieces(const World& world);
 /// Makes pairs and ghosts current at the present places. Collective.
 void update_pairs(World& world, Elastoplastic& engine);
 
-/// Where a body of a group that rests has been set in motion, pairs are to be found anew.
-/// Collective.
+/// Where a body of a group that rests has been set in motion, or a program's force acts since,
+/// pairs are to be found anew, and how long parts may last. Collective.
 void wake_what_moves(const World& world, Elastoplastic& engine);
 /// All owned bodies that do not rest are brisk.
 void forget_slow(const Bodies& bodies, Elastoplastic& engine);
