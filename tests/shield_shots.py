@@ -186,6 +186,25 @@ def what_is_done_is_kept_and_what_is_missing_goes_on():
         assert f"| Spall | {score.share([True] * held + [False] * (5 - held))} |" in text, text
 
 
+def a_run_that_ends_before_all_has_met_the_wall_is_made_again_for_longer():
+    once, lasted = run.run_for_its_time, []
+
+    def told(verdict, coming):
+        def ended(_, __, setting):
+            lasted.append(setting.duration)
+            return {"verdict": verdict, "still_coming": coming}
+        return ended
+
+    for verdict, coming, runs in (("held", "0.02", 2), ("held", "0.005", 1),
+                                  ("perforated", "0.02", 1)):
+        lasted.clear()
+        run.run_for_its_time = told(verdict, coming)
+        run.run(run.FINE, cheap[0])
+        usual = run.set_up(cheap[0], run.FINE).duration
+        assert lasted == [usual, run.LONGER * usual][:runs], (verdict, coming, lasted)
+    run.run_for_its_time = once
+
+
 def a_piece_has_the_energy_with_which_it_met_the_wall():
     for shot in cheap[::20]:
         shot = replace(shot, metals=(*shot.metals[:2], "AA6061-T6"))
@@ -246,6 +265,7 @@ for test in (the_shares_are_those_that_were_counted_before,
              an_uneven_split_is_as_unlikely_as_coins_say,
              the_order_is_drawn_and_no_outcome_enters_it,
              plates_are_as_far_apart_as_the_table_says,
+             a_run_that_ends_before_all_has_met_the_wall_is_made_again_for_longer,
              a_piece_has_the_energy_with_which_it_met_the_wall,
              a_second_look_has_walls_fail_that_held_and_no_other,
              what_is_done_is_kept_and_what_is_missing_goes_on):

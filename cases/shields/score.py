@@ -13,7 +13,7 @@ from pathlib import Path
 
 from equations import EQUATIONS, SWAPPED, is_right, mended, read_shots
 from largest_piece import largest_piece
-from run import FINE, RESULTS, RULE, SECOND, ask_for_setting, chosen, is_of, known
+from run import (FINE, MOST_COMING, RESULTS, RULE, SECOND, ask_for_setting, chosen, is_of, known)
 
 HERE = Path(__file__).parent
 sys.path.append(str(HERE.parent.parent / "bench"))
@@ -21,7 +21,6 @@ from readme import replace_section  # noqa: E402
 
 FAILED = {"held": False, "detached spall": True, "perforated": True}
 MOST_UNEXPLAINED = 0.01  # of the impact's energy: beyond that a run tells nothing
-MOST_COMING = 0.01  # of the energy that flies: a wall that more has not met yet has not held
 # Of the published ones on all shots of the table and on the cheap ones (JSC is its equal there).
 BEST = "modified JSC"
 NEAR = (0.8, 1.25)  # ball diameters over the critical one
