@@ -197,18 +197,24 @@ def is_of(line, options):
     return all(float(line[key]) == getattr(options, key) for key in vars(RULE))
 
 
+def ended_early(line):
+    """Whether too much had not met the wall, of a run that tells a verdict. What failed has."""
+    return line["verdict"] == "held" and float(line["still_coming"]) > MOST_COMING
+
+
 def run(options, shot):
     """A line of results.csv. A run that fails or takes too long has no verdict, and says so in its
     place. One that ends too early is made again, for longer."""
     setting = set_up(shot, options)
     line = run_for_its_time(options, shot, setting)
-    if line["verdict"] == "held" and float(line["still_coming"]) > MOST_COMING:
+    if ended_early(line):
         longer = replace(setting, duration=LONGER * setting.duration)
         line = run_for_its_time(options, shot, longer)
     return line
 
 
 def run_for_its_time(options, shot, setting):
+    """A line of results.csv, of one run."""
     chosen_by = {key: f"{getattr(options, key):g}" for key in vars(RULE)}
     folder = options.out / "-".join([str(shot.row), *chosen_by.values()])
     folder.mkdir(parents=True, exist_ok=True)

@@ -13,7 +13,8 @@ from pathlib import Path
 
 from equations import EQUATIONS, SWAPPED, is_right, mended, read_shots
 from largest_piece import largest_piece
-from run import (FINE, MOST_COMING, RESULTS, RULE, SECOND, ask_for_setting, chosen, is_of, known)
+from run import (FINE, MOST_COMING, RESULTS, RULE, SECOND, ask_for_setting, chosen, ended_early,
+                 is_of, known)
 
 HERE = Path(__file__).parent
 sys.path.append(str(HERE.parent.parent / "bench"))
@@ -84,7 +85,7 @@ def share(calls):
 def has_verdict(line):
     """Whether a run has one that counts."""
     return (line["verdict"] in FAILED and float(line["energy_unexplained"]) <= MOST_UNEXPLAINED
-            and (FAILED[line["verdict"]] or float(line["still_coming"]) <= MOST_COMING))
+            and not ended_early(line))
 
 
 def counted(shots, options):
