@@ -24,7 +24,7 @@ from remnants import clump_names, commits, results  # noqa: E402
 
 ACROSS = 12  # bodies, as of the shields' balls
 BUMPER_LAYERS, BUMPER_WIDTH = 2, 3  # at least; in ball diameters
-FLIGHT = 3  # ball diameters at its speed
+FLIGHT = 9  # ball diameters at its speed: after 3 most of it still hangs together at 4 km/s
 GAP = 0.35  # spacings between the surfaces of neighbours: bodies of a piece are nearer
 SEEN = 0.01  # of the ball: lighter pieces are not counted
 
