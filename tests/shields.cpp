@@ -437,7 +437,7 @@ TEST(Shields, of_two_looks_the_piece_with_more_energy_is_kept) {
   EXPECT_EQ(most.diameter, 1);
 }
 
-TEST(Shields, what_has_a_bumper_before_it_and_what_flies_at_another_wall_is_no_piece_yet) {
+TEST(Shields, what_is_not_far_behind_its_bumper_and_what_flies_at_another_wall_is_no_piece_yet) {
   const auto coming = [](const std::string& more) {
     return Scenery(testing_world(), {.from = "[0, 0, -30e-3]", .of_wall = more}).coming();
   };
@@ -453,8 +453,22 @@ packing = {kind = "fcc", diameter = "1 mm", orientation = "random"}
   };
   const double alone = coming("").meets;
   EXPECT_GT(alone, 0);
-  EXPECT_EQ(coming(at("20")).meets, 0);      // before the ball
-  EXPECT_EQ(coming(at("40")).meets, alone);  // behind it
+  EXPECT_EQ(coming(at("20")).meets, 0);                   // before the ball
+  EXPECT_EQ(coming(at("40")).meets, alone);               // behind it
+  const auto behind = [&](const char* z, double depth) {  // m from the wall's middle
+    Scenery shot(testing_world(), {.from = "[0, 0, -30e-3]", .of_wall = at(z)});
+    Bodies& bodies = shot.world.bodies;
+    for (Index b = 0; b < bodies.owned; ++b)
+      if (shot.scene.groups[bodies.group[b]].name == "ball")
+        bodies.position[b].z() += 30e-3 - depth;
+    return shot.coming().meets;
+  };
+  // Of 16.5 mm from the bumper's rear to the wall a quarter is left after 4.125 mm.
+  EXPECT_EQ(behind("20", 7.2e-3), 0);
+  EXPECT_EQ(behind("20", 7.0e-3), alone);
+  // Twice the ball's width behind this one only half a millimetre is left.
+  EXPECT_EQ(behind("12", 3.6e-3), 0);
+  EXPECT_EQ(behind("12", 3.4e-3), alone);
   const Coming two = coming(flies_past("80e-3", "4 mm"));
   EXPECT_EQ(two.meets, alone);
   EXPECT_EQ(two.passes, 0);

@@ -36,7 +36,7 @@ struct ShieldWall {
   struct Approach {
     std::int32_t group;
     double speed;    ///< m/s at the start, towards the wall
-    double clear;    ///< m from the wall's middle, from which on nothing stands before it
+    double clear;    ///< m from the wall's middle, from which on it is told what flies at it
     double density;  ///< kg/m^3
   };
   std::vector<Approach> approaches;  ///< what flies at it
@@ -75,8 +75,9 @@ struct WallVerdict {
 /// Velocities and positions must belong to the same instant. Collective.
 WallVerdict judge_wall(const Comm& comm, const LinkedBodies& linked, const ShieldWall& wall);
 
-/// J, of motion along the normal: of the piece that has most, of what flies at the wall and has no
-/// other plate before it. It will meet what is judged, or fly past that.
+/// J, of motion along the normal: of the piece that has most, of what flies at the wall and is in
+/// the last quarter of its way from the plate before it. It will meet what is judged, or fly past
+/// that.
 struct Coming {
   double meets = 0, passes = 0;
   double diameter = 0, density = 0;  ///< m, of a ball as heavy as that which meets it; kg/m^3
