@@ -248,11 +248,16 @@ def a_second_look_has_walls_fail_that_held_and_no_other():
         look(none, verdict="held", needs_mm="", unexplained_of_dissipated="")
         assert score.second_calls(none, options) == {
             score.SECOND_LOOK: [False, False, True], score.BY_FORMULA: [False, False, True]}
+        untold = lines("1e9")
+        untold[0][1]["largest_met_j"] = untold[2][1]["largest_met_j"] = ""
+        assert score.second_calls(untold, options) == {}
+        assert untold[0][1]["row"] not in score.at_second_look(untold, options)
         score.KNOWN_FROM = Path(folder) / "known.csv"
         run.keep({"row": strong[0][1]["row"]}, ["row"], score.KNOWN_FROM)
         assert "2 have been looked at" in score.afterwards(strong, options)
         score.SECOND.unlink()
         assert "1 have been looked at as the rule says; 1 more" in score.afterwards(strong, options)
+        assert score.afterwards(untold[:1] + untold[2:], options) == ""  # though one wall failed
 
 
 for test in (the_shares_are_those_that_were_counted_before,

@@ -156,7 +156,7 @@ def at_second_look(some, options):
     if options.results != RESULTS:
         return fails
     needs = {line["row"]: f"{largest_piece(shot, float(line['largest_met_j'])).needs:.4g}"
-             for shot, line in some}
+             for shot, line in some if line["largest_met_j"]}
     for line in known(SECOND):
         # Of another run of the shot it tells nothing.
         belongs = line["row"] in needs and line["needs_mm"] in ("", needs[line["row"]])
@@ -302,8 +302,9 @@ def afterwards(some, options):
     known_then = {line["row"] for line in known(KNOWN_FROM)}
     some = [(shot, line) for shot, line in some if line["row"] not in known_then]
     again = at_second_look(some, options)
-    waiting = len(some) - len(again)
-    some = [(shot, line) for shot, line in some if line["row"] in again]
+    waiting = len(some)
+    some = [(shot, line) for shot, line in some if line["row"] in again and line["largest_met_j"]]
+    waiting -= len(some)
     if not some:
         return ""
     ours, others = calls_of(some, options)

@@ -75,7 +75,7 @@ def main():
     end, shots = end_of(options.until), read_shots()
     done = {line["row"] for line in known(SECOND) if is_of(line, options)}
     left = [line for line in known(RESULTS) if is_of(line, options) and has_verdict(line)
-            and line["verdict"] == "held" and line["row"] not in done]
+            and line["verdict"] == "held" and line["largest_met_j"] and line["row"] not in done]
     if options.rows:
         left = [line for line in left if int(line["row"]) in options.rows]
 
