@@ -300,11 +300,10 @@ def afterwards(some, options):
     """Table of the shots that were not known when the second look was chosen, and were looked
     at."""
     known_then = {line["row"] for line in known(KNOWN_FROM)}
-    some = [(shot, line) for shot, line in some if line["row"] not in known_then]
-    again = at_second_look(some, options)
-    waiting = len(some)
-    some = [(shot, line) for shot, line in some if line["row"] in again and line["largest_met_j"]]
-    waiting -= len(some)
+    unknown = [(shot, line) for shot, line in some if line["row"] not in known_then]
+    again = at_second_look(unknown, options)
+    some = [(shot, line) for shot, line in unknown
+            if line["row"] in again and line["largest_met_j"]]
     if not some:
         return ""
     ours, others = calls_of(some, options)
@@ -312,7 +311,8 @@ def afterwards(some, options):
     tests = tests_of(some, ours[tested], others)
     adjusted = of_five_tests(tests)
     text = ["", "", f"Of the shots beside the {len(known_then)} that were known then, {len(some)} "
-            f"have been looked at as the rule says; {waiting} more wait for it.", "",
+            f"have been looked at as the rule says; {len(unknown) - len(some)} more wait for it.",
+            "",
             "| these alone | called right "
             f"| McNemar beside {tested} |", "|---|--:|---|"]
     for name, calls in (ours | others).items():
