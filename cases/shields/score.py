@@ -169,8 +169,8 @@ def at_second_look(some, options):
 def second_calls(some, options):
     """{name: calls} of the two that look again where a wall held; of the first of them where all
     have been looked at."""
-    if not all(line["largest_met_j"] for _, line in some):  # former runs did not tell
-        return {}
+    if not all(line["largest_met_j"] or FAILED[line["verdict"]] for _, line in some):
+        return {}  # former runs did not tell
     again = at_second_look(some, options)
     fails = {}
     if len(again) == len(some):
@@ -302,8 +302,7 @@ def afterwards(some, options):
     known_then = {line["row"] for line in known(KNOWN_FROM)}
     unknown = [(shot, line) for shot, line in some if line["row"] not in known_then]
     again = at_second_look(unknown, options)
-    some = [(shot, line) for shot, line in unknown
-            if line["row"] in again and line["largest_met_j"]]
+    some = [(shot, line) for shot, line in unknown if line["row"] in again]
     if not some:
         return ""
     ours, others = calls_of(some, options)
