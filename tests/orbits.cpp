@@ -14,9 +14,9 @@ namespace {
 
 using std::numbers::pi;
 
-/// Every rank computes a few bodies by itself.
+/// A few bodies for long: one rank does it.
 Lab small_world(const std::vector<Sphere>& spheres) {
-  Lab world = make_world(Comm(MPI_COMM_SELF), spheres, {});
+  Lab world = make_world(alone(), spheres, {});
   world.gravity = {.method = GravityMethod::direct, .constant = 1};
   return world;
 }
@@ -39,6 +39,7 @@ Vec3 angular_momentum(const std::vector<Sphere>& s) {
 }
 
 TEST(Orbits, an_ellipse_keeps_its_shape_for_a_thousand_periods) {
+  if (testing_world().size > 1) return;
   const double a = 1, e = 0.5, m1 = 0.7, m2 = 0.3, r = a * (1 + e);
   const double v = std::sqrt((1 - e) / (1 + e) / a), h = 2 * pi / 256;
   Lab world = small_world(
@@ -66,6 +67,7 @@ TEST(Orbits, an_ellipse_keeps_its_shape_for_a_thousand_periods) {
 }
 
 TEST(Orbits, three_bodies_stay_on_their_figure_of_eight_for_a_thousand_periods) {
+  if (testing_world().size > 1) return;
   // Chenciner & Montgomery 2000, initial values of Simo.
   const Vec3 x(0.97000436, -0.24308753, 0), v(-0.93240737, -0.86473146, 0);
   const double period = 6.32591398;
