@@ -156,32 +156,15 @@ void for_each_field(BodiesLike& bodies, F&& f) {
 }
 
 /// Makes every field as long as `id`, by defaults.
-inline void fill_fields(Bodies& bodies) {
-  for_each_field(
-      bodies, [&](const auto& info, auto& field) { field.resize(bodies.id.size(), info.initial); });
-}
+void fill_fields(Bodies& bodies);
 
 /// Grows, by defaults, or cuts every field to `rows`; `owned` never exceeds it.
-inline void resize(Bodies& bodies, Index rows) {
-  bodies.id.resize(rows);
-  fill_fields(bodies);
-  bodies.owned = std::min(bodies.owned, rows);
-}
+void resize(Bodies& bodies, Index rows);
 
 /// Appends a row of defaults to every field and returns its place; `owned` is left to the caller.
-inline Index append_row(Bodies& bodies) {
-  bodies.id.push_back(0);
-  fill_fields(bodies);
-  return bodies.size() - 1;
-}
+Index append_row(Bodies& bodies);
 
 /// From now on bodies have these fields: what they did not have is its default.
-inline void set_fields(Bodies& bodies, const FieldSet& fields) {
-  for_each_field(bodies, [&](const auto& info, auto& field) {
-    if (!fields.has(info.field)) field = {};
-  });
-  bodies.fields = fields;
-  fill_fields(bodies);
-}
+void set_fields(Bodies& bodies, const FieldSet& fields);
 
 }  // namespace spall

@@ -2,11 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <mpi.h>
-
 #include <map>
 #include <string>
-#include <utility>
 
 #include "base/traffic.hpp"
 
@@ -21,13 +18,8 @@ using StageUses = std::map<std::string, StageUse>;
 /// Adds the seconds and messages of its own lifetime to a stage.
 class StageTimer {
  public:
-  StageTimer(StageUses& uses, const char* stage)
-      : use_(uses[stage]), before_(std::exchange(traffic(), {})), start_(MPI_Wtime()) {}
-  ~StageTimer() {
-    use_.seconds += MPI_Wtime() - start_;
-    use_.traffic.add(traffic());
-    traffic().add(before_);
-  }
+  StageTimer(StageUses& uses, const char* stage);
+  ~StageTimer();
   StageTimer(const StageTimer&) = delete;
   StageTimer& operator=(const StageTimer&) = delete;
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <algorithm>
+#include <string>
 #include <vector>
 
 #include "base/let_go.hpp"
@@ -12,7 +12,6 @@
 #include "domain/partition.hpp"
 #include "spall/bodies.hpp"
 #include "spall/comm.hpp"
-#include "spall/error.hpp"
 #include "state/period.hpp"
 
 namespace spall {
@@ -29,44 +28,20 @@ struct Search {
 
 /// Ghosts and places of bodies as they are now, wrapped into the period; `reach` (m, one an owned
 /// body) grows by the ghosts' rows. Collective.
-inline void find_ghosts(const Comm& comm, Bodies& bodies, const Period& period,
-                        std::vector<double>& reach, Search& search) {
-  if (period.any())
-    for (Index b = 0; b < bodies.owned; ++b)
-      bodies.position[b] = period.wrapped(bodies.position[b]);
-  search.found_at.assign(bodies.position.begin(), bodies.position.begin() + bodies.owned);
-  search.ghosts = make_halo(comm, bodies, reach, period, search.shifts);
-}
+void find_ghosts(const Comm& comm, Bodies& bodies, const Period& period, std::vector<double>& reach,
+                 Search& search);
 
 /// Throws Error, which begins with `place`, where space repeats itself so soon that bodies which
 /// act up to `reach` (m, between centres) act on two images of another.
-inline void check_period(const Period& period, double reach, const std::string& place) {
-  for (int k = 0; k < 3; ++k)
-    require(period.size[k] == 0 || period.size[k] > 2 * reach,
-            "{}: periodic.size: {:g} m in direction {} is less than twice {:.4g} m, the reach of a "
-            "body: it would meet two images of another",
-            place, period.size[k], "xyz"[k], reach);
-}
+void check_period(const Period& period, double reach, const std::string& place);
 
 /// m: the skin, or less where space repeats itself so soon that bodies which act up to `reach` (m,
 /// between centres) would be listed with two images of another. Throws Error where they act on two.
-inline double skin_within(const Period& period, double reach, double skin) {
-  check_period(period, reach, "search for pairs");
-  for (double size : period.size)
-    if (size > 0) skin = std::min(skin, size / 2 - reach);
-  return skin;
-}
+double skin_within(const Period& period, double reach, double skin);
 
 /// Adds what becomes of ghosts, where they are still those of the last search, to what becomes of
 /// owned bodies. Collective.
-inline void tell_ghosts(const Bodies& bodies, const Ghosts& ghosts, std::vector<int>& owner) {
-  const bool other = ghosts.owned() != bodies.owned || ghosts.ghosts() != bodies.ghosts();
-  if (ghosts.comm().any(other)) return;
-  std::vector<double> numbers(owner.begin(), owner.end());
-  numbers.resize(bodies.size());
-  ghosts.gather(numbers.data(), 1);
-  owner.assign(numbers.begin(), numbers.end());
-}
+void tell_ghosts(const Bodies& bodies, const Ghosts& ghosts, std::vector<int>& owner);
 
 /// Searches pairs anew; cuts the domain before where the ranks' work differs by more than a tenth.
 /// What pairs remember goes with them:

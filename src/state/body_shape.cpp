@@ -235,4 +235,46 @@ std::vector<ShapeSphere> fill_ellipsoid(const Vec3& axes, int count) {
   return chosen;
 }
 
+ShapeSphere placed_sphere(const ShapeSphere& sphere, const Vec3& center, double radius,
+                          const Quaternion& turn) {
+  return {center + radius * (turn * sphere.at), radius * sphere.radius};
+}
+
+Mat3 turned_tensor(const Quaternion& turn, const Vec3& principal) {
+  const Mat3 axes = turn.toRotationMatrix();
+  return axes * principal.asDiagonal() * axes.transpose();
+}
+
+Mat3 inertia_factor(const BodyShapes& shapes, const Bodies& bodies, Index b) {
+  if (shapes.empty() || bodies.shape[b] == 0) return sphere_inertia * Mat3::Identity();
+  return turned_tensor(bodies.orientation[b], shape_of(shapes, bodies, b).inertia);
+}
+
+Mat3 inverse_inertia_factor(const BodyShapes& shapes, const Bodies& bodies, Index b) {
+  if (shapes.empty() || bodies.shape[b] == 0) return 1 / sphere_inertia * Mat3::Identity();
+  return turned_tensor(bodies.orientation[b], shape_of(shapes, bodies, b).inertia.cwiseInverse());
+}
+
+double turning_speed(const BodyShapes& shapes, const Bodies& bodies, Index b) {
+  if (shapes.empty() || bodies.shape[b] == 0) return 0;
+  return bodies.radius[b] * shape_of(shapes, bodies, b).arm * bodies.angular_velocity[b].norm();
+}
+
+Vec3 momentum_of_spin(const BodyShapes& shapes, const Bodies& bodies, Index b, const Vec3& spin) {
+  const double mass = bodies.mass[b], radius = bodies.radius[b];
+  if (shapes.empty() || bodies.shape[b] == 0) return moment_of_inertia(mass, radius) * spin;
+  return mass * radius * radius * (inertia_factor(shapes, bodies, b) * spin);
+}
+
+Vec3 spin_momentum(const BodyShapes& shapes, const Bodies& bodies, Index b) {
+  return momentum_of_spin(shapes, bodies, b, bodies.angular_velocity[b]);
+}
+
+Vec3 spin_of_momentum(const BodyShapes& shapes, const Bodies& bodies, Index b,
+                      const Vec3& momentum) {
+  const double mass = bodies.mass[b], radius = bodies.radius[b];
+  if (shapes.empty() || bodies.shape[b] == 0) return momentum / moment_of_inertia(mass, radius);
+  return inverse_inertia_factor(shapes, bodies, b) * momentum / (mass * radius * radius);
+}
+
 }  // namespace spall

@@ -59,52 +59,27 @@ inline const BodyShape& shape_of(const BodyShapes& shapes, const Bodies& bodies,
 }
 
 /// One of a shape's spheres (m), of a body of this radius (m) about `center`, turned so.
-inline ShapeSphere placed_sphere(const ShapeSphere& sphere, const Vec3& center, double radius,
-                                 const Quaternion& turn) {
-  return {center + radius * (turn * sphere.at), radius * sphere.radius};
-}
+ShapeSphere placed_sphere(const ShapeSphere& sphere, const Vec3& center, double radius,
+                          const Quaternion& turn);
 
 /// The tensor that has these principal values in the axes that `turn` turns into the world's.
-inline Mat3 turned_tensor(const Quaternion& turn, const Vec3& principal) {
-  const Mat3 axes = turn.toRotationMatrix();
-  return axes * principal.asDiagonal() * axes.transpose();
-}
+Mat3 turned_tensor(const Quaternion& turn, const Vec3& principal);
 
 /// Of body `b`, over m r^2, in the world's axes.
-inline Mat3 inertia_factor(const BodyShapes& shapes, const Bodies& bodies, Index b) {
-  if (shapes.empty() || bodies.shape[b] == 0) return sphere_inertia * Mat3::Identity();
-  return turned_tensor(bodies.orientation[b], shape_of(shapes, bodies, b).inertia);
-}
+Mat3 inertia_factor(const BodyShapes& shapes, const Bodies& bodies, Index b);
 /// The inverse of that.
-inline Mat3 inverse_inertia_factor(const BodyShapes& shapes, const Bodies& bodies, Index b) {
-  if (shapes.empty() || bodies.shape[b] == 0) return 1 / sphere_inertia * Mat3::Identity();
-  return turned_tensor(bodies.orientation[b], shape_of(shapes, bodies, b).inertia.cwiseInverse());
-}
+Mat3 inverse_inertia_factor(const BodyShapes& shapes, const Bodies& bodies, Index b);
 
 /// m/s, at most, of the spheres of body `b` beside its centre.
-inline double turning_speed(const BodyShapes& shapes, const Bodies& bodies, Index b) {
-  if (shapes.empty() || bodies.shape[b] == 0) return 0;
-  return bodies.radius[b] * shape_of(shapes, bodies, b).arm * bodies.angular_velocity[b].norm();
-}
+double turning_speed(const BodyShapes& shapes, const Bodies& bodies, Index b);
 
 /// kg m^2/s: angular momentum about its centre of body `b`, of finite mass, with this angular
 /// velocity (rad/s).
-inline Vec3 momentum_of_spin(const BodyShapes& shapes, const Bodies& bodies, Index b,
-                             const Vec3& spin) {
-  const double mass = bodies.mass[b], radius = bodies.radius[b];
-  if (shapes.empty() || bodies.shape[b] == 0) return moment_of_inertia(mass, radius) * spin;
-  return mass * radius * radius * (inertia_factor(shapes, bodies, b) * spin);
-}
+Vec3 momentum_of_spin(const BodyShapes& shapes, const Bodies& bodies, Index b, const Vec3& spin);
 /// The same with the one that it has.
-inline Vec3 spin_momentum(const BodyShapes& shapes, const Bodies& bodies, Index b) {
-  return momentum_of_spin(shapes, bodies, b, bodies.angular_velocity[b]);
-}
+Vec3 spin_momentum(const BodyShapes& shapes, const Bodies& bodies, Index b);
 /// rad/s: the angular velocity with which it has this angular momentum (kg m^2/s).
-inline Vec3 spin_of_momentum(const BodyShapes& shapes, const Bodies& bodies, Index b,
-                             const Vec3& momentum) {
-  const double mass = bodies.mass[b], radius = bodies.radius[b];
-  if (shapes.empty() || bodies.shape[b] == 0) return momentum / moment_of_inertia(mass, radius);
-  return inverse_inertia_factor(shapes, bodies, b) * momentum / (mass * radius * radius);
-}
+Vec3 spin_of_momentum(const BodyShapes& shapes, const Bodies& bodies, Index b,
+                      const Vec3& momentum);
 
 }  // namespace spall

@@ -28,6 +28,15 @@ std::array<double, 2> cosines_between(double from, double to) {
 
 }  // namespace
 
+Vec3 RigidDisplacement::of(const Vec3& anchor) const {
+  return shift + turn * (anchor - point);
+}
+
+void VelocityRange::add(const Vec3& velocity) {
+  low = low.cwiseMin(velocity);
+  high = high.cwiseMax(velocity);
+}
+
 void PrescribedMotion::set_displacements(std::vector<double> times,
                                          std::vector<Vec3> displacements) {
   times_ = std::move(times);

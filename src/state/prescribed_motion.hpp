@@ -15,7 +15,7 @@ struct RigidDisplacement {
   Eigen::Matrix3d turn = Eigen::Matrix3d::Zero();  ///< rotation less the identity
 
   /// m, of the body that was at `anchor` at the start.
-  Vec3 of(const Vec3& anchor) const { return shift + turn * (anchor - point); }
+  Vec3 of(const Vec3& anchor) const;
 };
 
 /// m/s: velocities between two, component by component, and to each of them any by which a body
@@ -24,10 +24,7 @@ struct VelocityRange {
   Vec3 low = Vec3::Zero(), high = Vec3::Zero();
   double turning = 0;
 
-  void add(const Vec3& velocity) {
-    low = low.cwiseMin(velocity);
-    high = high.cwiseMax(velocity);
-  }
+  void add(const Vec3& velocity);
 };
 
 /// A rigid motion as a function of the run's time alone, so that nothing drifts:
