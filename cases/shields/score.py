@@ -149,6 +149,11 @@ def of_other_seeds(some, options):
             f"error of {100 * error:.0f} % of the share that Spall calls right.")
 
 
+def has_piece(line):
+    """Whether a run told the largest piece that met its wall: former runs did not."""
+    return bool(line["largest_met_j"])
+
+
 def at_second_look(some, options):
     """{row: whether the wall fails in either run}, of those shots whose wall failed or was looked
     at again, with a verdict that counts."""
@@ -156,7 +161,7 @@ def at_second_look(some, options):
     if options.results != RESULTS:
         return fails
     needs = {line["row"]: f"{largest_piece(shot, float(line['largest_met_j'])).needs:.4g}"
-             for shot, line in some if line["largest_met_j"]}
+             for shot, line in some if has_piece(line)}
     for line in known(SECOND):
         # Of another run of the shot it tells nothing.
         belongs = line["row"] in needs and line["needs_mm"] in ("", needs[line["row"]])
@@ -166,21 +171,19 @@ def at_second_look(some, options):
     return fails
 
 
+def by_formula(some):
+    """{row: whether the wall fails, or is thinner than Cour-Palais's formula asks for}, of those
+    shots of which the largest piece is told, or whose wall failed without."""
+    return {line["row"]: FAILED[line["verdict"]]
+            or largest_piece(shot, float(line["largest_met_j"])).needs > 10 * shot.wall
+            for shot, line in some if has_piece(line) or FAILED[line["verdict"]]}
+
+
 def second_calls(some, options):
-    """{name: calls} of the two that look again where a wall held; of the first of them where all
-    have been looked at."""
-    if not all(line["largest_met_j"] or FAILED[line["verdict"]] for _, line in some):
-        return {}  # former runs did not tell
-    again = at_second_look(some, options)
-    fails = {}
-    if len(again) == len(some):
-        fails[SECOND_LOOK] = [again[line["row"]] for _, line in some]
-    fails[BY_FORMULA] = [
-        FAILED[line["verdict"]]
-        or largest_piece(shot, float(line["largest_met_j"])).needs > 10 * shot.wall
-        for shot, line in some]
-    return {name: [failed == shot.perforated for failed, (shot, _) in zip(calls, some)]
-            for name, calls in fails.items()}
+    """{name: calls} of the two that look again where a wall held; of each that can call all."""
+    again = {SECOND_LOOK: at_second_look(some, options), BY_FORMULA: by_formula(some)}
+    return {name: [fails[line["row"]] == shot.perforated for shot, line in some]
+            for name, fails in again.items() if len(fails) == len(some)}
 
 
 def calls_of(some, options):
@@ -281,7 +284,7 @@ def table(some, without, planned, options):
     late = sum(float(line["still_coming"]) > MOST_COMING for _, line in some)
     edge = sum(line["opening_at_edge"] == "True" for _, line in some)
     narrow = ""
-    if all(line["largest_met_j"] for _, line in some):  # former runs did not tell
+    if all(has_piece(line) for _, line in some):
         past = sum(float(line["largest_passed_j"]) > float(line["largest_met_j"])
                    for _, line in some)
         narrow = f"in {past} a larger piece flew past the wall than any that met it, "
@@ -296,31 +299,35 @@ def table(some, without, planned, options):
     return "\n".join(text).rstrip("\n")
 
 
-def afterwards(some, options):
-    """Table of the shots that were not known when the second look was chosen, and were looked
-    at."""
+def afterwards(told, options):
+    """Table of the shots that were not known when the second look was chosen, and tell their
+    largest piece. Those alone whose wall failed, or was looked at again, are no fair sample.
+    `told`: with the labels of the table."""
     known_then = {line["row"] for line in known(KNOWN_FROM)}
-    unknown = [(shot, line) for shot, line in some if line["row"] not in known_then]
-    again = at_second_look(unknown, options)
-    some = [(shot, line) for shot, line in unknown if line["row"] in again]
-    if not some:
+    unknown = [(shot, line) for shot, line in told if line["row"] not in known_then]
+    told = [(shot, line) for shot, line in unknown if has_piece(line)]
+    if not told:
         return ""
+    some = [(shot, line) for shot, (_, line) in zip(mended([shot for shot, _ in told]), told)]
     ours, others = calls_of(some, options)
-    tested = SECOND_LOOK
+    by_table = {name: calls for callers in calls_of(told, options)
+                for name, calls in callers.items()}
+    tested = SECOND_LOOK if SECOND_LOOK in ours else BY_FORMULA
     tests = tests_of(some, ours[tested], others)
     adjusted = of_five_tests(tests)
-    text = ["", "", f"Of the shots beside the {len(known_then)} that were known then, {len(some)} "
-            f"have been looked at as the rule says; {len(unknown) - len(some)} more wait for it.",
+    text = ["", "", f"Of {len(unknown)} shots that were not known when the second look was chosen, "
+            f"{len(some)} tell the largest piece that met the wall. "
+            f"{len(at_second_look(some, options))} of these walls failed, or were looked at again.",
             "",
-            "| these alone | called right "
-            f"| McNemar beside {tested} |", "|---|--:|---|"]
+            f"| these {len(some)} | called right | McNemar beside {tested} | as the table has it |",
+            "|---|--:|---|--:|"]
     for name, calls in (ours | others).items():
         beside = ""
         if name in tests:
             beside = in_short(tests[name])
         if name in adjusted:
             beside += f", of five tests {adjusted[name]:.2g}"
-        text.append(f"| {name} | {sum(calls)}, {share(calls)} | {beside} |")
+        text.append(f"| {name} | {sum(calls)}, {share(calls)} | {beside} | {sum(by_table[name])} |")
     return "\n".join(text)
 
 
@@ -360,7 +367,7 @@ def main():
     some, without, planned = counted(mended(read_shots()), options)
     text = table(some, without, planned, options) + "\n\n" + by_labels(told, options)
     if options.results == RESULTS and is_of(vars(FINE), options):
-        text += afterwards(some, options)
+        text += afterwards(told, options)
     print(text)
     name = f"score_{options.across:g}_{options.wall_across:g}{ending}"
     replace_section(HERE / ("former.md" if options.until else "README.md"), name, text)
