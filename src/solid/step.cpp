@@ -45,7 +45,9 @@ RowBox kick_and_drift(World& world, Elastoplastic& engine, bool all, double h, d
     return v[0] == 0 && v[1] == 0 && v[2] == 0 && v[3] == 0;
   };
   double taken = 0;
-  const auto ask = [&](Index b) {
+  // To be inlined: GCC drops calls that do nothing but ask.
+  const auto ask = [&](Index b) __attribute__((always_inline)) {
+    if (waits && strides.is_slow[b]) return;
     for (const auto* numbers : {&bodies.mass, &bodies.compression, &bodies.damage, &bodies.pressure,
                                 &bodies.heat, &bodies.internal_energy, &engine.rest_volume})
       __builtin_prefetch(numbers->data() + b);

@@ -293,7 +293,8 @@ void sweep_forces(const std::vector<PieceWindow>& windows, std::uint8_t paces, c
       }
       add_half<push_width>(fx, fy, fz, heat, own, sums);
     }
-    if (n + 1 < windows.size()) std::ranges::for_each(windows[n + 1].bodies, ask);
+    if (n + 1 < windows.size())
+      for (const Index b : windows[n + 1].bodies) ask(b);
     std::ranges::for_each(window.bodies, finish);
   }
 }
