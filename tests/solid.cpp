@@ -166,8 +166,8 @@ TEST(SolidStep, viscosity_only_warms_whatever_velocities_and_gradients_are) {
         for (Index b = 0; b < world.bodies.owned; ++b) look(b);
       } else {
         sweep_forces(
-            engine.pairs, Pace::brisk, engine.reach.data(), engine.rows.data(),
-            engine.responses.data(), engine.impulses.data(), [](Index) {}, look);
+            engine.pairs, engine.reach.data(), engine.rows.data(), engine.responses.data(),
+            engine.impulses.data(), [](Index) {}, look);
       }
     }
     EXPECT_GT(most, 0) << contacts;

@@ -4,10 +4,8 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <span>
-#include <tuple>
 
 #include "pairs/flight.hpp"
 #include "solid/bodies_step.hpp"
@@ -104,104 +102,140 @@ void forget_slow(const Bodies& bodies, Elastoplastic& engine) {
     if (!rests(bodies, engine, b)) strides.brisk.push_back(b);
 }
 
-void tell_slow(const Bodies& bodies, Elastoplastic& engine) {
-  std::vector<double> is_slow(bodies.size());
-  for (const Index b : engine.strides.slow) is_slow[b] = 1;
-  engine.near.ghosts.gather(is_slow.data(), 1);
-  engine.strides.is_slow.assign(is_slow.begin(), is_slow.end());
+namespace {
+
+/// A body's place and those of its partners in a window, nearest first.
+struct WindowRow {
+  Index place;
+  std::vector<Index> partners;
+};
+
+/// Fills the groups of a window with these rows, one after another.
+void fill_groups(std::span<const WindowRow> rows, PieceWindow& window) {
+  window.rows.clear();
+  window.slots.clear();
+  window.partners.clear();
+  for (std::size_t first = 0; first < rows.size(); first += pair_lanes) {
+    std::array<const WindowRow*, pair_lanes> group;
+    std::size_t most = 0;
+    for (std::size_t l = 0; l < pair_lanes; ++l) {
+      const bool filled = first + l < rows.size();
+      group[l] = &rows[filled ? first + l : rows.size() - 1];
+      window.rows.push_back(group[l]->place);
+      if (filled) most = std::max(most, group[l]->partners.size());
+    }
+    window.slots.push_back(static_cast<Index>(most));
+    const std::size_t filled = rows.size() - first;
+    for (std::size_t s = 0; s < most; ++s)
+      for (std::size_t l = 0; l < pair_lanes; ++l)
+        window.partners.push_back(
+            l < filled && s < group[l]->partners.size() ? group[l]->partners[s] : group[l]->place);
+  }
 }
 
-void note_paces(const std::vector<std::uint8_t>& is_slow, std::vector<PieceWindow>& windows) {
-  const auto pace = [&](Index place) {
-    return is_slow[place / doubles_a_row] ? Pace::slow : Pace::brisk;
-  };
-  for (PieceWindow& window : windows) {
+/// Of each window those pairs that have a brisk body.
+void find_brisk_pairs(const std::vector<PieceWindow>& all, const std::vector<std::uint8_t>& is_slow,
+                      std::vector<PieceWindow>& brisk) {
+  brisk.resize(all.size());
+  std::vector<WindowRow> rows;  // their partners keep their memory from window to window
+  for (std::size_t n = 0; n < all.size(); ++n) {
+    const PieceWindow& window = all[n];
+    rows.resize(std::max(rows.size(), window.rows.size()));
+    std::size_t count = 0;
     const Index* partners = window.partners.data();
-    std::uint8_t* holds = window.holds.data();
     for (std::size_t g = 0; g < window.slots.size(); ++g) {
       const Index* own = window.rows.data() + g * pair_lanes;
-      for (Index s = 0; s < window.slots[g]; ++s, partners += pair_lanes) {
-        std::uint8_t all = 0;
-        for (std::size_t l = 0; l < pair_lanes; ++l)
-          if (partners[l] != own[l]) all |= pace(own[l]) | pace(partners[l]);
-        *holds++ = all;
+      for (std::size_t l = 0; l < pair_lanes; ++l) {
+        WindowRow& row = rows[count];
+        row.place = own[l];
+        row.partners.clear();
+        const std::uint8_t slow = is_slow[own[l] / doubles_a_row];
+        for (Index s = 0; s < window.slots[g]; ++s) {
+          const Index place = partners[static_cast<std::size_t>(s) * pair_lanes + l];
+          if (place != own[l] && !(slow & is_slow[place / doubles_a_row]))
+            row.partners.push_back(place);
+        }
+        count += !row.partners.empty();
       }
+      partners += static_cast<std::size_t>(window.slots[g]) * pair_lanes;
     }
+    std::ranges::stable_sort(rows.begin(), rows.begin() + count, std::ranges::less(),
+                             [](const WindowRow& row) { return row.partners.size(); });
+    brisk[n].bodies = window.bodies;
+    fill_groups({rows.data(), count}, brisk[n]);
   }
+}
+
+}  // namespace
+
+void tell_slow(const Bodies& bodies, Elastoplastic& engine) {
+  Strides& strides = engine.strides;
+  std::vector<double> is_slow(bodies.size());
+  for (const Index b : strides.slow) is_slow[b] = 1;
+  engine.near.ghosts.gather(is_slow.data(), 1);
+  strides.is_slow.assign(is_slow.begin(), is_slow.end());
+  find_brisk_pairs(engine.pairs, strides.is_slow, strides.brisk_pairs);
 }
 
 namespace {
 
 /// The pairs of one piece of all that were found, with bodies where they were found, but for what
-/// rests. Those that are slow stand last, so that few slots hold both.
+/// rests.
 std::vector<PieceWindow> pairs_of_pieces(const Bodies& bodies, const Elastoplastic& engine) {
   const std::vector<NearWindow>& windows = engine.near.windows;
-  const std::vector<std::uint8_t>& is_slow = engine.strides.is_slow;
-  const std::vector<double>& reach = engine.reach;
-  // Whether a partner is slow, its distance squared, its place: one number is sorted soonest.
-  const auto key_of = [](std::uint8_t slow, double distance2, Index place) {
-    return std::uint64_t{slow} << 63 |
-           std::uint64_t{std::bit_cast<std::uint32_t>(static_cast<float>(distance2))} << 32 |
-           static_cast<std::uint32_t>(place);
-  };
-  const auto place_of = [](std::uint64_t key) { return static_cast<Index>(key & 0xffffffff); };
+  // Partners within reach stand first, then those in parts of the skin, as they may come within.
+  constexpr std::size_t shells = 4;
   struct Row {
     Index place;
-    std::uint8_t slow;
-    int within;  // partners
-    std::vector<std::uint64_t> partners;
+    std::array<std::vector<Index>, shells> partners;
   };
   std::vector<PieceWindow> pieces(windows.size());
   std::vector<Row> all;  // their partners keep their memory from window to window
+  std::vector<WindowRow> rows;
   for (std::size_t n = 0; n < windows.size(); ++n) {
     const NearWindow& window = windows[n];
     all.resize(std::max(all.size(), window.rows.size()));
-    for (std::size_t r = 0; r < window.rows.size(); ++r) {
-      all[r].place = window.rows[r];
-      all[r].slow = is_slow[window.rows[r] / doubles_a_row];
-      all[r].within = 0;
-      all[r].partners.clear();
-    }
     const Index* partners = window.partners.data();
-    for (std::size_t g = 0; g < window.slots.size(); ++g)
-      for (Index s = 0; s < window.slots[g]; ++s)
-        for (std::size_t l = 0; l < lane_count; ++l) {
-          Row& row = all[g * lane_count + l];
-          const Index place = *partners++, i = row.place / doubles_a_row, j = place / doubles_a_row;
-          if (place == row.place || bodies.group[i] != bodies.group[j] || rests(bodies, engine, i))
-            continue;
-          const double distance2 = (bodies.position[j] - bodies.position[i]).squaredNorm();
-          row.within += distance2 < reach[i] * reach[i];
-          row.partners.push_back(key_of(is_slow[j], distance2, place));
+    for (std::size_t g = 0; g < window.slots.size(); ++g) {
+      for (std::size_t l = 0; l < lane_count; ++l) {
+        Row& row = all[g * lane_count + l];
+        row.place = window.rows[g * lane_count + l];
+        for (auto& shell : row.partners) shell.clear();
+        const Index i = row.place / doubles_a_row;
+        if (rests(bodies, engine, i)) continue;
+        std::array<double, shells - 1> end2;
+        for (std::size_t k = 0; k < end2.size(); ++k) {
+          const double end = engine.reach[i] + engine.near.skin * k / end2.size();
+          end2[k] = end * end;
         }
+        for (Index s = 0; s < window.slots[g]; ++s) {
+          const Index place = partners[s * static_cast<Index>(lane_count) + l];
+          const Index j = place / doubles_a_row;
+          if (i == j || bodies.group[i] != bodies.group[j]) continue;
+          const double distance2 = (bodies.position[j] - bodies.position[i]).squaredNorm();
+          std::size_t shell = 0;
+          for (const double end : end2) shell += distance2 >= end;
+          row.partners[shell].push_back(place);
+        }
+      }
+      partners += window.slots[g] * static_cast<Index>(lane_count);
+    }
     const auto rest = std::ranges::stable_partition(
         all.begin(), all.begin() + window.count,
         [&](const Row& row) { return !rests(bodies, engine, row.place / doubles_a_row); });
-    const std::span rows(all.begin(), rest.begin());
+    const std::span moving(all.begin(), rest.begin());
     PieceWindow& piece = pieces[n];
-    for (Row& row : rows) {
-      std::ranges::sort(row.partners);
-      piece.bodies.push_back(row.place / doubles_a_row);
+    for (const Row& row : moving) piece.bodies.push_back(row.place / doubles_a_row);
+    std::ranges::stable_sort(moving, std::ranges::less(),
+                             [](const Row& row) { return row.partners[0].size(); });
+    rows.resize(std::max(rows.size(), moving.size()));
+    for (std::size_t r = 0; r < moving.size(); ++r) {
+      rows[r].place = moving[r].place;
+      rows[r].partners.clear();
+      for (const auto& shell : moving[r].partners)
+        rows[r].partners.insert(rows[r].partners.end(), shell.begin(), shell.end());
     }
-    std::ranges::stable_sort(rows, [](const Row& a, const Row& b) {
-      return std::tuple(a.slow, b.within) < std::tuple(b.slow, a.within);
-    });
-    for (std::size_t first = 0; first < rows.size(); first += pair_lanes) {
-      std::size_t most = 0;
-      for (std::size_t l = 0; l < pair_lanes; ++l) {
-        const std::size_t r = std::min(first + l, rows.size() - 1);
-        piece.rows.push_back(rows[r].place);
-        most = std::max(most, rows[r].partners.size());
-      }
-      piece.slots.push_back(static_cast<Index>(most));
-      piece.holds.resize(piece.holds.size() + most);
-      for (std::size_t s = 0; s < most; ++s)
-        for (std::size_t r = first; r < first + pair_lanes; ++r) {
-          const bool has = r < rows.size() && s < rows[r].partners.size();
-          piece.partners.push_back(has ? place_of(rows[r].partners[s])
-                                       : rows[std::min(r, rows.size() - 1)].place);
-        }
-    }
+    fill_groups({rows.data(), moving.size()}, piece);
   }
   return pieces;
 }
@@ -260,14 +294,13 @@ void search_pairs(World& world, Elastoplastic& engine) {
   engine.contacts = find_contacts(world, near.windows, near.skin);
   find_resting(world, engine, within_stride);
   fill_rows(world, engine);
+  engine.pairs = pairs_of_pieces(world.bodies, engine);
   if (within_stride) {
     for (Index b = 0; b < world.bodies.owned; ++b) strides.from[b] += engine.rows[b].place;
     tell_slow(world.bodies, engine);
   } else {
     forget_slow(world.bodies, engine);
   }
-  engine.pairs = pairs_of_pieces(world.bodies, engine);
-  note_paces(strides.is_slow, engine.pairs);
   strides.served = 0;
   strides.cut_waits = within_stride && world.comm.size > 1;
 }

@@ -3,7 +3,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <cstdint>
 #include <vector>
 
 #include "solid/engine.hpp"
@@ -33,9 +32,7 @@ void update_pairs(World& world, Elastoplastic& engine);
 void wake_what_moves(const World& world, Elastoplastic& engine);
 /// All owned bodies that do not rest are brisk.
 void forget_slow(const Bodies& bodies, Elastoplastic& engine);
-/// Tells ghosts which bodies are slow. Collective.
+/// Tells ghosts which bodies are slow, and finds the pairs with a brisk one. Collective.
 void tell_slow(const Bodies& bodies, Elastoplastic& engine);
-/// Notes what slots hold. `is_slow`: of all bodies, ghosts included.
-void note_paces(const std::vector<std::uint8_t>& is_slow, std::vector<PieceWindow>& windows);
 
 }  // namespace spall

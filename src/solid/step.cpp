@@ -19,16 +19,15 @@
 namespace spall {
 namespace {
 
-/// The sums of the shapes of bodies of this pace at the present places. Returns the fastest
-/// neighbours' v^2/R^2 (1/s^2).
-double find_shapes(Elastoplastic& engine, Pace pace, const std::vector<MotionRow>& rows) {
-  const Strides& strides = engine.strides;
-  for (const Index b : pace == Pace::slow ? strides.slow : strides.brisk)
-    engine.shapes[b] = ShapeRow{};
-  // Where slow ones are swept, brisk ones follow, and tell who is fastest.
-  const bool tells = pace == Pace::brisk && strides.lasts > 0;
-  return sweep_shapes(engine.pairs, pace, tells ? strides.is_slow.data() : nullptr,
-                      engine.reach.data(), rows.data(), engine.shapes.data());
+/// The sums of the shapes of `which` bodies, those of these pairs, at the present places. Those of
+/// others mean nothing from then on. Returns the fastest neighbours' v^2/R^2 (1/s^2).
+double find_shapes(Elastoplastic& engine, std::span<const Index> which,
+                   const std::vector<PieceWindow>& pairs, const std::vector<MotionRow>& rows) {
+  for (const Index b : which) engine.shapes[b] = ShapeRow{};
+  return sweep_shapes(pairs, engine.reach.data(), rows.data(), engine.shapes.data());
+}
+const std::vector<PieceWindow>& pairs_of_brisk(const Elastoplastic& engine) {
+  return engine.strides.lasts > 0 ? engine.strides.brisk_pairs : engine.pairs;
 }
 
 /// Forces of brisk bodies, or of `all`, at the present places, the kick by them in a part of `h`,
@@ -98,8 +97,8 @@ RowBox kick_and_drift(World& world, Elastoplastic& engine, bool all, double h, d
   };
   push_by_contacts(world, engine.laws, engine.contacts, h, engine.rows.data(),
                    engine.responses.data(), engine.impulses.data());
-  sweep_forces(engine.pairs, all ? Pace::brisk | Pace::slow : Pace::brisk, engine.reach.data(),
-               engine.rows.data(), engine.responses.data(), engine.impulses.data(), ask, finish);
+  sweep_forces(all ? engine.pairs : strides.brisk_pairs, engine.reach.data(), engine.rows.data(),
+               engine.responses.data(), engine.impulses.data(), ask, finish);
   world.ledger.dissipated += taken;
   if (all) strides.slow_box = {};
   strides.slow_box.add(slow_box);
@@ -172,10 +171,11 @@ class Motion {
     const Strides& strides = engine_.strides;
     all_act_ = strides.lasts == 0 || all || stride_ends();
     if (all_act_ && strides.lasts > 0) {
-      find_shapes(engine_, Pace::slow, mean_motion());
+      find_shapes(engine_, strides.slow, engine_.pairs, mean_motion());
       update(strides.slow, slow_since_, slow_late_);
     }
-    engine_.fastest_pair2 = find_shapes(engine_, Pace::brisk, engine_.rows);
+    engine_.fastest_pair2 =
+        find_shapes(engine_, engine_.strides.brisk, pairs_of_brisk(engine_), engine_.rows);
     update(strides.brisk, since_, late);
     since_ = 0;
     current_ = true;
@@ -200,7 +200,8 @@ class Motion {
   }
   double first_longest() {
     update_pairs(world_, engine_);
-    engine_.fastest_pair2 = find_shapes(engine_, Pace::brisk, engine_.rows);
+    engine_.fastest_pair2 =
+        find_shapes(engine_, engine_.strides.brisk, pairs_of_brisk(engine_), engine_.rows);
     find_waves(world_, engine_, engine_.strides.brisk);
     return longest();
   }
@@ -303,21 +304,18 @@ class Motion {
     strides.kick_by_slow.resize(world_.bodies.owned);
     forget_slow(world_.bodies, engine_);
     strides.parts_to_look = parts_between_looks;
-    if (parts > 1) {
-      strides.lasts = lasts;
-      strides.work = stride.work;
-      strides.least_limit = longest_ / 2;
-      std::vector<Index> brisk;
-      for (const Index b : strides.brisk) (goes_slow(b) ? strides.slow : brisk).push_back(b);
-      strides.brisk = std::move(brisk);
-      strides.from.resize(world_.bodies.owned);
-      for (Index b = 0; b < world_.bodies.owned; ++b) strides.from[b] = engine_.rows[b].place;
-      slow_since_ = 0;
-      slow_late_ = -lasts / 2;
-    }
-    if (parts == 1 && !had_slow) return;
+    if (parts == 1) return;
+    strides.lasts = lasts;
+    strides.work = stride.work;
+    strides.least_limit = longest_ / 2;
+    std::vector<Index> brisk;
+    for (const Index b : strides.brisk) (goes_slow(b) ? strides.slow : brisk).push_back(b);
+    strides.brisk = std::move(brisk);
+    strides.from.resize(world_.bodies.owned);
+    for (Index b = 0; b < world_.bodies.owned; ++b) strides.from[b] = engine_.rows[b].place;
+    slow_since_ = 0;
+    slow_late_ = -lasts / 2;
     tell_slow(world_.bodies, engine_);
-    note_paces(strides.is_slow, engine_.pairs);
   }
 
   World& world_;

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <cstdint>
 #include <vector>
 
 #include "solid/rows.hpp"
@@ -69,27 +68,18 @@ struct MotionLanes {
   PairMask failed() const { return pressure >= infinity; }
 };
 
-/// Adds to the sums of owned bodies of these paces; those of others and of ghosts mean nothing.
-/// `reach` is R of each body (m). A neighbour counts by `neighbour_weight`. Returns the largest
-/// v^2/R^2 of neighbours, v their velocity against each other (1/s^2), that are not both slow where
-/// `is_slow` is given.
-inline double sweep_shapes(const std::vector<PieceWindow>& windows, std::uint8_t paces,
-                           const std::uint8_t* is_slow, const double* reach, const MotionRow* rows,
-                           ShapeRow* shapes) {
+/// Adds to the sums of owned bodies; those of ghosts mean nothing. `reach` is R of each body (m). A
+/// neighbour counts by `neighbour_weight`. Returns the largest v^2/R^2 of neighbours, v their
+/// velocity against each other (1/s^2).
+inline double sweep_shapes(const std::vector<PieceWindow>& windows, const double* reach,
+                           const MotionRow* rows, ShapeRow* shapes) {
   const double* const of_rows = reinterpret_cast<const double*>(rows);
   double* const sums = reinterpret_cast<double*>(shapes);
   const PairLanes zero{};
   PairLanes fastest{};
   for (const PieceWindow& window : windows) {
     const Index* partners = window.partners.data();
-    const std::uint8_t* all_holds = window.holds.data();
     for (std::size_t g = 0; g < window.slots.size(); ++g) {
-      const std::uint8_t* const holds = all_holds;
-      all_holds += window.slots[g];
-      if (!any_holds(holds, window.slots[g], paces)) {
-        partners += window.slots[g] * static_cast<Index>(pair_lanes);
-        continue;
-      }
       const Index* own = window.rows.data() + g * pair_lanes;
       const PlaceLanes at(rows, own);
       const MotionLanes i(rows, own);
@@ -97,7 +87,6 @@ inline double sweep_shapes(const std::vector<PieceWindow>& windows, std::uint8_t
       const PairMask failed = i.failed();
       PairLanes sum[16] = {};
       for (Index s = 0; s < window.slots[g]; ++s, partners += pair_lanes) {
-        if (!(holds[s] & paces)) continue;
         ask_ahead<doubles_a_row>(window, partners, of_rows);
         ask_ahead<shape_width>(window, partners, sums);
         const PlaceLanes beside(rows, partners);
@@ -113,12 +102,7 @@ inline double sweep_shapes(const std::vector<PieceWindow>& windows, std::uint8_t
         const PairLanes of_partner = select(failed & ~partner_failed, zero, weight * at.volume);
         const PairLanes p = select(failed | partner_failed, zero, j.pressure - i.pressure);
         const PairLanes u = j.u - i.u, v = j.v - i.v, w = j.w - i.w;
-        PairLanes meets = select(acts, (u * u + v * v + w * w) * inverse2, zero);
-        if (is_slow)
-          for (std::size_t l = 0; l < pair_lanes; ++l)
-            if (is_slow[own[l] / doubles_a_row] & is_slow[partners[l] / doubles_a_row])
-              meets[l] = 0;
-        fastest = larger(fastest, meets);
+        fastest = larger(fastest, select(acts, (u * u + v * v + w * w) * inverse2, zero));
         // S alone changes sign with the side that is asked.
         const PairLanes term[16] = {x * x, y * y, z * z, y * z, z * x, x * y, u * x, u * y,
                                     u * z, v * x, v * y, v * z, w * x, w * y, w * z, r2 * p};
@@ -203,7 +187,7 @@ struct ResponseLanes {
   return select(product > 0.0, product / (sum * sum), PairLanes{});
 }
 
-/// Adds the impulses of pairs of one piece whose groups have a body of these paces: by the forces
+/// Adds the impulses of pairs of one piece: by the forces
 ///
 ///   f = w V_i V_j (sigma_i K_i^-1 + sigma_j K_j^-1) x   (each where the body sees the other)
 ///       - w V_i V_j (a_i q_i + a_j q_j) x,   q = rho (c u + s u^2),
@@ -216,7 +200,7 @@ struct ResponseLanes {
 /// once nothing will be added to its row and neither its place nor its answer will be asked for
 /// again, and `ask(body)` a window before.
 template <class Ask, class Finish>
-void sweep_forces(const std::vector<PieceWindow>& windows, std::uint8_t paces, const double* reach,
+void sweep_forces(const std::vector<PieceWindow>& windows, const double* reach,
                   const MotionRow* rows, const ResponseRow* responses, PushRow* impulses, Ask&& ask,
                   Finish&& finish) {
   const double* const of_rows = reinterpret_cast<const double*>(rows);
@@ -226,14 +210,7 @@ void sweep_forces(const std::vector<PieceWindow>& windows, std::uint8_t paces, c
   for (std::size_t n = 0; n < windows.size(); ++n) {
     const PieceWindow& window = windows[n];
     const Index* partners = window.partners.data();
-    const std::uint8_t* all_holds = window.holds.data();
     for (std::size_t g = 0; g < window.slots.size(); ++g) {
-      const std::uint8_t* const holds = all_holds;
-      all_holds += window.slots[g];
-      if (!any_holds(holds, window.slots[g], paces)) {
-        partners += window.slots[g] * static_cast<Index>(pair_lanes);
-        continue;
-      }
       const Index* own = window.rows.data() + g * pair_lanes;
       const PlaceLanes i(rows, own);
       const MotionLanes moves(rows, own);
@@ -243,7 +220,6 @@ void sweep_forces(const std::vector<PieceWindow>& windows, std::uint8_t paces, c
       const PairMask failed = moves.failed();
       PairLanes fx{}, fy{}, fz{}, heat{};
       for (Index s = 0; s < window.slots[g]; ++s, partners += pair_lanes) {
-        if (!(holds[s] & paces)) continue;
         ask_ahead<doubles_a_row>(window, partners, of_rows);
         ask_ahead<response_width>(window, partners, of_responses);
         ask_ahead<push_width>(window, partners, sums);
