@@ -27,10 +27,10 @@ struct Strides {
   int parts_to_look = 0;   ///< before it is judged again whether a stride pays, where none is slow
   std::vector<std::uint8_t> is_slow;  ///< ghosts included
   std::vector<Index> brisk, slow;
-  std::vector<PieceWindow> brisk_pairs;  ///< those with a brisk body, where any is slow
-  std::vector<RowHalf> from;             ///< m, where bodies were when all acted last
-  RowBox slow_box;                       ///< m/s, holds the velocities of slow bodies
-  bool long_kicks = false;               ///< all act now, and some for a stride
+  PiecePairs brisk_pairs;          ///< those with a brisk body, where any is slow
+  std::vector<RowHalf> from;       ///< m, where bodies were when all acted last
+  RowBox slow_box;                 ///< m/s, holds the velocities of slow bodies
+  bool long_kicks = false;         ///< all act now, and some for a stride
   std::vector<Vec3> kick_by_slow;  ///< m/s, of brisk bodies: what they got more when all acted last
   double work = 1;                 ///< a part, of one in which all act
   double served = 0;               ///< the work since pairs were found
@@ -46,8 +46,8 @@ struct Elastoplastic final : Engine {
   std::int64_t parts = 0;  ///< steps made with their forces, since it was made
   std::int64_t acts = 0;   ///< bodies of this rank that acted in them
   NearPairs near;
-  std::vector<PieceWindow> pairs;  ///< those of one piece
-  SolidContacts contacts;          ///< of the pairs
+  PiecePairs pairs;        ///< those of one piece
+  SolidContacts contacts;  ///< of the pairs
   /// By group: at rest without stress, and near no other when pairs were found. Its bodies are in
   /// no pairs, and do not act until pairs are found again.
   std::vector<std::uint8_t> rests;

@@ -110,59 +110,59 @@ struct WindowRow {
   std::vector<Index> partners;
 };
 
-/// Fills the groups of a window with these rows, one after another.
-void fill_groups(std::span<const WindowRow> rows, PieceWindow& window) {
-  window.rows.clear();
-  window.slots.clear();
-  window.partners.clear();
+/// Adds a window of these rows, one after another.
+void add_window(std::span<const WindowRow> rows, std::span<const Index> bodies, PiecePairs& pairs) {
   for (std::size_t first = 0; first < rows.size(); first += pair_lanes) {
-    std::array<const WindowRow*, pair_lanes> group;
-    std::size_t most = 0;
+    const std::span group = rows.subspan(first, std::min(pair_lanes, rows.size() - first));
+    std::size_t slots = 0;
+    for (const WindowRow& row : group) slots = std::max(slots, row.partners.size());
+    pairs.slots.push_back(static_cast<Index>(slots));
+    const std::size_t before = pairs.partners.size();
+    pairs.partners.resize(before + slots * pair_lanes, group.back().place);
     for (std::size_t l = 0; l < pair_lanes; ++l) {
-      const bool filled = first + l < rows.size();
-      group[l] = &rows[filled ? first + l : rows.size() - 1];
-      window.rows.push_back(group[l]->place);
-      if (filled) most = std::max(most, group[l]->partners.size());
+      const WindowRow& row = group[std::min(l, group.size() - 1)];
+      pairs.rows.push_back(row.place);
+      if (l >= group.size()) continue;
+      for (std::size_t s = 0; s < slots; ++s)
+        pairs.partners[before + s * pair_lanes + l] =
+            s < row.partners.size() ? row.partners[s] : row.place;
     }
-    window.slots.push_back(static_cast<Index>(most));
-    const std::size_t filled = rows.size() - first;
-    for (std::size_t s = 0; s < most; ++s)
-      for (std::size_t l = 0; l < pair_lanes; ++l)
-        window.partners.push_back(
-            l < filled && s < group[l]->partners.size() ? group[l]->partners[s] : group[l]->place);
   }
+  pairs.bodies.insert(pairs.bodies.end(), bodies.begin(), bodies.end());
+  pairs.windows.push_back({pairs.slots.size(), pairs.bodies.size()});
 }
 
 /// Of each window those pairs that have a brisk body.
-void find_brisk_pairs(const std::vector<PieceWindow>& all, const std::vector<std::uint8_t>& is_slow,
-                      std::vector<PieceWindow>& brisk) {
-  brisk.resize(all.size());
+void find_brisk_pairs(const PiecePairs& all, const std::vector<std::uint8_t>& is_slow,
+                      PiecePairs& brisk) {
+  brisk.clear();
   std::vector<WindowRow> rows;  // their partners keep their memory from window to window
-  for (std::size_t n = 0; n < all.size(); ++n) {
-    const PieceWindow& window = all[n];
-    rows.resize(std::max(rows.size(), window.rows.size()));
+  const Index* partners = all.partners.data();
+  std::size_t g = 0, body = 0;
+  for (const PiecePairs::Window& window : all.windows) {
+    rows.resize(std::max(rows.size(), (window.groups - g) * pair_lanes));
     std::size_t count = 0;
-    const Index* partners = window.partners.data();
-    for (std::size_t g = 0; g < window.slots.size(); ++g) {
-      const Index* own = window.rows.data() + g * pair_lanes;
+    for (; g < window.groups; ++g) {
+      const Index* own = all.rows.data() + g * pair_lanes;
       for (std::size_t l = 0; l < pair_lanes; ++l) {
         WindowRow& row = rows[count];
         row.place = own[l];
         row.partners.clear();
         const std::uint8_t slow = is_slow[own[l] / doubles_a_row];
-        for (Index s = 0; s < window.slots[g]; ++s) {
+        for (Index s = 0; s < all.slots[g]; ++s) {
           const Index place = partners[static_cast<std::size_t>(s) * pair_lanes + l];
           if (place != own[l] && !(slow & is_slow[place / doubles_a_row]))
             row.partners.push_back(place);
         }
         count += !row.partners.empty();
       }
-      partners += static_cast<std::size_t>(window.slots[g]) * pair_lanes;
+      partners += static_cast<std::size_t>(all.slots[g]) * pair_lanes;
     }
     std::ranges::stable_sort(rows.begin(), rows.begin() + count, std::ranges::less(),
                              [](const WindowRow& row) { return row.partners.size(); });
-    brisk[n].bodies = window.bodies;
-    fill_groups({rows.data(), count}, brisk[n]);
+    add_window({rows.data(), count}, std::span(all.bodies).subspan(body, window.bodies - body),
+               brisk);
+    body = window.bodies;
   }
 }
 
@@ -181,7 +181,7 @@ namespace {
 
 /// The pairs of one piece of all that were found, with bodies where they were found, but for what
 /// rests.
-std::vector<PieceWindow> pairs_of_pieces(const Bodies& bodies, const Elastoplastic& engine) {
+void find_piece_pairs(const Bodies& bodies, Elastoplastic& engine) {
   const std::vector<NearWindow>& windows = engine.near.windows;
   // Partners within reach stand first, then those in parts of the skin, as they may come within.
   constexpr std::size_t shells = 4;
@@ -189,11 +189,11 @@ std::vector<PieceWindow> pairs_of_pieces(const Bodies& bodies, const Elastoplast
     Index place;
     std::array<std::vector<Index>, shells> partners;
   };
-  std::vector<PieceWindow> pieces(windows.size());
+  engine.pairs.clear();
   std::vector<Row> all;  // their partners keep their memory from window to window
   std::vector<WindowRow> rows;
-  for (std::size_t n = 0; n < windows.size(); ++n) {
-    const NearWindow& window = windows[n];
+  std::vector<Index> moving_bodies;
+  for (const NearWindow& window : windows) {
     all.resize(std::max(all.size(), window.rows.size()));
     const Index* partners = window.partners.data();
     for (std::size_t g = 0; g < window.slots.size(); ++g) {
@@ -224,8 +224,8 @@ std::vector<PieceWindow> pairs_of_pieces(const Bodies& bodies, const Elastoplast
         all.begin(), all.begin() + window.count,
         [&](const Row& row) { return !rests(bodies, engine, row.place / doubles_a_row); });
     const std::span moving(all.begin(), rest.begin());
-    PieceWindow& piece = pieces[n];
-    for (const Row& row : moving) piece.bodies.push_back(row.place / doubles_a_row);
+    moving_bodies.clear();
+    for (const Row& row : moving) moving_bodies.push_back(row.place / doubles_a_row);
     std::ranges::stable_sort(moving, std::ranges::less(),
                              [](const Row& row) { return row.partners[0].size(); });
     rows.resize(std::max(rows.size(), moving.size()));
@@ -235,9 +235,8 @@ std::vector<PieceWindow> pairs_of_pieces(const Bodies& bodies, const Elastoplast
       for (const auto& shell : moving[r].partners)
         rows[r].partners.insert(rows[r].partners.end(), shell.begin(), shell.end());
     }
-    fill_groups({rows.data(), moving.size()}, piece);
+    add_window({rows.data(), moving.size()}, moving_bodies, engine.pairs);
   }
-  return pieces;
 }
 
 /// The skin of the next search. A body in a lattice of the spacing d has as many partners as
@@ -294,7 +293,7 @@ void search_pairs(World& world, Elastoplastic& engine) {
   engine.contacts = find_contacts(world, near.windows, near.skin);
   find_resting(world, engine, within_stride);
   fill_rows(world, engine);
-  engine.pairs = pairs_of_pieces(world.bodies, engine);
+  find_piece_pairs(world.bodies, engine);
   if (within_stride) {
     for (Index b = 0; b < world.bodies.owned; ++b) strides.from[b] += engine.rows[b].place;
     tell_slow(world.bodies, engine);

@@ -21,12 +21,12 @@ namespace {
 
 /// The sums of the shapes of `which` bodies, those of these pairs, at the present places. Those of
 /// others mean nothing from then on. Returns the fastest neighbours' v^2/R^2 (1/s^2).
-double find_shapes(Elastoplastic& engine, std::span<const Index> which,
-                   const std::vector<PieceWindow>& pairs, const std::vector<MotionRow>& rows) {
+double find_shapes(Elastoplastic& engine, std::span<const Index> which, const PiecePairs& pairs,
+                   const std::vector<MotionRow>& rows) {
   for (const Index b : which) engine.shapes[b] = ShapeRow{};
   return sweep_shapes(pairs, engine.reach.data(), rows.data(), engine.shapes.data());
 }
-const std::vector<PieceWindow>& pairs_of_brisk(const Elastoplastic& engine) {
+const PiecePairs& pairs_of_brisk(const Elastoplastic& engine) {
   return engine.strides.lasts > 0 ? engine.strides.brisk_pairs : engine.pairs;
 }
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "solid/rows.hpp"
@@ -13,37 +14,34 @@
 
 namespace spall {
 
-/// Bodies of a window with their partners of the same piece, the nearest first. Groups of
-/// `pair_lanes` bodies have about as many within reach: lanes are full of pairs that act, and slots
-/// of those in the skin are passed over. As in `NearWindow`, a body is its own partner in slots
-/// that are left, and the last one fills up the last group.
-struct PieceWindow {
-  std::vector<Index> bodies;        ///< each once
-  std::vector<Index> rows;          ///< places, `pair_lanes` a group
-  std::vector<Index> slots;         ///< of each group
-  std::vector<Index> partners;      ///< places, `pair_lanes` a slot
-  std::vector<std::uint8_t> holds;  ///< of each slot, the `Pace`s of its pairs' bodies
+/// Bodies with their partners of the same piece, the nearest first. Groups of `pair_lanes` bodies
+/// have about as many within reach: lanes are full of pairs that act, and slots of those in the
+/// skin are passed over. As in `NearWindow`, a body is its own partner in slots that are left, and
+/// the last one of a window fills up its last group. A body is partner in no window after its own.
+struct PiecePairs {
+  struct Window {
+    std::size_t groups, bodies;  ///< of it and of those before
+  };
+  std::vector<Window> windows;
+  std::vector<Index> bodies;    ///< each once
+  std::vector<Index> rows;      ///< places, `pair_lanes` a group
+  std::vector<Index> slots;     ///< of each group
+  std::vector<Index> partners;  ///< places, `pair_lanes` a slot
+
+  void clear() {
+    windows.clear();
+    for (auto* numbers : {&bodies, &rows, &slots, &partners}) numbers->clear();
+  }
 };
 
-/// Brisk bodies act in each part of a step, slow ones once a stride: bits of `PieceWindow::holds`.
-enum Pace : std::uint8_t { brisk = 1, slow = 2 };
-
-/// Whether any of a group's slots holds a body of these paces.
-inline bool any_holds(const std::uint8_t* holds, Index slots, std::uint8_t paces) {
-  std::uint8_t all = 0;
-  for (Index s = 0; s < slots; ++s) all |= holds[s];
-  return all & paces;
-}
-
-/// Asks memory for rows, `width` doubles each, of the bodies of a slot some way ahead of this one
-/// of a window: the processor itself looks no further than a slot, less than memory takes to
-/// answer.
+/// Asks memory for rows, `width` doubles each, of the bodies of a slot some way ahead of this one:
+/// the processor itself looks no further than a slot, less than memory takes to answer.
 template <Index width>
-[[gnu::always_inline]] inline void ask_ahead(const PieceWindow& window, const Index* slot,
+[[gnu::always_inline]] inline void ask_ahead(const PiecePairs& pairs, const Index* slot,
                                              const double* rows) {
   constexpr std::ptrdiff_t slots = 4;
   const Index* const places = slot + slots * static_cast<std::ptrdiff_t>(pair_lanes);
-  if (places >= window.partners.data() + window.partners.size()) return;
+  if (places >= pairs.partners.data() + pairs.partners.size()) return;
   for (std::size_t l = 0; l < pair_lanes; ++l)
     for (Index k = 0; k < width; k += doubles_a_row)
       __builtin_prefetch(rows + row_at<width>(places[l]) + k);
@@ -71,53 +69,50 @@ struct MotionLanes {
 /// Adds to the sums of owned bodies; those of ghosts mean nothing. `reach` is R of each body (m). A
 /// neighbour counts by `neighbour_weight`. Returns the largest v^2/R^2 of neighbours, v their
 /// velocity against each other (1/s^2).
-inline double sweep_shapes(const std::vector<PieceWindow>& windows, const double* reach,
-                           const MotionRow* rows, ShapeRow* shapes) {
+inline double sweep_shapes(const PiecePairs& pairs, const double* reach, const MotionRow* rows,
+                           ShapeRow* shapes) {
   const double* const of_rows = reinterpret_cast<const double*>(rows);
   double* const sums = reinterpret_cast<double*>(shapes);
   const PairLanes zero{};
   PairLanes fastest{};
-  for (const PieceWindow& window : windows) {
-    const Index* partners = window.partners.data();
-    for (std::size_t g = 0; g < window.slots.size(); ++g) {
-      const Index* own = window.rows.data() + g * pair_lanes;
-      const PlaceLanes at(rows, own);
-      const MotionLanes i(rows, own);
-      const PairLanes inverse = 1.0 / gather_numbers(reach, own), inverse2 = inverse * inverse;
-      const PairMask failed = i.failed();
-      PairLanes sum[16] = {};
-      for (Index s = 0; s < window.slots[g]; ++s, partners += pair_lanes) {
-        ask_ahead<doubles_a_row>(window, partners, of_rows);
-        ask_ahead<shape_width>(window, partners, sums);
-        const PlaceLanes beside(rows, partners);
-        const PairLanes x = beside.x - at.x, y = beside.y - at.y, z = beside.z - at.z;
-        const PairLanes r2 = x * x + y * y + z * z, share2 = r2 * inverse2;
-        const PairMask acts = (share2 < 1.0) & (share2 > 0.0);
-        if (!any_lane(acts)) continue;
-        const MotionLanes j(rows, partners);
-        const PairLanes weight = select(acts, neighbour_weight(square_root(share2)), zero);
-        // Who has not failed does not see who has: nothing holds it there.
-        const PairMask partner_failed = j.failed();
-        const PairLanes of_own = select(partner_failed & ~failed, zero, weight * beside.volume);
-        const PairLanes of_partner = select(failed & ~partner_failed, zero, weight * at.volume);
-        const PairLanes p = select(failed | partner_failed, zero, j.pressure - i.pressure);
-        const PairLanes u = j.u - i.u, v = j.v - i.v, w = j.w - i.w;
-        fastest = larger(fastest, select(acts, (u * u + v * v + w * w) * inverse2, zero));
-        // S alone changes sign with the side that is asked.
-        const PairLanes term[16] = {x * x, y * y, z * z, y * z, z * x, x * y, u * x, u * y,
-                                    u * z, v * x, v * y, v * z, w * x, w * y, w * z, r2 * p};
-        for (int k = 0; k < 16; ++k) sum[k] += of_own * term[k];
-        const auto add = [&](int k) {
-          const PairLanes last = of_partner * term[k + 3];
-          add_half<shape_width>(of_partner * term[k], of_partner * term[k + 1],
-                                of_partner * term[k + 2], k < 12 ? last : -last, partners,
-                                sums + k);
-        };
-        add(0), add(4), add(8), add(12);
-      }
-      for (int k = 0; k < 16; k += 4)
-        add_half<shape_width>(sum[k], sum[k + 1], sum[k + 2], sum[k + 3], own, sums + k);
+  const Index* partners = pairs.partners.data();
+  for (std::size_t g = 0; g < pairs.slots.size(); ++g) {
+    const Index* own = pairs.rows.data() + g * pair_lanes;
+    const PlaceLanes at(rows, own);
+    const MotionLanes i(rows, own);
+    const PairLanes inverse = 1.0 / gather_numbers(reach, own), inverse2 = inverse * inverse;
+    const PairMask failed = i.failed();
+    PairLanes sum[16] = {};
+    for (Index s = 0; s < pairs.slots[g]; ++s, partners += pair_lanes) {
+      ask_ahead<doubles_a_row>(pairs, partners, of_rows);
+      ask_ahead<shape_width>(pairs, partners, sums);
+      const PlaceLanes beside(rows, partners);
+      const PairLanes x = beside.x - at.x, y = beside.y - at.y, z = beside.z - at.z;
+      const PairLanes r2 = x * x + y * y + z * z, share2 = r2 * inverse2;
+      const PairMask acts = (share2 < 1.0) & (share2 > 0.0);
+      if (!any_lane(acts)) continue;
+      const MotionLanes j(rows, partners);
+      const PairLanes weight = select(acts, neighbour_weight(square_root(share2)), zero);
+      // Who has not failed does not see who has: nothing holds it there.
+      const PairMask partner_failed = j.failed();
+      const PairLanes of_own = select(partner_failed & ~failed, zero, weight * beside.volume);
+      const PairLanes of_partner = select(failed & ~partner_failed, zero, weight * at.volume);
+      const PairLanes p = select(failed | partner_failed, zero, j.pressure - i.pressure);
+      const PairLanes u = j.u - i.u, v = j.v - i.v, w = j.w - i.w;
+      fastest = larger(fastest, select(acts, (u * u + v * v + w * w) * inverse2, zero));
+      // S alone changes sign with the side that is asked.
+      const PairLanes term[16] = {x * x, y * y, z * z, y * z, z * x, x * y, u * x, u * y,
+                                  u * z, v * x, v * y, v * z, w * x, w * y, w * z, r2 * p};
+      for (int k = 0; k < 16; ++k) sum[k] += of_own * term[k];
+      const auto add = [&](int k) {
+        const PairLanes last = of_partner * term[k + 3];
+        add_half<shape_width>(of_partner * term[k], of_partner * term[k + 1],
+                              of_partner * term[k + 2], k < 12 ? last : -last, partners, sums + k);
+      };
+      add(0), add(4), add(8), add(12);
     }
+    for (int k = 0; k < 16; k += 4)
+      add_half<shape_width>(sum[k], sum[k + 1], sum[k + 2], sum[k + 3], own, sums + k);
   }
   double most = 0;
   for (std::size_t l = 0; l < pair_lanes; ++l) most = std::max<double>(most, fastest[l]);
@@ -126,36 +121,34 @@ inline double sweep_shapes(const std::vector<PieceWindow>& windows, const double
 
 /// Raises `most` of each body to the largest v^2/R^2 (1/s^2) of its neighbours, v their velocity
 /// against its own.
-inline void sweep_meetings(const std::vector<PieceWindow>& windows, const double* reach,
-                           const MotionRow* rows, double* most) {
+inline void sweep_meetings(const PiecePairs& pairs, const double* reach, const MotionRow* rows,
+                           double* most) {
   const PairLanes zero{};
-  for (const PieceWindow& window : windows) {
-    const Index* partners = window.partners.data();
-    for (std::size_t g = 0; g < window.slots.size(); ++g) {
-      const Index* own = window.rows.data() + g * pair_lanes;
-      const PlaceLanes at(rows, own);
-      const MotionLanes i(rows, own);
-      const PairLanes inverse = 1.0 / gather_numbers(reach, own), inverse2 = inverse * inverse;
-      PairLanes fastest{};
-      for (Index s = 0; s < window.slots[g]; ++s, partners += pair_lanes) {
-        ask_ahead<doubles_a_row>(window, partners, reinterpret_cast<const double*>(rows));
-        const PlaceLanes beside(rows, partners);
-        const PairLanes x = beside.x - at.x, y = beside.y - at.y, z = beside.z - at.z;
-        const PairMask near = (x * x + y * y + z * z) * inverse2 < 1.0;
-        if (!any_lane(near)) continue;
-        const MotionLanes j(rows, partners);
-        const PairLanes u = j.u - i.u, v = j.v - i.v, w = j.w - i.w;
-        const PairLanes meets = select(near, (u * u + v * v + w * w) * inverse2, zero);
-        fastest = larger(fastest, meets);
-        for (std::size_t l = 0; l < pair_lanes; ++l) {
-          double& its = most[partners[l] / doubles_a_row];
-          its = std::max<double>(its, meets[l]);
-        }
-      }
+  const Index* partners = pairs.partners.data();
+  for (std::size_t g = 0; g < pairs.slots.size(); ++g) {
+    const Index* own = pairs.rows.data() + g * pair_lanes;
+    const PlaceLanes at(rows, own);
+    const MotionLanes i(rows, own);
+    const PairLanes inverse = 1.0 / gather_numbers(reach, own), inverse2 = inverse * inverse;
+    PairLanes fastest{};
+    for (Index s = 0; s < pairs.slots[g]; ++s, partners += pair_lanes) {
+      ask_ahead<doubles_a_row>(pairs, partners, reinterpret_cast<const double*>(rows));
+      const PlaceLanes beside(rows, partners);
+      const PairLanes x = beside.x - at.x, y = beside.y - at.y, z = beside.z - at.z;
+      const PairMask near = (x * x + y * y + z * z) * inverse2 < 1.0;
+      if (!any_lane(near)) continue;
+      const MotionLanes j(rows, partners);
+      const PairLanes u = j.u - i.u, v = j.v - i.v, w = j.w - i.w;
+      const PairLanes meets = select(near, (u * u + v * v + w * w) * inverse2, zero);
+      fastest = larger(fastest, meets);
       for (std::size_t l = 0; l < pair_lanes; ++l) {
-        double& its = most[own[l] / doubles_a_row];
-        its = std::max<double>(its, fastest[l]);
+        double& its = most[partners[l] / doubles_a_row];
+        its = std::max<double>(its, meets[l]);
       }
+    }
+    for (std::size_t l = 0; l < pair_lanes; ++l) {
+      double& its = most[own[l] / doubles_a_row];
+      its = std::max<double>(its, fastest[l]);
     }
   }
 }
@@ -200,18 +193,21 @@ struct ResponseLanes {
 /// once nothing will be added to its row and neither its place nor its answer will be asked for
 /// again, and `ask(body)` a window before.
 template <class Ask, class Finish>
-void sweep_forces(const std::vector<PieceWindow>& windows, const double* reach,
-                  const MotionRow* rows, const ResponseRow* responses, PushRow* impulses, Ask&& ask,
-                  Finish&& finish) {
+void sweep_forces(const PiecePairs& pairs, const double* reach, const MotionRow* rows,
+                  const ResponseRow* responses, PushRow* impulses, Ask&& ask, Finish&& finish) {
   const double* const of_rows = reinterpret_cast<const double*>(rows);
   const double* const of_responses = reinterpret_cast<const double*>(responses);
   double* const sums = reinterpret_cast<double*>(impulses);
   const PairLanes zero{};
-  for (std::size_t n = 0; n < windows.size(); ++n) {
-    const PieceWindow& window = windows[n];
-    const Index* partners = window.partners.data();
-    for (std::size_t g = 0; g < window.slots.size(); ++g) {
-      const Index* own = window.rows.data() + g * pair_lanes;
+  const Index* partners = pairs.partners.data();
+  const auto of_window = [&](std::size_t n) {  // its bodies
+    if (n == pairs.windows.size()) return std::span<const Index>();
+    const std::size_t from = n == 0 ? 0 : pairs.windows[n - 1].bodies;
+    return std::span(pairs.bodies).subspan(from, pairs.windows[n].bodies - from);
+  };
+  for (std::size_t n = 0, g = 0; n < pairs.windows.size(); ++n) {
+    for (; g < pairs.windows[n].groups; ++g) {
+      const Index* own = pairs.rows.data() + g * pair_lanes;
       const PlaceLanes i(rows, own);
       const MotionLanes moves(rows, own);
       const ResponseLanes a(responses, own);
@@ -219,10 +215,10 @@ void sweep_forces(const std::vector<PieceWindow>& windows, const double* reach,
       const PairLanes own_u = moves.u + a.u, own_v = moves.v + a.v, own_w = moves.w + a.w;
       const PairMask failed = moves.failed();
       PairLanes fx{}, fy{}, fz{}, heat{};
-      for (Index s = 0; s < window.slots[g]; ++s, partners += pair_lanes) {
-        ask_ahead<doubles_a_row>(window, partners, of_rows);
-        ask_ahead<response_width>(window, partners, of_responses);
-        ask_ahead<push_width>(window, partners, sums);
+      for (Index s = 0; s < pairs.slots[g]; ++s, partners += pair_lanes) {
+        ask_ahead<doubles_a_row>(pairs, partners, of_rows);
+        ask_ahead<response_width>(pairs, partners, of_responses);
+        ask_ahead<push_width>(pairs, partners, sums);
         const PlaceLanes j(rows, partners);
         const PairLanes x = j.x - i.x, y = j.y - i.y, z = j.z - i.z;
         const PairLanes r2 = x * x + y * y + z * z, share2 = r2 * inverse2;
@@ -269,9 +265,8 @@ void sweep_forces(const std::vector<PieceWindow>& windows, const double* reach,
       }
       add_half<push_width>(fx, fy, fz, heat, own, sums);
     }
-    if (n + 1 < windows.size())
-      for (const Index b : windows[n + 1].bodies) ask(b);
-    std::ranges::for_each(window.bodies, finish);
+    for (const Index b : of_window(n + 1)) ask(b);
+    std::ranges::for_each(of_window(n), finish);
   }
 }
 
