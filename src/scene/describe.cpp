@@ -28,6 +28,9 @@ double bytes_of(const Case& scene, const Lattice& lattice, std::int64_t count) {
   double most = 0;
   for (const Phase& phase : scene.phases)
     most = std::max(most, bytes_a_body(*phase.engine, scene, contacts));
+  // Who looks for pieces has bodies, ghosts and pairs of its own. Peaks of shots at shields.
+  constexpr double of_looks = 1100;
+  if (scene.debris || !scene.shields.empty()) most += of_looks;
   return most * static_cast<double>(count);
 }
 
