@@ -104,7 +104,7 @@ void forget_slow(const Bodies& bodies, Elastoplastic& engine) {
 
 namespace {
 
-/// A body's place and those of its partners in a window, nearest first.
+/// A body's place and those of its partners in a window, by their shells.
 struct WindowRow {
   Index place;
   std::vector<Index> partners;

@@ -14,10 +14,11 @@
 
 namespace spall {
 
-/// Bodies with their partners of the same piece, the nearest first. Groups of `pair_lanes` bodies
-/// have about as many within reach: lanes are full of pairs that act, and slots of those in the
-/// skin are passed over. As in `NearWindow`, a body is its own partner in slots that are left, and
-/// the last one of a window fills up its last group. A body is partner in no window after its own.
+/// Bodies with their partners of the same piece, those within reach first. Groups of `pair_lanes`
+/// bodies have about as many of these, or of brisk pairs about as many in all: lanes are full of
+/// pairs that act, and slots of those in the skin are passed over. As in `NearWindow`, a body is
+/// its own partner in slots that are left, and the last one of a window fills up its last group. A
+/// body is partner in no window after its own.
 struct PiecePairs {
   struct Window {
     std::size_t groups, bodies;  ///< of it and of those before
