@@ -161,7 +161,10 @@ def grown_piece(options, piece, spacing):
     `piece` (m), and their diameter: a lattice has its own number of sites in a sphere."""
     told = spall("check", HERE / "wall.toml", program=options.program, changes=[
         f"groups.piece.volume.diameter={piece}", f"groups.piece.packing.diameter={spacing}",
-        f"groups.piece.volume.center=[0,0,{piece}]"])
+        f"groups.piece.volume.center=[0,0,{piece}]",
+        # As fine a wall, and a small one: through a coarse one bodies of the piece would slip.
+        f"groups.wall.packing.diameter={spacing}", f"groups.wall.volume.diameter={3 * piece}",
+        f"groups.wall.volume.height={piece}", f"groups.wall.volume.center=[0,0,{-piece / 2}]"])
     filled = float(re.search(r"^  piece .* (\S+)$", told, re.M)[1])
     grown = (np.pi / np.sqrt(18) / filled)**(1 / 3)  # spheres of fcc fill pi / sqrt(18)
     return piece * grown, spacing * grown
