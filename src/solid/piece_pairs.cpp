@@ -105,14 +105,16 @@ void forget_slow(const Bodies& bodies, Elastoplastic& engine) {
 
 namespace {
 
-/// A body's place and those of its partners in a window, by their shells.
+/// A body and its partners in a window.
 struct WindowRow {
   Index place;
+  std::size_t weight;  ///< rows of about the same stand in one group: how many partners act
   std::vector<Index> partners;
 };
 
-/// Adds a window of these rows, one after another.
-void add_window(std::span<const WindowRow> rows, std::span<const Index> bodies, PiecePairs& pairs) {
+/// Adds a window of these rows, which are put into order.
+void add_window(std::span<WindowRow> rows, std::span<const Index> bodies, PiecePairs& pairs) {
+  std::ranges::stable_sort(rows, std::ranges::less(), &WindowRow::weight);
   for (std::size_t first = 0; first < rows.size(); first += pair_lanes) {
     const std::span group = rows.subspan(first, std::min(pair_lanes, rows.size() - first));
     std::size_t slots = 0;
@@ -139,11 +141,11 @@ void find_brisk_pairs(const PiecePairs& all, const std::vector<std::uint8_t>& is
   brisk.clear();
   std::vector<WindowRow> rows;  // their partners keep their memory from window to window
   const Index* partners = all.partners.data();
-  std::size_t g = 0, body = 0;
-  for (const PiecePairs::Window& window : all.windows) {
-    rows.resize(std::max(rows.size(), (window.groups - g) * pair_lanes));
+  for (std::size_t n = 0, g = 0; n < all.windows.size(); ++n) {
+    const std::size_t groups = all.windows[n].groups;
+    rows.resize(std::max(rows.size(), (groups - g) * pair_lanes));
     std::size_t count = 0;
-    for (; g < window.groups; ++g) {
+    for (; g < groups; ++g) {
       const Index* own = all.rows.data() + g * pair_lanes;
       for (std::size_t l = 0; l < pair_lanes; ++l) {
         WindowRow& row = rows[count];
@@ -155,15 +157,12 @@ void find_brisk_pairs(const PiecePairs& all, const std::vector<std::uint8_t>& is
           if (place != own[l] && !(slow & is_slow[place / doubles_a_row]))
             row.partners.push_back(place);
         }
-        count += !row.partners.empty();
+        row.weight = row.partners.size();
+        count += row.weight > 0;
       }
       partners += static_cast<std::size_t>(all.slots[g]) * pair_lanes;
     }
-    std::ranges::stable_sort(rows.begin(), rows.begin() + count, std::ranges::less(),
-                             [](const WindowRow& row) { return row.partners.size(); });
-    add_window({rows.data(), count}, std::span(all.bodies).subspan(body, window.bodies - body),
-               brisk);
-    body = window.bodies;
+    add_window({rows.data(), count}, all.bodies_of(n), brisk);
   }
 }
 
@@ -186,29 +185,25 @@ void find_piece_pairs(const Bodies& bodies, Elastoplastic& engine) {
   const std::vector<NearWindow>& windows = engine.near.windows;
   // Partners within reach stand first, then those in parts of the skin, as they may come within.
   constexpr std::size_t shells = 4;
-  struct Row {
-    Index place;
-    std::array<std::vector<Index>, shells> partners;
-  };
+  std::array<std::vector<Index>, shells> of_row;
+  std::vector<WindowRow> rows;  // their partners keep their memory from window to window
+  std::vector<Index> moving;
   engine.pairs.clear();
-  std::vector<Row> all;  // their partners keep their memory from window to window
-  std::vector<WindowRow> rows;
-  std::vector<Index> moving_bodies;
   for (const NearWindow& window : windows) {
-    all.resize(std::max(all.size(), window.rows.size()));
+    rows.resize(std::max(rows.size(), window.rows.size()));
+    moving.clear();
     const Index* partners = window.partners.data();
     for (std::size_t g = 0; g < window.slots.size(); ++g) {
       for (std::size_t l = 0; l < lane_count; ++l) {
-        Row& row = all[g * lane_count + l];
-        row.place = window.rows[g * lane_count + l];
-        for (auto& shell : row.partners) shell.clear();
-        const Index i = row.place / doubles_a_row;
-        if (rests(bodies, engine, i)) continue;
+        const std::size_t r = g * lane_count + l;
+        const Index i = window.rows[r] / doubles_a_row;
+        if (r >= static_cast<std::size_t>(window.count) || rests(bodies, engine, i)) continue;
         std::array<double, shells - 1> end2;
         for (std::size_t k = 0; k < end2.size(); ++k) {
           const double end = engine.reach[i] + engine.near.skin * k / end2.size();
           end2[k] = end * end;
         }
+        for (auto& shell : of_row) shell.clear();
         for (Index s = 0; s < window.slots[g]; ++s) {
           const Index place = partners[s * static_cast<Index>(lane_count) + l];
           const Index j = place / doubles_a_row;
@@ -216,27 +211,19 @@ void find_piece_pairs(const Bodies& bodies, Elastoplastic& engine) {
           const double distance2 = (bodies.position[j] - bodies.position[i]).squaredNorm();
           std::size_t shell = 0;
           for (const double end : end2) shell += distance2 >= end;
-          row.partners[shell].push_back(place);
+          of_row[shell].push_back(place);
         }
+        WindowRow& row = rows[moving.size()];
+        row.place = window.rows[r];
+        row.weight = of_row[0].size();
+        row.partners.clear();
+        for (const auto& shell : of_row)
+          row.partners.insert(row.partners.end(), shell.begin(), shell.end());
+        moving.push_back(i);
       }
       partners += window.slots[g] * static_cast<Index>(lane_count);
     }
-    const auto rest = std::ranges::stable_partition(
-        all.begin(), all.begin() + window.count,
-        [&](const Row& row) { return !rests(bodies, engine, row.place / doubles_a_row); });
-    const std::span moving(all.begin(), rest.begin());
-    moving_bodies.clear();
-    for (const Row& row : moving) moving_bodies.push_back(row.place / doubles_a_row);
-    std::ranges::stable_sort(moving, std::ranges::less(),
-                             [](const Row& row) { return row.partners[0].size(); });
-    rows.resize(std::max(rows.size(), moving.size()));
-    for (std::size_t r = 0; r < moving.size(); ++r) {
-      rows[r].place = moving[r].place;
-      rows[r].partners.clear();
-      for (const auto& shell : moving[r].partners)
-        rows[r].partners.insert(rows[r].partners.end(), shell.begin(), shell.end());
-    }
-    add_window({rows.data(), moving.size()}, moving_bodies, engine.pairs);
+    add_window({rows.data(), moving.size()}, moving, engine.pairs);
   }
 }
 

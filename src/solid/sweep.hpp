@@ -29,6 +29,10 @@ struct PiecePairs {
   std::vector<Index> slots;     ///< of each group
   std::vector<Index> partners;  ///< places, `pair_lanes` a slot
 
+  std::span<const Index> bodies_of(std::size_t window) const {
+    const std::size_t from = window == 0 ? 0 : windows[window - 1].bodies;
+    return std::span(bodies).subspan(from, windows[window].bodies - from);
+  }
   void clear() {
     windows.clear();
     for (auto* numbers : {&bodies, &rows, &slots, &partners}) numbers->clear();
@@ -55,6 +59,20 @@ struct PlaceLanes {
   [[gnu::always_inline]] PlaceLanes(const MotionRow* rows, const Index* places) {
     gather_half<doubles_a_row>(reinterpret_cast<const double*>(rows), places, &x, &y, &z, &volume);
   }
+};
+/// From some bodies to their partners, and who of these is within reach; nobody is its own.
+struct GapLanes {
+  PairLanes x, y, z, r2, share2;  ///< m, m^2; of the reach, squared
+  PairMask acts;
+
+  [[gnu::always_inline]] GapLanes(const PlaceLanes& i, const PlaceLanes& j,
+                                  const PairLanes& inverse2)
+      : x(j.x - i.x),
+        y(j.y - i.y),
+        z(j.z - i.z),
+        r2(x * x + y * y + z * z),
+        share2(r2 * inverse2),
+        acts((share2 < 1.0) & (share2 > 0.0)) {}
 };
 /// How they move.
 struct MotionLanes {
@@ -88,9 +106,7 @@ inline double sweep_shapes(const PiecePairs& pairs, const double* reach, const M
       ask_ahead<doubles_a_row>(pairs, partners, of_rows);
       ask_ahead<shape_width>(pairs, partners, sums);
       const PlaceLanes beside(rows, partners);
-      const PairLanes x = beside.x - at.x, y = beside.y - at.y, z = beside.z - at.z;
-      const PairLanes r2 = x * x + y * y + z * z, share2 = r2 * inverse2;
-      const PairMask acts = (share2 < 1.0) & (share2 > 0.0);
+      const auto [x, y, z, r2, share2, acts] = GapLanes(at, beside, inverse2);
       if (!any_lane(acts)) continue;
       const MotionLanes j(rows, partners);
       const PairLanes weight = select(acts, neighbour_weight(square_root(share2)), zero);
@@ -134,9 +150,7 @@ inline void sweep_meetings(const PiecePairs& pairs, const double* reach, const M
     PairLanes fastest{};
     for (Index s = 0; s < pairs.slots[g]; ++s, partners += pair_lanes) {
       ask_ahead<doubles_a_row>(pairs, partners, reinterpret_cast<const double*>(rows));
-      const PlaceLanes beside(rows, partners);
-      const PairLanes x = beside.x - at.x, y = beside.y - at.y, z = beside.z - at.z;
-      const PairMask near = (x * x + y * y + z * z) * inverse2 < 1.0;
+      const PairMask near = GapLanes(at, PlaceLanes(rows, partners), inverse2).acts;
       if (!any_lane(near)) continue;
       const MotionLanes j(rows, partners);
       const PairLanes u = j.u - i.u, v = j.v - i.v, w = j.w - i.w;
@@ -201,11 +215,6 @@ void sweep_forces(const PiecePairs& pairs, const double* reach, const MotionRow*
   double* const sums = reinterpret_cast<double*>(impulses);
   const PairLanes zero{};
   const Index* partners = pairs.partners.data();
-  const auto of_window = [&](std::size_t n) {  // its bodies
-    if (n == pairs.windows.size()) return std::span<const Index>();
-    const std::size_t from = n == 0 ? 0 : pairs.windows[n - 1].bodies;
-    return std::span(pairs.bodies).subspan(from, pairs.windows[n].bodies - from);
-  };
   for (std::size_t n = 0, g = 0; n < pairs.windows.size(); ++n) {
     for (; g < pairs.windows[n].groups; ++g) {
       const Index* own = pairs.rows.data() + g * pair_lanes;
@@ -221,9 +230,7 @@ void sweep_forces(const PiecePairs& pairs, const double* reach, const MotionRow*
         ask_ahead<response_width>(pairs, partners, of_responses);
         ask_ahead<push_width>(pairs, partners, sums);
         const PlaceLanes j(rows, partners);
-        const PairLanes x = j.x - i.x, y = j.y - i.y, z = j.z - i.z;
-        const PairLanes r2 = x * x + y * y + z * z, share2 = r2 * inverse2;
-        const PairMask acts = (share2 < 1.0) & (share2 > 0.0);
+        const auto [x, y, z, r2, share2, acts] = GapLanes(i, j, inverse2);
         if (!any_lane(acts)) continue;
         const MotionLanes partner_moves(rows, partners);
         const ResponseLanes b(responses, partners);
@@ -266,8 +273,9 @@ void sweep_forces(const PiecePairs& pairs, const double* reach, const MotionRow*
       }
       add_half<push_width>(fx, fy, fz, heat, own, sums);
     }
-    for (const Index b : of_window(n + 1)) ask(b);
-    std::ranges::for_each(of_window(n), finish);
+    if (n + 1 < pairs.windows.size())
+      for (const Index b : pairs.bodies_of(n + 1)) ask(b);
+    std::ranges::for_each(pairs.bodies_of(n), finish);
   }
 }
 
