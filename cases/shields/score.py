@@ -215,12 +215,16 @@ def of_five_tests(tests):
     return dict(zip(EQUATIONS, holm([max(tests[name][2:]) for name in EQUATIONS])))
 
 
+def with_mended(told):
+    """The same with mended labels. `told`: with those of the table."""
+    return [(shot, line) for shot, (_, line) in zip(mended([shot for shot, _ in told]), told)]
+
+
 def by_labels(told, options):
     """Table of what the labels of SWAPPED decide, and rows that are copies. `told`: with the labels
     of the table."""
-    shots = mended([shot for shot, _ in told])
-    with_mended = [(shot, line) for shot, (_, line) in zip(shots, told)]
-    sets = {f"{SWAPPED} mended": with_mended, "each shot once": each_once(with_mended),
+    by_mended = with_mended(told)
+    sets = {f"{SWAPPED} mended": by_mended, "each shot once": each_once(by_mended),
             "as the table has it": told,
             "without this report": [(shot, line) for shot, line in told if shot.source != SWAPPED]}
     text = [f"| called right | {' | '.join(sets)} |", f"|---|{'--:|' * len(sets)}",
@@ -308,7 +312,7 @@ def afterwards(told, options):
     told = [(shot, line) for shot, line in unknown if has_piece(line)]
     if not told:
         return ""
-    some = [(shot, line) for shot, (_, line) in zip(mended([shot for shot, _ in told]), told)]
+    some = with_mended(told)
     ours, others = calls_of(some, options)
     by_table = {name: calls for callers in calls_of(told, options)
                 for name, calls in callers.items()}
