@@ -4,8 +4,8 @@ wall is looked at while debris fly.
 SPDX-License-Identifier: BSD-3-Clause
 usage: memory.py SPALL, in a folder to write in
 """
-import os
 import re
+import resource
 import subprocess
 import sys
 from pathlib import Path
@@ -46,13 +46,9 @@ snapshot_every = "0.2 us"
 MOST_TOO_MANY = 2  # times what is taken
 
 Path("shot.toml").write_text(CASE)
-run = subprocess.Popen([sys.argv[1], "run", "shot.toml", "--out", "memory", "--overwrite"],
-                       stdout=subprocess.PIPE, text=True)
-told = run.stdout.read()
-_, status, used = os.wait4(run.pid, 0)
-run.returncode = os.waitstatus_to_exitcode(status)
-assert run.returncode == 0, told
+told = subprocess.run([sys.argv[1], "run", "shot.toml", "--out", "memory", "--overwrite"],
+                      stdout=subprocess.PIPE, text=True, check=True).stdout
 foretold = float(re.search(r"at most about ([0-9.]+) MB", told)[1])
-taken = 1024e-6 * used.ru_maxrss
+taken = 1024e-6 * resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss
 print(f"foretold {foretold} MB, taken {taken:.4g} MB")
 assert taken <= foretold <= MOST_TOO_MANY * taken
