@@ -347,10 +347,37 @@ TEST(Simulation, what_stress_is_of_stays_as_it_is) {
                   for (double& value : bodies.*field) value = wrong;
                 }).find("a compression that is not more than 0, or"),
                 std::string::npos);
+  EXPECT_TRUE(told([](Bodies& bodies) {
+                bodies.pressure.assign(bodies.size(), infinity);
+              }).ends_with("a stress that is not finite"));
   EXPECT_EQ(told([](Bodies& bodies) {
               for (Index b = 0; b < bodies.owned; ++b) bodies.velocity[b].x() = 1;
             }),
             "");
+}
+
+TEST(Simulation, what_tears_and_what_is_crushed_stay_measures) {
+  Simulation simulation(
+      testing_world(),
+      Scene::from_text(
+          "[materials.foam]\nlibrary = \"aluminium_6061_t6\"\nsolid = {distension = 1.2, "
+          "elastic_pressure = 1e7, compaction_pressure = 1e9}\n[[groups]]\nname = \"ball\"\n"
+          "material = \"foam\"\nvolume = {shape = \"sphere\", diameter = 6e-3}\n"
+          "packing = {kind = \"fcc\", diameter = 1e-3}\n" +
+          phase("method = \"solid\"\nstep = 1e-9\nduration = 1e-8\n")));
+  const auto told = [&](std::vector<double> Bodies::*field, double value) {
+    return complaint_of([&] {
+      simulation.change_bodies([&](Bodies& of) { (of.*field).assign(of.size(), value); });
+    });
+  };
+  for (const double wrong : {-1.0, std::nan(""), infinity})
+    EXPECT_TRUE(told(&Bodies::strained, wrong)
+                    .ends_with("a sum of strains (`strained`) that is negative or not finite"));
+  for (const double wrong : {-0.1, 1.1, std::nan("")})
+    EXPECT_TRUE(told(&Bodies::crushed, wrong)
+                    .ends_with("pores that are crushed by less than 0 or more than 1"));
+  EXPECT_EQ(told(&Bodies::strained, 2), "");
+  EXPECT_EQ(told(&Bodies::crushed, 1), "");
 }
 
 TEST(Simulation, a_step_that_an_error_broke_off_is_the_last) {

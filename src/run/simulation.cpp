@@ -50,7 +50,10 @@ void check_changed(const World& world, const Bodies& former) {
                             "another shape, or an orientation whose length is not 1",
                             "another radius, mass or material than its stress is of",
                             "a compression that is not more than 0, or a negative damage, strain "
-                            "or energy, or one that is not finite"};
+                            "or energy, or one that is not finite",
+                            "a sum of strains (`strained`) that is negative or not finite",
+                            "pores that are crushed by less than 0 or more than 1",
+                            "a stress that is not finite"};
   std::array<double, what.size()> wrong;  // ids
   wrong.fill(-1);
   constexpr double round_off = 1e-12;  // what a step leaves is much less
@@ -74,7 +77,12 @@ void check_changed(const World& world, const Bodies& former) {
             (bodies.compression[b] > 0 && std::isfinite(bodies.compression[b]) &&
              is_measure(bodies.damage[b]) && is_measure(bodies.plastic_strain[b]) &&
              (bodies.internal_energy[b] == former.internal_energy[b] ||
-              is_measure(bodies.internal_energy[b])))};
+              is_measure(bodies.internal_energy[b]))),
+        !bodies.has(Field::strained) || is_measure(bodies.strained[b]),
+        !bodies.has(Field::crushed) || (bodies.crushed[b] >= 0 && bodies.crushed[b] <= 1),
+        !bodies.has(Field::direct_stress) ||
+            (bodies.direct_stress[b].allFinite() && bodies.shear_stress[b].allFinite() &&
+             std::isfinite(bodies.pressure[b]))};
     for (std::size_t k = 0; k < right.size(); ++k)
       if (!right[k]) wrong[k] = static_cast<double>(bodies.id[b]);
   }
