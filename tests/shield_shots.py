@@ -109,6 +109,20 @@ def the_order_is_drawn_and_no_outcome_enters_it():
     assert [shot.row for shot in some] != sorted(shot.row for shot in some)
 
 
+def both_rules_have_more_than_200_shots_and_none_twice():
+    cheap_ones, others = ([shot.row for shot in rule(shots)] for rule in (run.chosen, run.beside))
+    assert len(cheap_ones + others) > 200 and not set(cheap_ones) & set(others)
+    assert not set(others) & run.TRIED
+    # What is not cheap for another reason than this rule's stays out.
+    assert not any(shot.standoff >= 40 * shot.diameter for shot in run.beside(shots))
+
+
+def thick_walls_reach_a_thickness_beyond_the_cloud():
+    shot = max(run.beside(shots), key=lambda s: s.wall / s.diameter)
+    spread = run.FINE.spread * shot.standoff / 100
+    assert isclose(run.set_up(shot, run.FINE).width, 2 * (shot.wall / 100 + spread))
+
+
 def plates_are_as_far_apart_as_the_table_says():
     for shot in (run.chosen(shots)[0], next(s for s in cheap if s.angle == 45)):
         setting = run.set_up(shot, run.FINE)
@@ -274,6 +288,8 @@ for test in (the_shares_are_those_that_were_counted_before,
              a_thick_bumper_takes_nothing_off,
              an_uneven_split_is_as_unlikely_as_coins_say,
              the_order_is_drawn_and_no_outcome_enters_it,
+             both_rules_have_more_than_200_shots_and_none_twice,
+             thick_walls_reach_a_thickness_beyond_the_cloud,
              plates_are_as_far_apart_as_the_table_says,
              a_run_that_ends_before_all_has_met_the_wall_is_made_again_for_longer,
              a_piece_has_the_energy_with_which_it_met_the_wall,

@@ -23,6 +23,7 @@ from pathlib import Path
 
 SHOTS = Path(__file__).with_name("shots.csv")
 STEEPEST = 65  # degrees: beyond that the equations have the value that they have there
+STEEPEST_CHEAP = 45  # degrees, of shots that are cheap for a particle code
 HYPERVELOCITY = 7.0  # km/s, along the normal: from here on the ball is taken to melt
 SWAPPED = "AFML-TR-70-135"  # of this report the table has holes where walls held: see README.md
 
@@ -63,7 +64,7 @@ def is_cheap(shot):
     """What a particle code can do with few bodies: the class that is looked at apart."""
     d = shot.diameter
     return (shot.speed >= 3 and shot.wall < 1.5 * d and shot.standoff < 40 * d
-            and shot.bumper < 0.6 * d and shot.angle <= 45)
+            and shot.bumper < 0.6 * d and shot.angle <= STEEPEST_CHEAP)
 
 
 def cosine(shot):

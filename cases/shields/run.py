@@ -26,7 +26,7 @@ import tomllib
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from equations import is_cheap, read_shots
+from equations import STEEPEST_CHEAP, is_cheap, read_shots
 
 HERE = Path(__file__).parent
 ROOT = HERE.parent.parent
@@ -56,7 +56,7 @@ FINE = argparse.Namespace(**vars(RULE) | {"across": 18.0, "end": 0.5, "spread": 
 BUMPER_LAYERS, WALL_LAYERS = 2, 3  # at least
 BUMPER_WIDTH = 3  # ball diameters
 CHOSEN_WIDTH = 4  # of bumpers when shots were chosen by their cost
-WALL_RIM = 1.5  # ball diameters that the wall is wider than that, on each side
+WALL_RIM = 1.5  # ball diameters that the wall is wider than that, on each side, or its thickness
 FLIGHT = 2.5  # times that which the ball would need at its speed from the bumper to the wall
 DRAWS = 5  # of crystals, until the wall's have its mass
 RINGING = 40  # times that which sound needs through the wall
@@ -66,6 +66,8 @@ COURANT = 0.2  # steps are parted by it
 SOUND = 5350  # m/s, of aluminium: where a duration or a cost is estimated
 SLOPE = 1.34  # of aluminium's shock speed
 DEAREST = 4e9  # body-steps: shots that need more are left out
+DEAREST_BESIDE = 1e9  # the same, by the second rule
+TRIED = {609, 611, 646}  # by former laws, as trials: README.md tells of them
 CHEAPEST = 1.25e8  # body-steps, of the first class of cost; it doubles from class to class
 DRAWN_BY = "shields"  # in a class the order is drawn by a hash of this word and the row
 
@@ -96,7 +98,7 @@ def set_up(shot, options):
     angle = math.radians(shot.angle)
     ball = d / options.across
     bumper, wall = min(ball, t / BUMPER_LAYERS), min(d / options.wall_across, w / WALL_LAYERS)
-    width = 2 * (WALL_RIM * d + options.spread * s)
+    width = 2 * (max(WALL_RIM * d, w) + options.spread * s)
     sideways = s * math.tan(angle)
     duration = options.end * (2 * d / v + FLIGHT * s / (v * math.cos(angle)) + RINGING * w / SOUND)
     per_volume = math.sqrt(2)  # spheres of fcc in a cube of their spacing
@@ -119,16 +121,30 @@ def rule(shot):
     return set_up(shot, RULE)
 
 
-def chosen(shots):
-    """The shots of the rule, in its order."""
-    some = [shot for shot in shots if is_cheap(shot) and rule(shot).cost <= DEAREST
-            and shot.metals[0] in BALLS and all(metal in PLATES for metal in shot.metals[1:])]
+def has_known_metals(shot):
+    return shot.metals[0] in BALLS and all(metal in PLATES for metal in shot.metals[1:])
 
+
+def in_order(some):
+    """By classes of cost, and drawn within each."""
     def place(shot):
         return (class_of(rule(shot)),
                 hashlib.sha256(f"{DRAWN_BY} {shot.row}".encode()).hexdigest())
 
     return sorted(some, key=place)
+
+
+def chosen(shots):
+    """The shots of the rule, in its order."""
+    return in_order([shot for shot in shots if is_cheap(shot) and has_known_metals(shot)
+                     and rule(shot).cost <= DEAREST])
+
+
+def beside(shots):
+    """The shots of the second rule, in its order."""
+    return in_order([shot for shot in shots if not is_cheap(shot) and has_known_metals(shot)
+                     and shot.angle <= STEEPEST_CHEAP and shot.bumper <= shot.diameter
+                     and rule(shot).cost <= DEAREST_BESIDE and shot.row not in TRIED])
 
 
 def volume(shape, length, width, height, middle, z):
@@ -320,7 +336,7 @@ def main():
     options = parser.parse_args()
     options.before = options.before.split()
     shots = read_shots()
-    wanted = chosen(shots)
+    wanted = chosen(shots) + beside(shots)
     if options.plan:
         for shot in wanted:
             setting = set_up(shot, options)

@@ -13,8 +13,8 @@ from pathlib import Path
 
 from equations import EQUATIONS, SWAPPED, is_right, mended, read_shots
 from largest_piece import largest_piece
-from run import (FINE, MOST_COMING, RESULTS, RULE, SECOND, ask_for_setting, chosen, ended_early,
-                 is_of, known)
+from run import (FINE, MOST_COMING, RESULTS, RULE, SECOND, ask_for_setting, beside, chosen,
+                 ended_early, is_of, known)
 
 HERE = Path(__file__).parent
 sys.path.append(str(HERE.parent.parent / "bench"))
@@ -88,10 +88,10 @@ def has_verdict(line):
             and not ended_early(line))
 
 
-def counted(shots, options):
-    """(shot, line of results.csv) of what was run by the rule and has a verdict; how many have
-    none, and how many the rule has."""
-    by_row = {shot.row: shot for shot in chosen(shots)}
+def counted(shots, options, rules=(chosen,)):
+    """(shot, line of results.csv) of what was run by these rules and has a verdict; how many have
+    none, and how many the rules have."""
+    by_row = {shot.row: shot for rule in rules for shot in rule(shots)}
     lines = [line for line in known(options.results) if int(line["row"]) in by_row
              and is_of(line, options)]
     good = [line for line in lines if has_verdict(line)]
@@ -245,7 +245,7 @@ def by_labels(told, options):
 def table(some, without, planned, options):
     ours, others = calls_of(some, options)
     ratio = [shot.diameter / EQUATIONS[BEST](shot) for shot, _ in some]
-    parts = {"all": [True] * len(some), "3–5 km/s": [shot.speed < 5 for shot, _ in some],
+    parts = {"all": [True] * len(some), "below 5 km/s": [shot.speed < 5 for shot, _ in some],
              "5–7 km/s": [5 <= shot.speed < 7 for shot, _ in some],
              "from 7 km/s": [shot.speed >= 7 for shot, _ in some],
              "d/d_c < 0.8": [r < NEAR[0] for r in ratio],
@@ -372,10 +372,16 @@ def main():
     text = table(some, without, planned, options) + "\n\n" + by_labels(told, options)
     if options.results == RESULTS and is_of(vars(FINE), options):
         text += afterwards(told, options)
-    print(text)
     name = f"score_{options.across:g}_{options.wall_across:g}{ending}"
-    replace_section(HERE / ("former.md" if options.until else "README.md"), name, text)
+    page = HERE / ("former.md" if options.until else "README.md")
+    print(text)
+    replace_section(page, name, text)
     draw(some, HERE / f"{name}.png")
+    if options.results == RESULTS and is_of(vars(FINE), options):
+        for section, rules in (("score_beside", (beside,)), ("score_both", (chosen, beside))):
+            text = table(*counted(mended(read_shots()), options, rules), options)
+            print(f"\n{section}\n{text}")
+            replace_section(page, section, text)
 
 
 if __name__ == "__main__":

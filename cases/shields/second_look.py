@@ -16,7 +16,7 @@ from pathlib import Path
 from equations import read_shots
 from largest_piece import largest_piece
 from run import (BALLS, PLATES, RESULTS, ROOT, RULE, SECOND, SOUND, ask_for_runs, ask_for_setting,
-                 end_of, is_of, keep, known)
+                 chosen, end_of, is_of, keep, known)
 from score import has_verdict
 
 HERE = Path(__file__).parent
@@ -74,8 +74,10 @@ def main():
     options = parser.parse_args()
     end, shots = end_of(options.until), read_shots()
     done = {line["row"] for line in known(SECOND) if is_of(line, options)}
+    cheap = {shot.row for shot in chosen(shots)}
     left = [line for line in known(RESULTS) if is_of(line, options) and has_verdict(line)
-            and line["verdict"] == "held" and line["largest_met_j"] and line["row"] not in done]
+            and line["verdict"] == "held" and line["largest_met_j"] and line["row"] not in done
+            and int(line["row"]) in cheap]
     if options.rows:
         left = [line for line in left if int(line["row"]) in options.rows]
 
