@@ -1,6 +1,8 @@
 // A bar of metal flies against a rigid wall: its shock and elastic precursor, against Hugoniots.
 // A plate flies against a thicker one, which stays whole or parts.
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "solid/flow_stress.hpp"
@@ -19,11 +21,26 @@ struct Bar {
   std::vector<int> layer;  ///< of each body at the start: a cell
 };
 
-/// An fcc bar along [100], periodic across. It flies at `speed` (m/s) against a wall at z = 0; or
-/// the first cells, if there is a flyer, upwards against the others, which rest.
-Bar bar_of(const std::string& material, double speed, int cells, int flyer = 0) {
-  constexpr int across = 4;  // cells: more than twice the reach of a body
+/// A direction of fcc crystals along z; and along x and y, where they repeat after these (of d).
+struct Axis {
+  const char* name;
+  Vec3 x, y, z;
+  double repeats_x, repeats_y;
+  double planes;  ///< of atoms, across z: their distance, of d
+};
+const Axis axes[] = {
+    {"[100]", {0, 1, 0}, {0, 0, 1}, {1, 0, 0}, std::sqrt(2.0), std::sqrt(2.0), std::sqrt(0.5)},
+    {"[110]", {0, 0, 1}, {1, -1, 0}, {1, 1, 0}, std::sqrt(2.0), 1, 0.5},
+    {"[111]", {1, -1, 0}, {1, 1, -2}, {1, 1, 1}, 1, std::sqrt(3.0), std::sqrt(2.0 / 3)}};
+
+/// An fcc bar, periodic across, of layers a cell thick. It flies at `speed` (m/s) against a wall at
+/// z = 0; or the first layers, if there is a flyer, upwards against the others, which rest.
+Bar bar_of(const std::string& material, double speed, int cells, int flyer = 0,
+           const Axis& axis = axes[0]) {
   const double a = std::sqrt(2.0) * d;
+  constexpr double across = 5.6;  // d, at least: more than twice the reach of a body
+  const double wide_x = std::ceil(across / axis.repeats_x) * axis.repeats_x * d;
+  const double wide_y = std::ceil(across / axis.repeats_y) * axis.repeats_y * d;
   const Material named = material_of_library(material);
   Bar bar;
   bar.solid = *named.solid;
@@ -31,28 +48,40 @@ Bar bar_of(const std::string& material, double speed, int cells, int flyer = 0) 
   std::vector<Sphere> spheres;
   const double mass = bar.solid.density * d * d * d / std::sqrt(2.0);
   const auto flies = [&](int layer) { return layer < flyer; };
-  for (int i = 0; i < 2 * across; ++i)
-    for (int j = 0; j < 2 * across; ++j)
-      for (int k = 0; k < 2 * cells; ++k)
-        if ((i + j + k) % 2 == 0) {
-          const double lift = flyer > 0 && !flies(k / 2) ? d - a / 2 : 0;
-          spheres.push_back({.radius = d / 2,
-                             .mass = mass,
-                             .position = a / 2 * Vec3(i, j, k) + Vec3(0, 0, d / 2 + lift),
-                             .velocity = {0, 0,
-                                          flies(k / 2) ? speed
-                                          : flyer > 0  ? 0
-                                                       : -speed}});
-          bar.layer.push_back(k / 2);
-        }
+  const int n = 3 * cells;
+  const double before = 1e-6 * d;  // so that round-off puts no plane of atoms on either side
+  for (int i = -n; i <= n; ++i)
+    for (int j = -n; j <= n; ++j)
+      for (int k = -n; k <= n; ++k) {
+        if ((i + j + k) % 2 != 0) continue;
+        const Vec3 site = a / 2 * Vec3(i, j, k) + before * (axis.x + axis.y + axis.z);
+        const Vec3 x{site.dot(axis.x.normalized()), site.dot(axis.y.normalized()),
+                     site.dot(axis.z.normalized())};
+        if (x.minCoeff() < 0 || x.x() >= wide_x || x.y() >= wide_y || x.z() >= bar.length) continue;
+        const int layer = static_cast<int>(x.z() / a);
+        const double lift = flyer > 0 && !flies(layer) ? (1 - axis.planes) * d : 0;
+        spheres.push_back({.radius = d / 2,
+                           .mass = mass,
+                           .position = x + Vec3(0, 0, d / 2 + lift),
+                           .velocity = {0, 0,
+                                        flies(layer) ? speed
+                                        : flyer > 0  ? 0
+                                                     : -speed}});
+        bar.layer.push_back(layer);
+      }
   bar.world = make_world(testing_world(), spheres, {});
   for (Index b = 0; b < bar.world.bodies.owned; ++b)
     bar.world.bodies.group[b] = flies(bar.layer[bar.world.bodies.id[b]]);
   bar.world.materials = {named};
   bar.world.solid.laws = {solid_law(bar.solid, true, material)};
   if (flyer == 0) bar.world.planes.emplace_back();
-  bar.world.period.size = {across * a, across * a, 0};
+  bar.world.period.size = {wide_x, wide_y, 0};
   return bar;
+}
+
+/// How far off a figure is stands in what `--gtest_output=xml:FILE` writes.
+void tell(const std::string& what, double found, double expected) {
+  testing::Test::RecordProperty(what, fmt::format("{:+.1f} %", 100 * (found / expected - 1)));
 }
 
 /// Means over layers of a cell at the start: of `f(bodies, row)`.
@@ -77,12 +106,24 @@ TEST(SolidShock, runs_at_the_hugoniot_s_speed_to_its_density) {
   const struct {
     const char* material;
     double speed;
-  } shocks[] = {{"aluminium_6061_t6", 1000},
-                {"copper", 1000},
-                {"steel_4340", 1000},
-                {"aluminium_6061_t6", 3350}};
-  for (const auto& [material, u] : shocks) {
-    Bar bar = bar_of(material, u, 26);
+    const Axis& axis;
+  } shocks[] = {{"aluminium_6061_t6", 200, axes[0]},
+                {"copper", 200, axes[0]},
+                {"steel_4340", 200, axes[0]},
+                {"aluminium_6061_t6", 1000, axes[0]},
+                {"aluminium_6061_t6", 1000, axes[1]},
+                {"aluminium_6061_t6", 1000, axes[2]},
+                {"copper", 1000, axes[0]},
+                {"copper", 1000, axes[1]},
+                {"copper", 1000, axes[2]},
+                {"steel_4340", 1000, axes[0]},
+                {"steel_4340", 1000, axes[1]},
+                {"steel_4340", 1000, axes[2]},
+                {"aluminium_6061_t6", 3350, axes[0]},
+                {"copper", 3350, axes[0]},
+                {"steel_4340", 3350, axes[0]}};
+  for (const auto& [material, u, axis] : shocks) {
+    Bar bar = bar_of(material, u, 26, 0, axis);
     const SolidLaw& law = bar.world.solid.laws[0];
     const double expected = bar.solid.sound_speed + bar.solid.hugoniot_slope * u;
     const double h = 0.7 * longest_step(law, d, 2 * u), a = std::sqrt(2.0) * d;
@@ -100,19 +141,26 @@ TEST(SolidShock, runs_at_the_hugoniot_s_speed_to_its_density) {
       time += 2 * h;
     }
     const double shock = 10 * a / (reached[18] - reached[8]);
-    EXPECT_NEAR(shock, expected, 0.03 * expected) << material << " " << u;
+    tell(fmt::format("shock of {} at {:g} m/s along {}", material, u, axis.name), shock, expected);
+    EXPECT_NEAR(shock, expected, 0.03 * expected) << material << " " << u << " " << axis.name;
     const auto density =
         of_layers(bar, [](const Bodies& bodies, Index b) { return bodies.compression[b]; });
     double mean = 0;
     for (int l = 6; l < 14; ++l) mean += density[l] / 8;
-    EXPECT_NEAR(mean, expected / (expected - u), 0.02 * mean) << material << " " << u;
+    const double dense = expected / (expected - u);
+    tell(fmt::format("density of {} at {:g} m/s along {}", material, u, axis.name), mean, dense);
+    EXPECT_NEAR(mean, dense, 0.02 * dense) << material << " " << u << " " << axis.name;
   }
 }
 
+// Copper has none that is told from the plastic wave: it hardens from the first strain on.
 TEST(SolidShock, has_a_precursor_of_the_elastic_limit) {
-  for (const char* material : {"aluminium_6061_t6", "steel_4340"}) {
+  for (const auto& [material, axis] : {std::pair("aluminium_6061_t6", axes[0]),
+                                       {"aluminium_6061_t6", axes[1]},
+                                       {"aluminium_6061_t6", axes[2]},
+                                       {"steel_4340", axes[0]}}) {
     const double u = 100;
-    Bar bar = bar_of(material, u, 80);
+    Bar bar = bar_of(material, u, 80, 0, axis);
     const SolidLaw& law = bar.world.solid.laws[0];
     const double h = 0.7 * longest_step(law, d, 2 * u);
     const int steps = static_cast<int>(0.8 * bar.length / law.sound_speed() / h);
@@ -133,7 +181,8 @@ TEST(SolidShock, has_a_precursor_of_the_elastic_limit) {
     const double rate = 0.005 * law.sound_speed() / d;
     const double yield = flow_stress_of(law, 0).at(0, rate).stress;
     const double limit = yield * (law.bulk / (2 * law.shear) + 2.0 / 3);
-    EXPECT_NEAR(plateau, limit, 0.1 * limit) << material;
+    tell(fmt::format("precursor of {} along {}", material, axis.name), plateau, limit);
+    EXPECT_NEAR(plateau, limit, 0.1 * limit) << material << " " << axis.name;
   }
 }
 
@@ -142,7 +191,7 @@ TEST(SolidShock, has_a_precursor_of_the_elastic_limit) {
 // surface, which is then slower by the strength only.
 TEST(SolidShock, a_plate_that_is_hit_parts_where_releases_meet) {
   constexpr int flyer = 10, cells = 3 * flyer;
-  for (const char* material : {"copper", "aluminium_6061_t6"})
+  for (const char* material : {"copper", "aluminium_6061_t6", "steel_304"})
     for (double share : {0.7, 5.0}) {  // of the speed that gives the strength
       Bar bar = bar_of(material, 0, cells, flyer);
       const SolidLaw law = bar.world.solid.laws[0];
@@ -171,6 +220,7 @@ TEST(SolidShock, a_plate_that_is_hit_parts_where_releases_meet) {
       if (share < 1) {
         EXPECT_LT(*torn, 0.2) << material;
       } else {
+        tell(fmt::format("pull-back of {}", material), fastest - slowest, pulled);
         EXPECT_GT(*torn, 0.95) << material;
         EXPECT_NEAR(static_cast<double>(damage.end() - torn) - 0.5, flyer, 2) << material;
         EXPECT_NEAR(fastest - slowest, pulled, 0.15 * pulled) << material;
