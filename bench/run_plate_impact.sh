@@ -27,7 +27,7 @@ import re
 with open("bench/results/plate_impact.csv") as file:
     commit = file.readline().split()[-1]
     rows = list(csv.DictReader(file))
-lines = ["| flyer on target | m/s | interface by hand, m/s | measured | error | pressure by hand, GPa | measured | error |",
+lines = ["| flyer on target | m/s | interface by hand, m/s | Spall | error | pressure by hand, GPa | Spall | error |",
          "|---|--:|--:|--:|--:|--:|--:|--:|"]
 for (flyer, target, speed), group in itertools.groupby(rows, lambda r: (r["flyer"], r["target"], r["speed"])):
     group = list(group)

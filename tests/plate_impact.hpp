@@ -29,9 +29,12 @@ struct InterfaceState {
   double pressure = 0;  ///< Pa
 };
 
-/// Pa, behind a shock to a particle velocity u (m/s).
+/// m/s, of a shock to a particle velocity u (m/s); and the pressure behind it (Pa).
+inline double shock_speed(const Solid& s, double u) {
+  return s.sound_speed + s.hugoniot_slope * u;
+}
 inline double shock_pressure(const Solid& s, double u) {
-  return s.density * (s.sound_speed + s.hugoniot_slope * u) * u;
+  return s.density * shock_speed(s, u) * u;
 }
 
 /// Where the target's Hugoniot meets that of the flyer, mirrored at its speed.
@@ -90,10 +93,7 @@ inline ImpactResult plate_impact(const Comm& comm, const PlateImpact& impact,
     height[static_cast<std::size_t>(began[k])] = began[k + 1];
 
   const double u = result.by_hand.velocity;
-  const auto shock = [](const Solid& s, double up) {
-    return s.sound_speed + s.hugoniot_slope * up;
-  };
-  const double fastest = std::max(shock(flyer, impact.speed - u), shock(target, u));
+  const double fastest = std::max(shock_speed(flyer, impact.speed - u), shock_speed(target, u));
   // s, in which the fastest wave crosses a plate.
   const double crossing = length / fastest;
   double h = 0.02 * d / impact.speed;

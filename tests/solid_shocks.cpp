@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "plate_impact.hpp"
 #include "solid/flow_stress.hpp"
 #include "solid_worlds.hpp"
 #include "spall/error.hpp"
@@ -183,6 +184,47 @@ TEST(SolidShock, has_a_precursor_of_the_elastic_limit) {
     const double limit = yield * (law.bulk / (2 * law.shear) + 2.0 / 3);
     tell(fmt::format("precursor of {} along {}", material, axis.name), plateau, limit);
     EXPECT_NEAR(plateau, limit, 0.1 * limit) << material << " " << axis.name;
+  }
+}
+
+// Where two metals meet, velocity and pressure are those at which their Hugoniots cross, the
+// flyer's mirrored at its speed.
+TEST(SolidShock, plates_of_two_metals_meet_where_their_hugoniots_cross) {
+  constexpr int flyer = 13, cells = 2 * flyer;
+  for (const auto& [flies, rests, speed] : {std::tuple("copper", "aluminium_6061_t6", 1000.0),
+                                            {"copper", "aluminium_6061_t6", 4000.0},
+                                            {"steel_304", "aluminium_6061_t6", 2000.0},
+                                            {"aluminium_6061_t6", "steel_4340", 2000.0},
+                                            {"copper", "steel_304", 2000.0}}) {
+    Bar bar = bar_of(rests, speed, cells, flyer);
+    const Material of_flyer = material_of_library(flies);
+    bar.world.materials.push_back(of_flyer);
+    bar.world.solid.laws.push_back(solid_law(*of_flyer.solid, true, flies));
+    Bodies& bodies = bar.world.bodies;
+    for (Index b = 0; b < bodies.owned; ++b) {
+      if (bar.layer[bodies.id[b]] >= flyer) continue;
+      bodies.material[b] = 1;
+      bodies.mass[b] *= of_flyer.solid->density / bar.solid.density;
+    }
+    const InterfaceState expected = impedance_match(*of_flyer.solid, bar.solid, speed);
+    const double a = std::sqrt(2.0) * d, h = 0.4 * d / 3 / 8000;
+    const double fastest = std::max(shock_speed(bar.solid, expected.velocity),
+                                    shock_speed(*of_flyer.solid, speed - expected.velocity));
+    solid_steps(bar.world, h, static_cast<int>(0.8 * flyer * a / fastest / h));
+    const auto velocity =
+        of_layers(bar, [](const Bodies& of, Index b) { return of.velocity[b].z(); });
+    const auto pressed = of_layers(
+        bar, [](const Bodies& of, Index b) { return of.pressure[b] - of.direct_stress[b].z(); });
+    double u = 0, p = 0;
+    for (const int l : {-4, -3, -2, 1, 2, 3}) {
+      u += velocity[flyer + l] / 6;
+      p += pressed[flyer + l] / 6;
+    }
+    const std::string what = fmt::format("{} on {} at {:g} m/s", flies, rests, speed);
+    tell("interface of " + what, u, expected.velocity);
+    tell("pressure of " + what, p, expected.pressure);
+    EXPECT_NEAR(u, expected.velocity, 0.01 * expected.velocity) << what;
+    EXPECT_NEAR(p, expected.pressure, 0.04 * expected.pressure) << what;
   }
 }
 
