@@ -24,7 +24,9 @@ import numpy as np
 SPALL, SOURCE = (Path(argument).resolve() for argument in (sys.argv.pop(1), sys.argv.pop(1)))
 sys.path[:0] = [str(SOURCE / "src" / "output")]
 import report_bodies  # noqa: E402
+import report_film  # noqa: E402
 import report_page  # noqa: E402
+import report_shields  # noqa: E402
 import report_verdict  # noqa: E402
 from report_run import Run, readable_length  # noqa: E402
 
@@ -307,6 +309,53 @@ class Verdicts(unittest.TestCase):
         self.check(self.of({"solver": {"steps": 9, "overlap_max": 0.3}}, overlap=0.001), "note",
                    "overlapped by up to 30 %")
         self.check(self.of({}, overlap=0.02, method="penalty"), "good", "limits of the force laws")
+
+
+class Shields(unittest.TestCase):
+    """Four bodies of a wall of 2 mm, and a ball of two that comes from 20 mm above at an angle."""
+    RADIUS = 1e-3
+
+    def run_of(self, velocity, **wall):
+        WORK.mkdir(exist_ok=True)
+        position = np.array([[-5e-3, 0, 0], [0, 4e-3, 0], [0, -4e-3, 0], [5e-3, 0, 0],
+                             [-4e-3, 0, 0.02], [-4e-3, 0, 0.022]])
+        with h5py.File(WORK / "trajectory.h5", "w") as file:
+            bodies = file.create_group("particles/all")
+            bodies["group"] = [0, 0, 0, 0, 1, 1]
+            bodies["mass"], bodies["radius"] = np.full(6, 2e-6), np.full(6, self.RADIUS)
+            for name, first in (("position", position),
+                                ("velocity", np.array([[0, 0, 0]] * 4 + [velocity] * 2))):
+                bodies[f"{name}/value"] = np.array([first, first], float)
+            bodies["position/time"] = [0.0, 1e-6]
+        return types.SimpleNamespace(folder=WORK, case={
+            "groups": [{"name": "rear wall"}, {"name": "ball"}],
+            "shields": [{"wall": "rear wall"} | wall]})
+
+    def shield(self, velocity, **wall):
+        run = self.run_of(velocity, **wall)
+        with h5py.File(WORK / "trajectory.h5") as file:
+            return report_shields.Shield(run, file["particles/all"], np.arange(6) > 3)
+
+    def test_depths_are_from_the_rear_of_the_wall_and_all_of_the_way_is_seen(self):
+        for wall in ({}, {"rear": [0, 0, -2]}):
+            shield = self.shield([1000, 0, -5000], **wall)
+            np.testing.assert_allclose(shield.rear, [0, 0, -1], atol=1e-12)
+            self.assertAlmostEqual(shield.zero, self.RADIUS)
+            self.assertLess(shield.extent[0], -0.022 - 3 * self.RADIUS)
+            self.assertGreater(shield.extent[1], 0)
+
+    def test_it_is_seen_from_beside_the_plane_of_flight(self):
+        np.testing.assert_allclose(self.shield([3000, 0, -4000]).side, [1, 0, 0], atol=1e-12)
+
+    def test_where_nothing_flies_there_is_no_film(self):
+        self.assertIsNone(report_shields.radiographs(self.run_of([0, 0, 0])))
+
+    def test_no_mass_is_lost_on_a_film(self):
+        extent, pixel = (-1.0, 2.0, -1.5, 1.5), 0.1
+        x, y = np.random.default_rng(1).uniform(-1, 1.4, (2, 500))
+        mass = np.r_[np.full(499, 2.0), np.inf]  # what is fixed has none
+        image = report_film.column_map(x, y, mass, extent, pixel)
+        self.assertAlmostEqual(image.sum() * pixel**2, 998)
 
 
 class UnderWay(unittest.TestCase):

@@ -67,6 +67,14 @@ def add_debris(pictures, run):
                          "momentum.")
 
 
+def add_shields(pictures, run):
+    import report_shields
+    if drawing := report_shields.radiographs(run):
+        pictures.add("shield", drawing,
+                     "All plates from the side, as on flash radiographs: dark where much mass is "
+                     "in the way.", "The shield")
+
+
 def pictures_of(run):
     """What needs more than the bodies' places, or stands in texts: drawn once, when the page is
     made."""
@@ -79,6 +87,8 @@ def pictures_of(run):
                  "Left: bodies behind the plane of the cut, coloured by speed; arrows: "
                  "velocity in the plane of the bodies next to it, length as the root of the "
                  "speed. Right: how many bodies have which speed, and velocity against place.")
+    if "shields" in run.case:
+        add_shields(pictures, run)
     if "debris" in run.case:
         add_debris(pictures, run)
     if run.gravity and sorted(run.gravity.counts)[1] > 1:

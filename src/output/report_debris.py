@@ -7,6 +7,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.colors import LogNorm
 
+import report_film as film
 from report_figures import BLUE, GREY, INK, ORANGE, RED
 from report_run import readable_time
 
@@ -59,23 +60,9 @@ class Flight:
         return (self.position[k] - self.origin) @ self.side
 
 
-def column_map(flight, k, extent, pixels):
-    """kg/m^2 seen from the side, and the picture's pixel (m)."""
-    x = flight.depth(k)
-    y = flight.height(k)
-    pixel = (extent[1] - extent[0]) / pixels
-    bins = [np.arange(extent[0], extent[1] + pixel / 2, pixel),
-            np.arange(extent[2], extent[3] + pixel / 2, pixel)]
-    weights = np.where(np.isfinite(flight.mass), flight.mass, 0)
-    counts, _, _ = np.histogram2d(x, y, bins=bins, weights=weights / pixel**2)
-    return counts.T, pixel
-
-
 def radiographs(flight):
-    """Dark where much mass is in the way of the light, as on the film of a flash radiograph."""
-    # Snapshots next to six equal times: a phase's last one and one that was due may fall together.
-    wanted = np.linspace(flight.time[0], flight.time[-1], 6)
-    frames = np.unique([np.abs(np.asarray(flight.time) - t).argmin() for t in wanted])
+    """Of projectile and plate, until the end."""
+    frames = film.frames_of(flight.time)
     last = frames[-1]
     debris = flight.depth(last) > flight.diameter / 4
     reach = np.quantile(flight.depth(last)[debris], 0.999) if debris.any() else flight.diameter
@@ -84,26 +71,12 @@ def radiographs(flight):
         # One in a hundred flies far off to the side.
         wide = max(wide, 1.1 * np.quantile(np.abs(flight.height(last)[debris]), 0.99))
     extent = (-2.2 * flight.diameter, 1.05 * reach, -wide, wide)
-    columns = 3
-    rows = -(-len(frames) // columns)
-    height = 12 / columns * (extent[3] - extent[2]) / (extent[1] - extent[0])
-    figure, axes = plt.subplots(rows, columns, figsize=(12, rows * (height + 0.35)), squeeze=False,
-                                layout="constrained")
-    # The film is dark where it looks through the middle of the projectile.
+    pixel = 0.7 * flight.diameter / 12
+    maps = [film.column_map(flight.depth(k), flight.height(k), flight.mass, extent, pixel)
+            for k in frames]
     ball = flight.group == flight.ball
-    dark = 1.5 * flight.mass[ball].sum() / (np.pi / 4 * flight.diameter**2)
-    for panel, k in zip(axes.flat, frames):
-        spacing = flight.diameter / 12
-        image, _ = column_map(flight, k, extent, int((extent[1] - extent[0]) / (0.7 * spacing)))
-        panel.imshow(1 - np.exp(-3 * image / dark), origin="lower", cmap="gray_r", vmin=0, vmax=1,
-                     extent=[1e3 * e for e in extent], interpolation="bilinear")
-        panel.set_title(readable_time(flight.time[k]), loc="left")
-        panel.grid(False)
-        panel.tick_params(labelsize=8)
-    for panel in axes.flat[len(frames):]:
-        panel.axis("off")
-    axes.flat[0].set(xlabel="mm behind the plate", ylabel="mm")
-    return figure
+    black = film.black_of(flight.mass[ball].sum(), flight.diameter)
+    return film.strip(flight.time[frames], maps, extent, black, "mm behind the plate")
 
 
 def speeds(flight):
