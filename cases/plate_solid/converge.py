@@ -1,4 +1,5 @@
-"""Runs two of Piekutowski's shots as solids that yield, finer and finer: do the figures converge?
+"""Runs spheres through plates as solids that yield, two of them finer and finer: do the figures
+converge?
 
     python3 cases/plate_solid/converge.py [--across 8 12] [--seeds 1 2 3] [--shots 4-1287 4-1353]
     [--table]
@@ -14,6 +15,7 @@ import re
 import statistics
 import sys
 import tomllib
+from dataclasses import dataclass
 from pathlib import Path
 
 HERE = Path(__file__).parent
@@ -23,13 +25,22 @@ sys.path += [str(HERE.parent), str(HERE.parent / "plate"), str(HERE.parent / "sh
 from program import PROGRAM, spall  # noqa: E402
 from readme import replace_section  # noqa: E402
 from run import mass_of_ball  # noqa: E402
-from shots import DENSITY, front_band, holes, shot  # noqa: E402
+from shots import DATA, DENSITY, front_band, holes, shot  # noqa: E402
 
-WIDTH = {"4-1287": 4, "4-1353": 5}  # of the plate, in diameters
-UNTIL = {"4-1287": 16e-6, "4-1353": 24e-6}  # s: the hole stands still
-# A sheet of few layers has whole ones, close-packed, as many as a ball has bodies across over this.
-# The others are crystals that are turned at random, as fine as the ball's.
-ACROSS_A_LAYER = {"4-1287": 4}
+
+@dataclass(frozen=True)
+class Plate:
+    width: float  # diameters of the ball
+    until: float  # s: the hole stands still
+    # A sheet of few layers has whole ones, close-packed, as many as a ball has bodies across over
+    # this. The others are crystals that are turned at random, as fine as the ball's.
+    across_a_layer: float = 0
+
+
+PLATES = {"4-1395": Plate(4, 16e-6, 6), "4-1360": Plate(4, 16e-6, 6), "4-1359": Plate(4, 16e-6, 6),
+          "4-1287": Plate(4, 16e-6, 4), "4-1283": Plate(4, 16e-6, 4), "4-1291": Plate(5, 20e-6, 3),
+          "4-1351": Plate(5, 24e-6, 3), "4-1353": Plate(5, 24e-6), "hiermaier": Plate(5, 24e-6)}
+CONVERGING = ("4-1287", "4-1353")
 LAYER = math.sqrt(2 / 3)  # of the spacing
 COURANT = 0.2
 KEY = ["shot", "across", "seed"]
@@ -42,11 +53,12 @@ COLUMNS = [*KEY, "layers", *KEPT, "hole_before", "plate_mass_over_projectile", "
 def changes(name, across, seed, grown=1):
     """`grown`: times which the ball and its spacing are as large, for its mass."""
     speed, thickness, diameter = shot(name)
-    width = WIDTH[name] * diameter
+    plate = PLATES[name]
+    width = plate.width * diameter
     diameter *= grown
     spacing = diameter / across
-    if name in ACROSS_A_LAYER:
-        layers = round(across / ACROSS_A_LAYER[name])
+    if plate.across_a_layer:
+        layers = round(across / plate.across_a_layer)
         sheet = thickness / (layers * LAYER)  # so that mass over area is that of the sheet
         depth = thickness + (1 - LAYER) * sheet
         packing = 'kind = "hcp", orientation = "rotation"'
@@ -63,9 +75,9 @@ def changes(name, across, seed, grown=1):
         f"groups.ball.volume.center=[0, 0, {diameter / 2 + 1.05 * max(spacing, sheet)}]",
         f"groups.ball.packing.diameter={spacing}",
         f"groups.ball.velocity=[0, 0, {-speed}]",
-        f"phases.impact.step={UNTIL[name] / 200}", f"phases.impact.duration={UNTIL[name]}",
-        f"debris.every={UNTIL[name] / 12}", f"output.series_every={UNTIL[name] / 50}",
-        f"output.snapshot_every={UNTIL[name] / 4}"]
+        f"phases.impact.step={plate.until / 200}", f"phases.impact.duration={plate.until}",
+        f"debris.every={plate.until / 12}", f"output.series_every={plate.until / 50}",
+        f"output.snapshot_every={plate.until / 4}"]
 
 
 def run(options, name, across, seed):
@@ -97,11 +109,12 @@ def table(rows):
     lines = ["| shot | across | layers | seeds | front / V | bounds | radial / V | hole / D | "
              "formulas | growth | plate's debris, of the ball's mass | energy |",
              "|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|"]
-    for name in UNTIL:
+    for name in PLATES:
         speed, thickness, diameter = shot(name)
         ratio = thickness / diameter
-        low, high = front_band(ratio)
-        least, most = holes(speed, ratio)
+        band = "" if name == "hiermaier" else "{:.2f}–{:.2f}".format(*front_band(ratio))
+        least, most = ((hole / diameter for hole in DATA["hiermaier"]["hole"])
+                       if name == "hiermaier" else holes(speed, ratio))
         for across in sorted({float(row["across"]) for row in rows if row["shot"] == name}):
             chosen = [row for row in rows
                       if row["shot"] == name and float(row["across"]) == across]
@@ -115,7 +128,7 @@ def table(rows):
                                      for row in chosen) - 1
             energy = max(float(row["energy"]) for row in chosen)
             lines.append(f"| {name} | {across:g} | {chosen[0]['layers']} | {len(chosen)} | "
-                         f"{spread('front_over_speed', '.3f')} | {low:.2f}–{high:.2f} | "
+                         f"{spread('front_over_speed', '.3f')} | {band} | "
                          f"{spread('radial_over_speed', '.3f')} | "
                          f"{spread('hole_over_diameter', '.2f')} | {least:.2f}–{most:.2f} | "
                          f"{100 * growth:.0f} % | "
@@ -131,7 +144,7 @@ def table(rows):
 def halvings(rows):
     """What the last halving of the bodies, 12 to 24 across, changed."""
     lines = ["| shot | front | hole | radial speed |", "|---|--:|--:|--:|"]
-    for name in UNTIL:
+    for name in CONVERGING:
         def mean(key, across):
             return statistics.mean(float(row[key]) for row in rows
                                    if row["shot"] == name and float(row["across"]) == across)
@@ -146,7 +159,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--across", type=float, nargs="+", default=[8, 12])
     parser.add_argument("--seeds", type=int, nargs="+", default=[1, 2, 3])
-    parser.add_argument("--shots", nargs="+", default=list(UNTIL))
+    parser.add_argument("--shots", nargs="+", default=CONVERGING)
     parser.add_argument("--ranks", type=int, default=1)
     parser.add_argument("--program", type=Path, default=PROGRAM)
     parser.add_argument("--table", action="store_true", help="run nothing")
@@ -171,7 +184,7 @@ def main():
                         writer.writeheader()
                         writer.writerows(rows)
     replace_section(HERE / "README.md", "convergence", table(known()))
-    if {(name, "24") for name in UNTIL} <= {(row["shot"], row["across"]) for row in known()}:
+    if {(name, "24") for name in CONVERGING} <= {(row["shot"], row["across"]) for row in known()}:
         replace_section(HERE / "README.md", "halvings", halvings(known()))
 
 
