@@ -315,7 +315,7 @@ class Shields(unittest.TestCase):
     """Four bodies of a wall of 2 mm, and a ball of two that comes from 20 mm above at an angle."""
     RADIUS = 1e-3
 
-    def run_of(self, velocity, **wall):
+    def run_of(self, velocity, of_wall=(0, 0, 0), begins=0.0, **wall):
         WORK.mkdir(exist_ok=True)
         position = np.array([[-5e-3, 0, 0], [0, 4e-3, 0], [0, -4e-3, 0], [5e-3, 0, 0],
                              [-4e-3, 0, 0.02], [-4e-3, 0, 0.022]])
@@ -324,31 +324,52 @@ class Shields(unittest.TestCase):
             bodies["group"] = [0, 0, 0, 0, 1, 1]
             bodies["mass"], bodies["radius"] = np.full(6, 2e-6), np.full(6, self.RADIUS)
             for name, first in (("position", position),
-                                ("velocity", np.array([[0, 0, 0]] * 4 + [velocity] * 2))):
+                                ("velocity", np.array([of_wall] * 4 + [velocity] * 2))):
                 bodies[f"{name}/value"] = np.array([first, first], float)
-            bodies["position/time"] = [0.0, 1e-6]
+            bodies["position/time"] = [begins, begins + 1e-6]
         return types.SimpleNamespace(folder=WORK, case={
             "groups": [{"name": "rear wall"}, {"name": "ball"}],
             "shields": [{"wall": "rear wall"} | wall]})
 
-    def shield(self, velocity, **wall):
-        run = self.run_of(velocity, **wall)
+    def shield(self, velocity, **more):
+        run = self.run_of(velocity, **more)
         with h5py.File(WORK / "trajectory.h5") as file:
-            return report_shields.Shield(run, file["particles/all"], np.arange(6) > 3)
+            return report_shields.Shield(run, file["particles/all"])
 
     def test_depths_are_from_the_rear_of_the_wall_and_all_of_the_way_is_seen(self):
-        for wall in ({}, {"rear": [0, 0, -2]}):
-            shield = self.shield([1000, 0, -5000], **wall)
+        for more in ({}, {"rear": [0, 0, -2]}, {"rear": [0.9, 0, -1]}):
+            shield = self.shield([1000, 0, -5000], **more)
             np.testing.assert_allclose(shield.rear, [0, 0, -1], atol=1e-12)
             self.assertAlmostEqual(shield.zero, self.RADIUS)
             self.assertLess(shield.extent[0], -0.022 - 3 * self.RADIUS)
             self.assertGreater(shield.extent[1], 0)
+            self.assertEqual(list(shield.flies), [False] * 4 + [True] * 2)
+
+    def test_a_shield_that_flies_at_a_ball_at_rest_is_seen_in_its_own_frame(self):
+        for velocity, of_wall in (([0, 0, 0], [-1000, 0, 5000]), ([1000, 0, -5000], [0, 0, 0])):
+            shield = self.shield(velocity, of_wall=of_wall)
+            np.testing.assert_allclose(shield.rear, [0, 0, -1], atol=1e-12)
+            self.assertLess(shield.extent[0], -0.022)
+            place = np.array([[0, 0, 0.01]]) + 2e-7 * np.array(of_wall)
+            np.testing.assert_allclose(shield.map_of(np.repeat(place, 6, axis=0), 2e-7),
+                                       shield.map_of(np.array([[0, 0, 0.01]] * 6), 0))
 
     def test_it_is_seen_from_beside_the_plane_of_flight(self):
         np.testing.assert_allclose(self.shield([3000, 0, -4000]).side, [1, 0, 0], atol=1e-12)
 
-    def test_where_nothing_flies_there_is_no_film(self):
+    def test_a_wide_wall_is_cut_off_at_twice_the_depth(self):
+        run = self.run_of([0, 0, -5000])
+        with h5py.File(WORK / "trajectory.h5", "r+") as file:
+            file["particles/all/position/value"][:, 0, 0] = -5
+            shield = report_shields.Shield(run, file["particles/all"])
+        low, high, bottom, top = shield.extent
+        self.assertLessEqual(top - bottom, 2 * (high - low) * (1 + 1e-12))
+        self.assertTrue(bottom < -4e-3 < top)
+        self.assertLess(report_shields.radiographs(run).get_size_inches()[1], 20)
+
+    def test_where_nothing_flies_or_all_began_later_there_is_no_film(self):
         self.assertIsNone(report_shields.radiographs(self.run_of([0, 0, 0])))
+        self.assertIsNone(report_shields.radiographs(self.run_of([0, 0, -5000], begins=1e-6)))
 
     def test_no_mass_is_lost_on_a_film(self):
         extent, pixel = (-1.0, 2.0, -1.5, 1.5), 0.1

@@ -111,7 +111,9 @@ def the_order_is_drawn_and_no_outcome_enters_it():
 
 def both_rules_have_more_than_200_shots_and_none_twice():
     cheap_ones, others = ([shot.row for shot in rule(shots)] for rule in (run.chosen, run.beside))
-    assert len(cheap_ones + others) > 200 and not set(cheap_ones) & set(others)
+    assert not set(cheap_ones) & set(others)
+    both = [(shot, None) for rule in (run.chosen, run.beside) for shot in rule(shots)]
+    assert len(both) > len(score.each_once(both)) > 200
     assert not set(others) & run.TRIED
     # What is not cheap for another reason than this rule's stays out.
     assert not any(shot.standoff >= 40 * shot.diameter for shot in run.beside(shots))
@@ -192,9 +194,10 @@ def what_is_done_is_kept_and_what_is_missing_goes_on():
                     "--out", str(folder / "out")]
         run.main()
         assert run.known(run.RESULTS)[-1]["verdict"] == "failed"
-        options = Namespace(**vars(run.FINE), results=run.RESULTS)
+        options = Namespace(**vars(run.FINE), results=run.RESULTS, rules=score.CHEAP)
         some, without, planned = score.counted(shots, options)
         assert (len(some), without, planned) == (5, 1, len(wanted))
+        assert score.table([], 0, 60, options) == "None of 60 shots has been run."
         text = score.table(some, without, planned, options)
         held = sum(not shot.perforated for shot, _ in some)
         assert f"| Spall | {score.share([True] * held + [False] * (5 - held))} |" in text, text
@@ -239,7 +242,7 @@ def a_second_look_has_walls_fail_that_held_and_no_other():
                   **{key: str(value) for key, value in vars(run.FINE).items()}})
                 for shot, verdict in zip(cheap, ("held", "held", "perforated"))]
 
-    options = Namespace(**vars(run.FINE), results=score.RESULTS)
+    options = Namespace(**vars(run.FINE), results=score.RESULTS, rules=score.CHEAP)
     with tempfile.TemporaryDirectory() as folder:
         score.SECOND = Path(folder) / "second.csv"
         columns = [*vars(run.RULE), "row", "verdict", "needs_mm", "unexplained_of_dissipated"]
@@ -253,6 +256,8 @@ def a_second_look_has_walls_fail_that_held_and_no_other():
 
         weak, strong, none = lines("1e-9"), lines("1e9"), lines("nan")
         assert score.second_calls(weak, options) == {score.BY_FORMULA: [False, False, True]}
+        by_both = Namespace(**vars(options) | {"rules": score.BOTH})
+        assert score.second_calls(weak, by_both) == {}
         look(weak, verdict="failed")
         look(weak, unexplained_of_dissipated="0.02")
         look(strong)  # of another run of these shots

@@ -341,7 +341,7 @@ TEST(Simulation, what_stress_is_of_stays_as_it_is) {
                   for (double& value : bodies.*field) value *= 1.2;
                 }).ends_with(refused));
   for (auto Bodies::*field :
-       {&Bodies::compression, &Bodies::damage, &Bodies::plastic_strain, &Bodies::internal_energy})
+       {&Bodies::compression, &Bodies::plastic_strain, &Bodies::internal_energy})
     for (const double wrong : {-1.0, std::nan(""), infinity})
       EXPECT_NE(told([&](Bodies& bodies) {
                   for (double& value : bodies.*field) value = wrong;
@@ -376,6 +376,9 @@ TEST(Simulation, what_tears_and_what_is_crushed_stay_measures) {
   for (const double wrong : {-0.1, 1.1, std::nan("")})
     EXPECT_TRUE(told(&Bodies::crushed, wrong)
                     .ends_with("pores that are crushed by less than 0 or more than 1"));
+  for (const double wrong : {-0.1, 1.1, std::nan("")})
+    EXPECT_TRUE(
+        told(&Bodies::damage, wrong).ends_with("a damage that is less than 0 or more than 1"));
   EXPECT_EQ(told(&Bodies::strained, 2), "");
   EXPECT_EQ(told(&Bodies::crushed, 1), "");
 }

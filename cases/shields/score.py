@@ -31,6 +31,7 @@ KNOWN_FROM = RESULTS.with_stem(RESULTS.stem + "_until_f5f5c5b")
 BY_FORMULA = "Spall, and Cour-Palais for its largest piece"
 # Reports of one laboratory: a shot of the same number in both is one shot, if what they tell of it
 # is the same but for rounding.
+CHEAP, BESIDE, BOTH = (chosen,), (beside,), (chosen, beside)  # rules
 REPORTS = {"AFML-TR-67-324", "AFML-TR-68-257"}
 ROUNDING = 0.03
 
@@ -88,10 +89,10 @@ def has_verdict(line):
             and not ended_early(line))
 
 
-def counted(shots, options, rules=(chosen,)):
-    """(shot, line of results.csv) of what was run by these rules and has a verdict; how many have
-    none, and how many the rules have."""
-    by_row = {shot.row: shot for rule in rules for shot in rule(shots)}
+def counted(shots, options):
+    """(shot, line of results.csv) of what was run by `options.rules` and has a verdict; how many
+    have none, and how many the rules have."""
+    by_row = {shot.row: shot for rule in options.rules for shot in rule(shots)}
     lines = [line for line in known(options.results) if int(line["row"]) in by_row
              and is_of(line, options)]
     good = [line for line in lines if has_verdict(line)]
@@ -118,7 +119,7 @@ def each_once(some):
 
 def coarse_calls(some, options):
     """{name: calls} of the rule's own setting, where that is another and has called all of them."""
-    rule = argparse.Namespace(**vars(RULE) | {"seed": options.seed, "results": options.results})
+    rule = argparse.Namespace(**vars(options) | vars(RULE) | {"seed": options.seed})
     if (options.across, options.wall_across) == (rule.across, rule.wall_across):
         return {}
     verdicts = {shot.row: line["verdict"] for shot, line in counted(read_shots(), rule)[0]}
@@ -180,7 +181,10 @@ def by_formula(some):
 
 
 def second_calls(some, options):
-    """{name: calls} of the two that look again where a wall held; of each that can call all."""
+    """{name: calls} of the two that look again where a wall held; of each that can call all. The
+    second rule has none."""
+    if options.rules != CHEAP:
+        return {}
     again = {SECOND_LOOK: at_second_look(some, options), BY_FORMULA: by_formula(some)}
     return {name: [fails[line["row"]] == shot.perforated for shot, line in some]
             for name, fails in again.items() if len(fails) == len(some)}
@@ -243,6 +247,8 @@ def by_labels(told, options):
 
 
 def table(some, without, planned, options):
+    if not some:
+        return f"None of {planned} shots has been run."
     ours, others = calls_of(some, options)
     ratio = [shot.diameter / EQUATIONS[BEST](shot) for shot, _ in some]
     parts = {"all": [True] * len(some), "below 5 km/s": [shot.speed < 5 for shot, _ in some],
@@ -367,21 +373,22 @@ def main():
     options = parser.parse_args()
     ending = f"_until_{options.until}" if options.until else ""
     options.results = RESULTS.with_stem(RESULTS.stem + ending)
-    told = counted(read_shots(), options)[0]
-    some, without, planned = counted(mended(read_shots()), options)
-    text = table(some, without, planned, options) + "\n\n" + by_labels(told, options)
-    if options.results == RESULTS and is_of(vars(FINE), options):
-        text += afterwards(told, options)
-    name = f"score_{options.across:g}_{options.wall_across:g}{ending}"
     page = HERE / ("former.md" if options.until else "README.md")
-    print(text)
-    replace_section(page, name, text)
-    draw(some, HERE / f"{name}.png")
-    if options.results == RESULTS and is_of(vars(FINE), options):
-        for section, rules in (("score_beside", (beside,)), ("score_both", (chosen, beside))):
-            text = table(*counted(mended(read_shots()), options, rules), options)
-            print(f"\n{section}\n{text}")
-            replace_section(page, section, text)
+    name = f"score_{options.across:g}_{options.wall_across:g}{ending}"
+    today = options.results == RESULTS and is_of(vars(FINE), options)
+    sections = {name: CHEAP} | ({"score_beside": BESIDE, "score_both": BOTH} if today else {})
+    for section, options.rules in sections.items():
+        told = counted(read_shots(), options)[0]
+        some, without, planned = counted(mended(read_shots()), options)
+        text = table(some, without, planned, options)
+        if some:
+            text += "\n\n" + by_labels(told, options)
+        if today and options.rules == CHEAP:
+            text += afterwards(told, options)
+        print(f"{section}\n{text}")
+        replace_section(page, section, text)
+        if options.rules == CHEAP:
+            draw(some, HERE / f"{name}.png")
 
 
 if __name__ == "__main__":

@@ -71,8 +71,8 @@ def add_shields(pictures, run):
     import report_shields
     if drawing := report_shields.radiographs(run):
         pictures.add("shield", drawing,
-                     "All plates from the side, as on flash radiographs: dark where much mass is "
-                     "in the way.", "The shield")
+                     "All that is not fixed from the side, as on flash radiographs: dark where "
+                     "much mass is in the way.", "The shield")
 
 
 def pictures_of(run):

@@ -49,8 +49,9 @@ void check_changed(const World& world, const Bodies& former) {
                             "a place, velocity or spin that is not finite",
                             "another shape, or an orientation whose length is not 1",
                             "another radius, mass or material than its stress is of",
-                            "a compression that is not more than 0, or a negative damage, strain "
-                            "or energy, or one that is not finite",
+                            "a compression that is not more than 0, or a negative strain or "
+                            "energy, or one that is not finite",
+                            "a damage that is less than 0 or more than 1",
                             "a sum of strains (`strained`) that is negative or not finite",
                             "pores that are crushed by less than 0 or more than 1",
                             "a stress that is not finite"};
@@ -75,9 +76,10 @@ void check_changed(const World& world, const Bodies& former) {
              bodies.material[b] == former.material[b]),
         !bodies.has(Field::compression) ||
             (bodies.compression[b] > 0 && std::isfinite(bodies.compression[b]) &&
-             is_measure(bodies.damage[b]) && is_measure(bodies.plastic_strain[b]) &&
+             is_measure(bodies.plastic_strain[b]) &&
              (bodies.internal_energy[b] == former.internal_energy[b] ||
               is_measure(bodies.internal_energy[b]))),
+        !bodies.has(Field::compression) || (bodies.damage[b] >= 0 && bodies.damage[b] <= 1),
         !bodies.has(Field::strained) || is_measure(bodies.strained[b]),
         !bodies.has(Field::crushed) || (bodies.crushed[b] >= 0 && bodies.crushed[b] <= 1),
         !bodies.has(Field::direct_stress) ||
