@@ -1,7 +1,7 @@
 """Shoots balls through bumpers, and pieces at walls, and puts what becomes of them beside what is
 known. Writes the tables of README.md.
 
-    /usr/bin/python3 cases/breakup/measure.py onset pieces landing shock wall shields
+    /usr/bin/python3 cases/breakup/measure.py onset pieces constants landing shock wall shields
 
 SPDX-License-Identifier: BSD-3-Clause
 """
@@ -48,6 +48,8 @@ SHOTS = [Shot("4-1715", 0.026, 4.6, False), Shot("4-1428", 0.049, 3.77, False),
 DIAMETER = 9.53e-3  # m
 SMALL = 3.18e-3  # m, of most balls of the shields
 SMALL_BUMPER, SMALL_SPEED = 0.25, 4.2  # of its diameter; km/s
+CONSTANTS_SPEED = 5.5  # km/s, where pieces are lighter than walls ask for
+MELTING = 775  # K, of 2024-T351
 # Of the largest pieces behind balls of these speeds (km/s): share of the ball, speed along the axis
 # (km/s), and a wall that such shots have (mm). From 6.4 km/s on by `landing`, below that of rows
 # 590, 596 and 536 of the shields, 18 across.
@@ -105,6 +107,14 @@ def pieces(folder, count=4):
     return 1 - whole.mean(), sizes[largest] / len(whole), np.array(motions)
 
 
+def molten(folder):
+    """The share of the ball's bodies that are hotter in the end than the melting point of the
+    ball's metal as it is."""
+    with h5py.File(folder / "trajectory.h5") as file:
+        bodies = file["particles/all"]
+        return (bodies["temperature/value"][-1][bodies["group"][:] == 1] >= MELTING).mean()
+
+
 def onset(options):
     text = ["| shot | bumper, diameters | km/s | measured | Spall | largest piece | next | failed "
             "|\n|---|--:|--:|---|---|--:|--:|--:|"]
@@ -133,6 +143,31 @@ def finer(options):
             bodies = shares[0] * np.pi / 6 * np.sqrt(2) * across**3
             text.append(f"| {fails} | {across} | {failed:.2f} "
                         f"| {', '.join(f'{share:.3f}' for share in shares)} | {bodies:.0f} |")
+            folders.append(folder)
+    return text, folders
+
+
+def constants(options):
+    """Of what the pieces of one ball depend."""
+    text = ["| ball | across | failed | hotter than melting needs | largest pieces, of the ball "
+            "| bodies in the largest |\n|---|--:|--:|--:|---|--:|"]
+    folders = []
+    solid = "materials.ball.solid."
+    for name, *changes in (
+            ("as it is",), ("fracture energy twice as large", "fracture_energy=28.2e3"),
+            ("spall strength 1.0 GPa", "spall_strength=1e9"),
+            ("spall strength 2.2 GPa", "spall_strength=2.2e9"),
+            ("does not fail by strain", *(f"johnson_cook_d{k}=0" for k in range(1, 6))),
+            ("the hotter, the more strain it bears: D5 = 1.6", "johnson_cook_d5=1.6"),
+            ("melts only with the heat of fusion: at 1220 K", "melting_point=1220")):
+        for across in (18, 24):
+            folder = through_a_bumper(
+                options, f"constants-{name.replace(' ', '_')}-{across}", SMALL, SMALL_BUMPER,
+                CONSTANTS_SPEED, across, [solid + change for change in changes])
+            failed, shares, _ = pieces(folder)
+            text.append(f"| {name} | {across} | {failed:.2f} | {molten(folder):.2f} "
+                        f"| {', '.join(f'{share:.4f}' for share in shares)} "
+                        f"| {shares[0] * np.pi / 6 * np.sqrt(2) * across**3:.0f} |")
             folders.append(folder)
     return text, folders
 
@@ -268,7 +303,7 @@ def shields(options):
     return text, folders
 
 
-TABLES = {"onset": onset, "pieces": finer, "landing": landing, "shock": shock, "wall": wall,
+TABLES = {"onset": onset, "pieces": finer, "constants": constants, "landing": landing, "shock": shock, "wall": wall,
           "shields": shields}
 
 
