@@ -427,6 +427,15 @@ TEST(Shields, a_wall_that_held_is_said_to_be_coarse_beside_the_largest_piece) {
   EXPECT_FALSE(sentence_of(shot.wall, {}, {.meets = 1}).find("coarse") != std::string::npos);
 }
 
+TEST(Shields, a_wall_that_held_while_its_margin_fell_is_said_to_fail_still) {
+  const WallVerdict held{.outcome = Outcome::held}, open{.outcome = Outcome::perforated};
+  EXPECT_TRUE(is_still_failing(held, {0.9, 0.6, 0.42}));
+  EXPECT_FALSE(is_still_failing(held, {0.9, 0.43, 0.42}));
+  EXPECT_FALSE(is_still_failing(held, {0.42, 0.6}));  // it springs back
+  EXPECT_FALSE(is_still_failing(held, {0.42}));
+  EXPECT_FALSE(is_still_failing(open, {0.9, -0.6}));
+}
+
 TEST(Shields, of_two_looks_the_piece_with_more_energy_is_kept) {
   Coming most{.meets = 2, .passes = 1, .diameter = 3};
   most.add({.meets = 1, .passes = 4, .diameter = 5});

@@ -202,6 +202,8 @@ class Search:
         if not self.final(part):
             doubts.append(f"not final: {100 * found['still_coming']:.2g} % of the energy that flies"
                           " at it has not met it")
+        if found.get("still_failing", False):
+            doubts.append("still failing: its margin fell until the end")
         if found["opening_at_edge"]:
             doubts.append("opened as far as its edge: the wall may be too small")
         met, passed = (found.get(f"largest_{way}", 0) for way in ("met", "passed"))  # 0: older runs

@@ -83,6 +83,12 @@ void add(const ShieldWall& wall, const WallVerdict& v, const Coming& largest, Re
 
 }  // namespace
 
+bool is_still_failing(const WallVerdict& last, const std::vector<double>& margins) {
+  constexpr double little = 0.05;  // of the margin
+  return last.outcome == Outcome::held && margins.size() > 1 &&
+         margins.rbegin()[1] - margins.back() > little * margins.back();
+}
+
 std::string sentence_of(const ShieldWall& wall, const WallVerdict& v, const Coming& largest) {
   std::string text =
       fmt::format("wall {}: {}, margin {:.3g}: ", wall.name, name_of(v.outcome), v.margin);
@@ -148,9 +154,18 @@ std::vector<std::string> Shields::conclude(const World& world, const Engine& eng
       judged.times.pop_back();
       judged.margins.pop_back();
     }
-  const std::vector<std::string> lines = read_out(world, engine, time);
-  for (const Judged& judged : walls_) {
+  std::vector<std::string> lines = read_out(world, engine, time);
+  for (std::size_t w = 0; w < walls_.size(); ++w) {
+    const Judged& judged = walls_[w];
     add(judged.wall, judged.last, judged.largest, table);
+    const bool fails = is_still_failing(judged.last, judged.margins);
+    table.add(judged.wall.section, "still_failing", fails, "",
+              "it held, and its margin fell by more than a twentieth since the time before");
+    if (fails)
+      lines[w] += fmt::format(
+          "; still failing: its margin was {:.3g} at the time before, so a longer run may tell "
+          "otherwise",
+          judged.margins.rbegin()[1]);
     table.add(judged.wall.section, "times", judged.times, "s", "at which it was judged");
     table.add(judged.wall.section, "margins", judged.margins, "", "at these times");
   }

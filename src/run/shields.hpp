@@ -43,6 +43,10 @@ class Shields {
   std::vector<Judged> walls_;
 };
 
+/// Whether a wall has held so far whose margin still fell, by more than a twentieth between the
+/// last two times at which it was judged.
+bool is_still_failing(const WallVerdict& last, const std::vector<double>& margins);
+
 /// What a verdict is, in words. `largest`: of what came until now.
 std::string sentence_of(const ShieldWall& wall, const WallVerdict& verdict, const Coming& largest);
 
