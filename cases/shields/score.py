@@ -358,7 +358,8 @@ def draw(some, path):
                                f"Spall {'right' if right else 'wrong'}")
     axes.axhline(1, color="0.6", linewidth=0.8)
     axes.set(xlabel="speed (km/s)", ylabel=f"ball over critical ball of {BEST}", yscale="log")
-    axes.yaxis.set_major_locator(FixedLocator([0.4, 0.5, 0.6, 0.7, 0.8, 1, 1.2, 1.4, 1.7, 2, 3, 4, 6]))
+    ticks = [0.4, 0.5, 0.6, 0.7, 0.8, 1, 1.2, 1.4, 1.7, 2, 3, 4, 6]
+    axes.yaxis.set_major_locator(FixedLocator(ticks))
     axes.yaxis.set_minor_locator(NullLocator())
     axes.yaxis.set_major_formatter("{x:g}")
     axes.legend(fontsize=8)
