@@ -70,7 +70,9 @@ def radiographs(flight):
     if debris.any():
         # One in a hundred flies far off to the side.
         wide = max(wide, 1.1 * np.quantile(np.abs(flight.height(last)[debris]), 0.99))
-    extent = (-2.2 * flight.diameter, 1.05 * reach, -wide, wide)
+    low, high = -2.2 * flight.diameter, 1.05 * reach
+    wide = min(wide, film.HIGHEST / 2 * (high - low))
+    extent = (low, high, -wide, wide)
     pixel = 0.7 * flight.diameter / 12
     maps = [film.column_map(flight.depth(k), flight.height(k), flight.mass, extent, pixel)
             for k in frames]

@@ -7,6 +7,7 @@ from report_run import readable_time
 
 FRAMES, COLUMNS = 6, 3
 WIDTH = 12  # of a strip, inches
+HIGHEST = 2  # depths: what is wider is cut off on the picture
 
 
 def frames_of(times):

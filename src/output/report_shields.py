@@ -8,7 +8,6 @@ import numpy as np
 import report_film as film
 
 BEHIND = 0.35  # of the way from the projectile's start to the walls, that is shown behind them
-HIGHEST = 2  # depths: wider walls are cut off on the picture
 PIXEL = 0.7  # of the coarsest bodies' diameter
 
 
@@ -64,7 +63,7 @@ class Shield:
         low, high = start - diameter, last + BEHIND * (last - start)
         # About the middle of the way on which it would fly on to the wall's rear.
         middle = across[flies].mean() - start / 2 * (motion @ self.side) / (motion @ self.rear)
-        half = HIGHEST / 2 * (high - low)
+        half = film.HIGHEST / 2 * (high - low)
         shown = across[flies | np.any(walls, axis=0)]
         self.extent = (low, high, max(shown.min() - diameter, middle - half),
                        min(shown.max() + diameter, middle + half))
