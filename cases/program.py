@@ -14,8 +14,8 @@ AS_ROOT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
 def spall(*words, changes=(), ranks=None, program=PROGRAM, before=(), shows=False):
     """What `spall` prints on these words, or None where it `shows` that at once. `changes` are
     those of --set, key=value; `before` comes before the command, such as nice -n 5. Without
-    `ranks` mpirun is left out."""
-    launched = ["mpirun", "--oversubscribe", "-n", ranks] if ranks else []
+    `ranks`, or on one, mpirun is left out: it would bind all single ranks to the same core."""
+    launched = ["mpirun", "--oversubscribe", "-n", ranks] if ranks and int(ranks) > 1 else []
     command = [*before, *launched, program, *words]
     for change in changes:
         command += ["--set", change]
