@@ -48,6 +48,7 @@ SHOTS = [Shot("4-1715", 0.026, 4.6, False), Shot("4-1428", 0.049, 3.77, False),
 DIAMETER = 9.53e-3  # m
 SMALL = 3.18e-3  # m, of most balls of the shields
 SMALL_BUMPER, SMALL_SPEED = 0.25, 4.2  # of its diameter; km/s
+NO_STRAIN = [f"materials.ball.solid.johnson_cook_d{k}=0" for k in range(1, 6)]  # never fails by it
 CONSTANTS_SPEED = 5.5  # km/s, where pieces are lighter than walls ask for
 MELTING = 775  # K, of 2024-T351
 # Of the largest pieces behind balls of these speeds (km/s): share of the ball, speed along the axis
@@ -107,6 +108,11 @@ def pieces(folder, count=4):
     return 1 - whole.mean(), sizes[largest] / len(whole), np.array(motions)
 
 
+def bodies_of(share, across):
+    """In a piece with this share of a ball."""
+    return share * np.pi / 6 * np.sqrt(2) * across**3
+
+
 def molten(folder):
     """The share of the ball's bodies that are hotter in the end than the melting point of the
     ball's metal as it is."""
@@ -134,15 +140,14 @@ def finer(options):
     text = ["| fails by strain | across | failed | largest pieces, of the ball "
             "| bodies in the largest |\n|---|--:|--:|---|--:|"]
     folders = []
-    never = [f"materials.ball.solid.johnson_cook_d{k}=0" for k in range(1, 6)]
-    for fails, more in (("yes", ()), ("no", never)):
+    for fails, more in (("yes", ()), ("no", NO_STRAIN)):
         for across in (12, 18, 24):
             folder = through_a_bumper(options, f"pieces-{fails}-{across}", SMALL, SMALL_BUMPER,
                                       SMALL_SPEED, across, more)
             failed, shares, _ = pieces(folder)
-            bodies = shares[0] * np.pi / 6 * np.sqrt(2) * across**3
             text.append(f"| {fails} | {across} | {failed:.2f} "
-                        f"| {', '.join(f'{share:.3f}' for share in shares)} | {bodies:.0f} |")
+                        f"| {', '.join(f'{share:.3f}' for share in shares)} "
+                        f"| {bodies_of(shares[0], across):.0f} |")
             folders.append(folder)
     return text, folders
 
@@ -153,24 +158,24 @@ def constants(options):
             "| bodies in the largest |\n|---|--:|--:|--:|---|--:|"]
     folders = []
     solid = "materials.ball.solid."
+    hot, melts = solid + "johnson_cook_d5=1.6", solid + "melting_point=1220"
     for number, (name, *changes) in enumerate((
-            ("as it is",), ("fracture energy twice as large", "fracture_energy=28.2e3"),
-            ("spall strength 1.0 GPa", "spall_strength=1e9"),
-            ("spall strength 2.2 GPa", "spall_strength=2.2e9"),
-            ("does not fail by strain", *(f"johnson_cook_d{k}=0" for k in range(1, 6))),
-            ("the hotter, the more strain it bears: D5 = 1.6", "johnson_cook_d5=1.6"),
-            ("melts only with the heat of fusion: at 1220 K", "melting_point=1220"),
-            ("the last two", "johnson_cook_d5=1.6", "melting_point=1220"),
-            ("melts so, and does not fail by strain", "melting_point=1220",
-             *(f"johnson_cook_d{k}=0" for k in range(1, 6))))):
+            ("as it is",), ("fracture energy twice as large", solid + "fracture_energy=28.2e3"),
+            ("spall strength 1.0 GPa", solid + "spall_strength=1e9"),
+            ("spall strength 2.2 GPa", solid + "spall_strength=2.2e9"),
+            ("does not fail by strain", *NO_STRAIN),
+            ("the hotter, the more strain it bears: D5 = 1.6", hot),
+            ("melts only with the heat of fusion: at 1220 K", melts),
+            ("the last two", hot, melts),
+            ("melts so, and does not fail by strain", melts, *NO_STRAIN))):
         for across in (18, 24):
             folder = through_a_bumper(
                 options, f"constants-{number}-{across}", SMALL, SMALL_BUMPER, CONSTANTS_SPEED,
-                across, [solid + change for change in changes])
+                across, changes)
             failed, shares, _ = pieces(folder)
             text.append(f"| {name} | {across} | {failed:.2f} | {molten(folder):.2f} "
                         f"| {', '.join(f'{share:.4f}' for share in shares)} "
-                        f"| {shares[0] * np.pi / 6 * np.sqrt(2) * across**3:.0f} |")
+                        f"| {bodies_of(shares[0], across):.0f} |")
             folders.append(folder)
     return text, folders
 

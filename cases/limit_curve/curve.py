@@ -10,6 +10,7 @@ SPDX-License-Identifier: BSD-3-Clause
 import argparse
 import json
 import sys
+import tomllib
 from pathlib import Path
 
 import matplotlib
@@ -25,8 +26,17 @@ from program import PROGRAM, spall  # noqa: E402
 from readme import replace_section  # noqa: E402
 from remnants import commits, results  # noqa: E402
 
-BUMPER, GAP, WALL = 1e-3, 30e-3, 2e-3  # m, as case.toml has them
-CLEAR = 2.6e-3  # m, of the ball's centre from the bumper
+CASE = HERE / "case.toml"
+VOLUMES = {group["name"]: group["volume"] for group in tomllib.loads(CASE.read_text())["groups"]}
+
+
+def metres(text):
+    return 1e-3 * float(text.removesuffix("mm"))
+
+
+BUMPER, WALL = (metres(VOLUMES[plate]["height"]) for plate in ("bumper", "wall"))
+GAP = -metres(VOLUMES["wall"]["center"][2]) - WALL / 2 - BUMPER  # the bumper's front is at z = 0
+CLEAR = metres(VOLUMES["ball"]["center"][2])  # of the ball's centre from the bumper
 SMALLEST, LARGEST, WITHIN = 1, 4.5, "8%"  # mm
 # Of the way at the ball's speed; passages of sound through the wall, at m/s, in which it bulges.
 FLIGHT, RINGING, SOUND = 1.25, 50, 5350
@@ -42,7 +52,7 @@ def shot_at(speed):
 
 def search(options, speed, folder):
     duration = (FLIGHT * GAP + CLEAR) / (1e3 * speed) + RINGING * WALL / SOUND
-    spall("limit", HERE / "case.toml", "--out", folder, "--jobs", options.jobs, "--within", WITHIN,
+    spall("limit", CASE, "--out", folder, "--jobs", options.jobs, "--within", WITHIN,
           "--vary", f"groups.ball.volume.diameter={SMALLEST}..{LARGEST}mm",
           program=options.program, changes=[
               f"groups.ball.velocity=[0,0,{-1e3 * speed}]", f"phases.shot.duration={duration}",
@@ -51,11 +61,10 @@ def search(options, speed, folder):
 
 
 def found(folder):
-    """Bracket of the diameter (mm), and why its ends are in doubt."""
+    """Bracket of the diameter (mm), and how the wall fails at its upper end."""
     told = json.loads((folder / "limit.json").read_text())
-    low, high = (float("".join(c for c in told[end] if c in "0123456789.e-"))
-                 for end in ("low", "high"))
-    return low, high, told["verdict_high"], told["doubts_low"] + told["doubts_high"]
+    low, high = (float(told[end].removesuffix("mm")) for end in ("low", "high"))
+    return low, high, told["verdict_high"]
 
 
 def main():
@@ -74,7 +83,7 @@ def main():
         folder = options.out / f"{speed:g}"
         if not options.table:
             search(options, speed, folder)
-        low, high, how, _ = found(folder)
+        low, high, how = found(folder)
         brackets.append((low, high))
         runs += [run for run in folder.iterdir() if (run / "results.toml").exists()]
         critical = [10 * equation(shot_at(speed)) for equation in EQUATIONS.values()]

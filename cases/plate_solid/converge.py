@@ -25,7 +25,7 @@ sys.path += [str(HERE.parent), str(HERE.parent / "plate"), str(HERE.parent / "sh
 from program import PROGRAM, spall  # noqa: E402
 from readme import replace_section  # noqa: E402
 from run import mass_of_ball  # noqa: E402
-from shots import DATA, DENSITY, front_band, holes, shot  # noqa: E402
+from shots import DENSITY, known_of, shot  # noqa: E402
 
 
 @dataclass(frozen=True)
@@ -110,11 +110,7 @@ def table(rows):
              "formulas | growth | plate's debris, of the ball's mass | energy |",
              "|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|"]
     for name in PLATES:
-        speed, thickness, diameter = shot(name)
-        ratio = thickness / diameter
-        band = "" if name == "hiermaier" else "{:.2f}–{:.2f}".format(*front_band(ratio))
-        least, most = ((hole / diameter for hole in DATA["hiermaier"]["hole"])
-                       if name == "hiermaier" else holes(speed, ratio))
+        band, (least, most) = known_of(name)
         for across in sorted({float(row["across"]) for row in rows if row["shot"] == name}):
             chosen = [row for row in rows
                       if row["shot"] == name and float(row["across"]) == across]

@@ -29,9 +29,9 @@ SECOND_LOOK = "Spall, at second look"  # again where a wall held
 # It was chosen when the shots of this file were known, and is tested on others.
 KNOWN_FROM = RESULTS.with_stem(RESULTS.stem + "_until_f5f5c5b")
 BY_FORMULA = "Spall, and Cour-Palais for its largest piece"
+CHEAP, BESIDE, BOTH = (chosen,), (beside,), (chosen, beside)  # rules
 # Reports of one laboratory: a shot of the same number in both is one shot, if what they tell of it
 # is the same but for rounding.
-CHEAP, BESIDE, BOTH = (chosen,), (beside,), (chosen, beside)  # rules
 REPORTS = {"AFML-TR-67-324", "AFML-TR-68-257"}
 ROUNDING = 0.03
 
@@ -378,12 +378,17 @@ def main():
     name = f"score_{options.across:g}_{options.wall_across:g}{ending}"
     today = options.results == RESULTS and is_of(vars(FINE), options)
     sections = {name: CHEAP} | ({"score_beside": BESIDE, "score_both": BOTH} if today else {})
+    runs_by = {}
     for section, options.rules in sections.items():
         told = counted(read_shots(), options)[0]
         some, without, planned = counted(mended(read_shots()), options)
-        text = table(some, without, planned, options)
-        if some:
-            text += "\n\n" + by_labels(told, options)
+        runs_by[options.rules] = len(some)
+        if options.rules == BOTH and runs_by[BESIDE] == 0:
+            text = "As for the cheap ones, until some of the second rule's have been run."
+        else:
+            text = table(some, without, planned, options)
+            if some:
+                text += "\n\n" + by_labels(told, options)
         if today and options.rules == CHEAP:
             text += afterwards(told, options)
         print(f"{section}\n{text}")

@@ -11,10 +11,6 @@ BEHIND = 0.35  # of the way from the projectile's start to the walls, that is sh
 PIXEL = 0.7  # of the coarsest bodies' diameter
 
 
-def unit(vector):
-    return vector / np.linalg.norm(vector)
-
-
 def rear_of(wall, position, motion):
     """Direction of a wall's rear: along its normal, towards where the case has it or things fly."""
     towards = np.array(wall.get("rear", motion), float)
@@ -31,7 +27,7 @@ def side_of(rear, motion):
     if np.linalg.norm(side) < 1e-6 * np.linalg.norm(motion):
         side = np.eye(3)[(np.argmax(np.abs(rear)) + 1) % 3]
         side = side - (side @ rear) * rear
-    return unit(side)
+    return side / np.linalg.norm(side)
 
 
 class Shield:
