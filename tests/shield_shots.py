@@ -271,16 +271,17 @@ def a_second_look_has_walls_fail_that_held_and_no_other():
         untold[0][1]["largest_met_j"] = untold[2][1]["largest_met_j"] = ""
         assert score.second_calls(untold, options) == {}
         assert untold[0][1]["row"] not in score.at_second_look(untold, options)
-        score.KNOWN_FROM = [Path(folder) / "none.csv", Path(folder) / "known.csv"]
-        run.keep({"row": strong[0][1]["row"]}, ["row"], score.KNOWN_FROM[1])
+        score.KNOWN_FROM = Path(folder) / "known.csv"
+        run.keep({"row": strong[0][1]["row"]}, ["row"], score.KNOWN_FROM)
         told = score.afterwards(strong, options)
-        assert "\n2 of these shots" in told and f"beside {score.SECOND_LOOK} |" in told
+        assert "Of 2 shots" in told and "2 of these walls" in told
+        assert f"beside {score.SECOND_LOOK} |" in told
         score.SECOND.unlink()
         told = score.afterwards(strong, options)
-        assert "beside Spall |" in told and f"| {score.BY_FORMULA} |" in told
-        told = score.afterwards(strong, by_both)
-        assert "beside Spall |" in told and f"| {score.BY_FORMULA} |" not in told
-        assert score.afterwards(strong[:1], options) == ""
+        assert "1 of these walls" in told and f"beside {score.BY_FORMULA} |" in told
+        told = score.afterwards(untold, options)
+        assert "Of 2 shots" in told and "1 tell the largest piece" in told
+        assert score.afterwards(untold[:1] + untold[2:], options) == ""
 
 
 for test in (the_shares_are_those_that_were_counted_before,

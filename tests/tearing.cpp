@@ -71,50 +71,6 @@ TEST(Tearing, a_body_that_is_pulled_alone_bears_more_than_the_strength_but_not_t
   EXPECT_GT(damage, 0);
 }
 
-/// Pa, the most tension of a ball of 6061-T6 with this heat (J/kg) that is pulled from all sides,
-/// and the damage of its middle after a thousandth of a strain.
-std::array<double, 2> pulled_hot(double heat) {
-  const double d = 1e-3;
-  SolidLaw law = solid_law(*material_of_library("aluminium_6061_t6").solid, true, "x");
-  law.gruneisen = 0;  // heat does not press it
-  Lab world = held_ball(d, law);
-  for (Index b = 0; b < world.bodies.owned; ++b)
-    world.bodies.heat[b] = world.bodies.internal_energy[b] = heat * law.density * volume_of_body(d);
-  const double h = 0.1 * d / law.sound_speed();
-  double most = 0, damage = 0;
-  for (int n = 0; n < 200; ++n) {
-    deform(world, 3e-5 / h * as_is, h, 1);
-    most = std::max(most, -of_the_middle_body(world, &Bodies::pressure));
-    if (n == 32) damage = of_the_middle_body(world, &Bodies::damage);
-  }
-  return {most, damage};
-}
-
-// From the melting point on heat melts it, until the energy to liquid is spent.
-TEST(Tearing, what_has_melted_in_part_bears_as_much_tension_as_what_is_left) {
-  const Solid metal = *material_of_library("aluminium_6061_t6").solid;
-  const double begins = metal.specific_heat * (metal.melting_point - room_temperature);
-  for (const double liquid : {-0.5, -0.01, 0.25, 0.5, 0.9}) {
-    const double solid = std::min(1., 1 - liquid);
-    const auto [most, damage] = pulled_hot(begins + liquid * (metal.melt_energy - begins));
-    EXPECT_NEAR(most, solid * metal.spall_strength, 0.03 * metal.spall_strength) << liquid;
-    EXPECT_LT(damage, 1) << liquid;
-  }
-  const auto [most, damage] = pulled_hot(1.01 * metal.melt_energy);
-  EXPECT_LE(most, 1e-6 * metal.spall_strength);
-  EXPECT_EQ(damage, 1);
-}
-
-// Where only the melting point is known all is liquid there.
-TEST(Tearing, metal_melts_at_once_where_its_energy_to_liquid_is_not_known) {
-  SolidLaw law = solid_law(*material_of_library("aluminium_6061_t6").solid, true, "x");
-  EXPECT_EQ(law.molten_heat(), 1.05e6);
-  law.melt_energy = 0;
-  EXPECT_EQ(law.molten_heat(), law.melting_heat());
-  law.melting = 0;
-  EXPECT_EQ(law.molten_heat(), infinity);
-}
-
 Eigen::Matrix3d deviator_of_the_middle(const Lab& world) {
   const Eigen::Matrix3d stress = stress_of_the_middle(world);
   return stress - stress.trace() / 3 * as_is;

@@ -40,8 +40,8 @@ void read_solid(Section& in, Solid& solid) {
           solid.specific_heat, positive(specific_heat));
   in.take("melting_point", "at which Johnson and Cook's metal has no strength", solid.melting_point,
           positive(dimension::temperature));
-  in.take("melt_energy", "from room temperature to liquid: it loses its spall strength on the way",
-          solid.melt_energy, positive(specific_energy));
+  in.take("melt_energy", "from room temperature to liquid", solid.melt_energy,
+          positive(specific_energy));
   in.take("sublimation_energy", "its enthalpy: debris with more heat is vapour",
           solid.sublimation_energy, positive(specific_energy));
   // The latent heat alone, which handbooks list, is less than what warms a solid to melting.

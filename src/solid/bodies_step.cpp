@@ -166,12 +166,12 @@ double rubbing_stress(const SolidLaw& law, double stiffness, double pressure, do
 /// Metals return to their flow stress, by the plastic strains `flowing`, and fail where they have
 /// flown too far: over a strain whose work is the fracture energy, or less. What has failed slides.
 /// Of rock it is found anew.
-Sheared sheared_metals(Bodies& bodies, const Group& g, const PairLanes& hot, const PairMask& melts,
+Sheared sheared_metals(Bodies& bodies, const Group& g, const PairLanes& hot, const PairMask& melted,
                        const PairLanes& bears, const PairLanes& flowing) {
   const PairLanes none{}, one = spread_pairs(1);
   const PairLanes shear = g.stiffness * g.laws.of(&SolidLaw::shear);
   PairLanes damage = g.rows.load(bodies.damage);
-  const PairMask fluid = (damage >= 1.0) | melts | (shear <= 0.0), flows = flowing > 0.0;
+  const PairMask fluid = (damage >= 1.0) | melted | (shear <= 0.0), flows = flowing > 0.0;
   const PairLanes flown = larger(none, one - 3.0 * shear * flowing / g.mises);
   Sheared left{.scale = select(fluid, none, select(flows, flown, one)), .strained = flowing};
   const std::uint8_t flowing_lanes = bits_of_mask(flows), fluid_lanes = bits_of_mask(fluid);
@@ -230,13 +230,6 @@ void shear_rock(const Group& g, std::size_t l, double damage, double pressure, d
   left->strained[l] = flown / (3 * law.shear);
 }
 
-/// Of metals with this heat, the share that has not melted: all up to `begins`, nothing from `ends`
-/// on.
-PairLanes solid_shares(const PairLanes& heat, const PairLanes& begins, const PairLanes& ends) {
-  const PairLanes none{}, one = spread_pairs(1);
-  return select(heat < begins, one, select(heat < ends, (ends - heat) / (ends - begins), none));
-}
-
 /// What became of some bodies.
 struct Settled {
   PairLanes scale{};        ///< of the trial deviator, what is left
@@ -248,13 +241,10 @@ struct Settled {
 Settled settle(Bodies& bodies, const Group& g) {
   const PairLanes none{}, density = g.laws.of(&SolidLaw::density);
   const PairLanes heat = g.rows.load(bodies.heat);
-  const PairLanes mass = g.rest_volume * density;
-  const PairLanes begins = mass * g.laws.of(&SolidLaw::melting_heat);
-  const PairLanes ends = mass * g.laws.of(&SolidLaw::molten_heat);
-  const PairLanes hot = larger(heat / begins, none);
-  const PairMask yields = g.laws.of(&SolidLaw::yields) > 0.0;
-  const PairMask melts = yields & (hot >= 1.0);
-  const PairLanes solid = select(yields, solid_shares(heat, begins, ends), spread_pairs(1));
+  const PairLanes to_melt = g.rest_volume * density * g.laws.of(&SolidLaw::melting_heat);
+  const PairLanes hot = larger(heat / to_melt, none);
+  const PairLanes yields = g.laws.of(&SolidLaw::yields);
+  const PairMask melted = (yields > 0.0) & (hot >= 1.0);
   const bool rock = g.laws.any(&SolidLaw::brittle);
   if (rock && g.h > 0)
     for (Index l = 0; l < g.rows.count(); ++l)
@@ -263,7 +253,7 @@ Settled settle(Bodies& bodies, const Group& g) {
             grown_damage(g.laws[l], bodies, g.rows[l], g.rest_volume[l], g.intact[l], g.h);
   const PairLanes bears = bearing_shares(g, g.rows.load(bodies.damage));
   const PairLanes flowing = flowing_strains(bodies, g, hot, bears);
-  Sheared left = sheared_metals(bodies, g, hot, melts, bears, flowing);
+  Sheared left = sheared_metals(bodies, g, hot, melted, bears, flowing);
   Pressed after{.pressure = g.rows.load(bodies.pressure), .damage = g.rows.load(bodies.damage)};
   // What rock bears depends on its pressure, which follows from the energy, and on what crushing
   // breaks: in two rounds.
@@ -271,7 +261,7 @@ Settled settle(Bodies& bodies, const Group& g) {
     for (std::size_t l = 0; rock && l < pair_lanes; ++l)
       if (g.laws[l].brittle())
         shear_rock(g, l, after.damage[l], after.pressure[l], hot[l], flowing[l], &left);
-    after = pressed(bodies, g, left.scale, left.energy, solid);
+    after = pressed(bodies, g, left.scale, left.energy, melted);
   }
   g.rows.store(g.compression, bodies.compression);
   g.rows.store(g.rows.load(bodies.plastic_strain) + left.strained, bodies.plastic_strain);

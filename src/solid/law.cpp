@@ -192,7 +192,6 @@ SolidLaw solid_law(const Solid& solid, bool yields, const std::string& place) {
                .gruneisen = solid.gruneisen,
                .specific_heat = solid.specific_heat,
                .melting = solid.melting_point,
-               .melt_energy = solid.melt_energy,
                .yields = yields,
                .flow = solid.johnson_cook,
                .steinberg = solid.steinberg,

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <string>
@@ -27,7 +26,6 @@ struct SolidLaw {
   double strength = infinity;             ///< Pa, tension from all sides that opens voids
   double fracture_energy = 0;             ///< J/m^2; 0: not known
   double specific_heat = 0, melting = 0;  ///< J/(kg K), K; 0: not known
-  double melt_energy = 0;                 ///< J/kg, from room temperature to liquid; 0: not known
   bool yields = true;
   JohnsonCook flow;
   SteinbergGuinan steinberg;  ///< in place of Johnson and Cook's flow stress, where it is known
@@ -43,10 +41,8 @@ struct SolidLaw {
   double youngs_modulus() const { return 9 * bulk * shear / (3 * bulk + shear); }  ///< Pa
   bool brittle() const { return flaws.known(); }
   /// J/kg that warm it from 298 K to the melting point, infinite where that is not known. The heat
-  /// of a body over it is its homologous temperature, from 0 to 1 (it begins to melt) and more.
+  /// of a body over it is its homologous temperature, from 0 to 1 (molten) and more.
   double melting_heat() const;
-  /// J/kg with which all is liquid; that of the melting point where `melt_energy` is not known.
-  double molten_heat() const { return std::max(melting_heat(), melt_energy); }
   /// What shear modulus and flow stress of Steinberg and Guinan's metals are of those at rest, with
   /// this pressure (Pa) and heat (J/kg); 0 where nothing is left.
   double stiffness(double compression, double pressure, double heat) const;

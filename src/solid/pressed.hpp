@@ -163,7 +163,7 @@ inline PairLanes crush(const Bodies& bodies, Matter& matter, Pressed& after) {
 
 /// Opens voids in bodies that are asked for until they are pulled no more than is `bearable` (Pa).
 /// `least`: the density of matter, of that at rest, without them.
-inline void open_voids(const PairMask& asked, const PairMask& molten, const PairLanes& bearable,
+inline void open_voids(const PairMask& asked, const PairMask& melted, const PairLanes& bearable,
                        const PairLanes& least, Matter& matter, Pressed& after) {
   const Group& g = matter.group;
   const PairLanes one = spread_pairs(1);
@@ -178,12 +178,12 @@ inline void open_voids(const PairMask& asked, const PairMask& molten, const Pair
       [&](const PairLanes& at) { return matter.pressure_at(at) + bearable; },
       [&](const PairLanes& at) { return matter.slope_at(at); });
   after.pressure = matter.pressure_at(density);
-  const std::uint8_t lanes = bits_of_mask(asked), fluid = bits_of_mask(molten);
+  const std::uint8_t lanes = bits_of_mask(asked), molten = bits_of_mask(melted);
   PairLanes opened = one;  // the share of a body that voids or cracks run through
   for (std::size_t l = 0; l < pair_lanes; ++l) {
     if (!(lanes >> l & 1)) continue;
     const SolidLaw& law = g.laws[l];
-    const double damage = fluid >> l & 1 ? 1 : std::min(1.0, after.damage[l]);
+    const double damage = molten >> l & 1 ? 1 : std::min(1.0, after.damage[l]);
     after.damage[l] = damage;
     if (law.brittle()) {
       opened[l] = damage;
@@ -200,25 +200,23 @@ inline void open_voids(const PairMask& asked, const PairMask& molten, const Pair
                               matter.cold.energy);
 }
 
-/// Of bodies of whose trial deviator the share `scale` is left, with the energy `sheared` (J), and
-/// of which the share `solid` has not melted. What is molten fails under any tension.
+/// Of bodies of whose trial deviator the share `scale` is left, with the energy `sheared` (J).
 inline Pressed pressed(const Bodies& bodies, const Group& g, const PairLanes& scale,
-                       const PairLanes& sheared, const PairLanes& solid) {
+                       const PairLanes& sheared, const PairMask& melted) {
   const PairLanes none{};
   Matter matter(bodies, g, scale, sheared);
   Pressed after;
   const PairLanes strength = g.laws.of(&SolidLaw::strength);
   after.damage = g.rows.load(bodies.damage);
   const PairLanes cracks = after.damage * g.laws.of(&SolidLaw::brittle);
-  const PairMask molten = solid <= 0.0;
-  const PairMask parted = (after.damage >= 1.0) | molten | (cracks > 0.0);
+  const PairMask parted = (after.damage >= 1.0) | melted | (cracks > 0.0);
   // A body alone may be pulled more than its neighbours: the noise of pressure opens no voids.
   const PairLanes alone = larger(none, g.around - g.rows.load(bodies.pressure));
-  const PairLanes bearable = select(parted, none, (1.0 - after.damage) * solid * strength + alone);
+  const PairLanes bearable = select(parted, none, (1.0 - after.damage) * strength + alone);
   const PairLanes least = crush(bodies, matter, after);
   after.pressure = matter.pressure_at(least);
   const PairMask pulled = after.pressure < -bearable;
-  if (any_lane(pulled)) open_voids(pulled, molten, bearable, least, matter, after);
+  if (any_lane(pulled)) open_voids(pulled, melted, bearable, least, matter, after);
   after.energy = matter.before - matter.works * after.pressure;
   after.heat = after.energy - matter.rest_volume * matter.cold.energy - sheared;
   after.sound_speed2 = matter.cold.slope2;
