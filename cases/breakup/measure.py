@@ -1,7 +1,8 @@
 """Shoots balls through bumpers, and pieces at walls, and puts what becomes of them beside what is
 known. Writes the tables of README.md.
 
-    /usr/bin/python3 cases/breakup/measure.py onset pieces constants landing shock wall shields
+    /usr/bin/python3 cases/breakup/measure.py onset pieces constants landing shock wall forms \\
+        shields
 
 SPDX-License-Identifier: BSD-3-Clause
 """
@@ -62,6 +63,13 @@ HARDNESS, DENSITIES = 95, 2.80 / 2.71  # Brinell's, of 6061-T6; of 2017-T4 over 
 # Of the finest wall under such a piece, which costs 30 times as much otherwise: m, s.
 NARROW_WIDTH, NARROW_LASTS = 7e-3, 8e-6
 FINE_ACROSS = 7.5  # bodies of such a piece
+# Forms of two largest pieces at 5.5 km/s, whose widths are made those of a piece as heavy as PIECE:
+# across, across, and along the flight.
+FORMS = (("as a ball", (1, 1, 1)),
+         ("flat", (1.13, 0.85, 0.49)), ("end on", (0.49, 0.85, 1.13)),
+         ("flat", (1.89, 0.81, 0.38)), ("on edge", (0.38, 1.89, 0.81)),
+         ("end on", (0.38, 0.81, 1.89)))
+FORMS_WALL, FORMS_BODIES = 2.4e-3, 0.12e-3  # m
 # Of the block in which the shock below it is followed, for so long: diameters of the piece; s.
 BLOCK_WIDTH, BLOCK_DEPTH, SHOCK_LASTS, SHOCK_FRAMES = 2.7, 1.6, 0.25e-6, 50
 SHOCK_DEPTHS, NEAR_AXIS, NEAR_DEPTH = (0.5, 0.75, 1, 1.25), 0.13, 0.06  # diameters
@@ -89,14 +97,15 @@ def through_a_bumper(options, folder, d, bumper, speed, across=ACROSS, more=()):
         f"output.series_every={duration / 10}", f"output.snapshot_every={duration / 5}", *more])
 
 
-def pieces(folder, count=4):
+def pieces(folder, count=4, below=np.inf):
     """Of what the ball has become: the share of its bodies that have failed, and of the largest
     pieces that hang together their shares of its mass, and their velocities (m/s); 0 where there
-    are fewer."""
+    are fewer. Bodies that are not colder than `below` (K) count as failed."""
     with h5py.File(folder / "trajectory.h5") as file:
         bodies = file["particles/all"]
         ball = bodies["group"][:] == 1
-        whole = bodies["damage/value"][-1][ball] < 1
+        whole = ((bodies["damage/value"][-1][ball] < 1)
+                 & (bodies["temperature/value"][-1][ball] < below))
         position, velocity = (bodies[f"{field}/value"][-1][ball][whole]
                               for field in ("position", "velocity"))
         radius = bodies["radius"][:][ball]
@@ -155,7 +164,7 @@ def finer(options):
 def constants(options):
     """Of what the pieces of one ball depend."""
     text = ["| ball | across | failed | hotter than melting needs | largest pieces, of the ball "
-            "| bodies in the largest |\n|---|--:|--:|--:|---|--:|"]
+            "| colder than that, the largest |\n|---|--:|--:|--:|---|--:|"]
     folders = []
     solid = "materials.ball.solid."
     hot, melts = solid + "johnson_cook_d5=1.6", solid + "melting_point=1220"
@@ -173,9 +182,9 @@ def constants(options):
                 options, f"constants-{number}-{across}", SMALL, SMALL_BUMPER, CONSTANTS_SPEED,
                 across, changes)
             failed, shares, _ = pieces(folder)
+            cold = pieces(folder, 1, MELTING)[1][0]
             text.append(f"| {name} | {across} | {failed:.2f} | {molten(folder):.2f} "
-                        f"| {', '.join(f'{share:.4f}' for share in shares)} "
-                        f"| {bodies_of(shares[0], across):.0f} |")
+                        f"| {', '.join(f'{share:.4f}' for share in shares)} | {cold:.4f} |")
             folders.append(folder)
     return text, folders
 
@@ -199,29 +208,56 @@ def landing(options):
     return text, folders
 
 
-def grown_piece(options, piece, spacing):
-    """m: the diameter of a piece of bodies of this spacing (m), that is as heavy as a ball of
-    `piece` (m), and their diameter: a lattice has its own number of sites in a sphere."""
+def toml(numbers):
+    return f"[{', '.join(f'{x:.9g}' for x in numbers)}]"
+
+
+def turned_by(vector):
+    """The matrix of a rotation vector (rad)."""
+    angle = np.linalg.norm(vector)
+    x, y, z = np.asarray(vector) / angle if angle else np.zeros(3)
+    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    return np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross
+
+
+def laid_piece(size, spacing, rotation):
+    """A piece before a wall whose bodies are no larger; `size`: m, full widths of an ellipsoid."""
+    half = np.linalg.norm(turned_by(rotation)[2] * size) / 2
+    return [f"groups.piece.volume.size={toml(size)}", f"groups.piece.packing.diameter={spacing}",
+            f"groups.piece.volume.rotation={toml(rotation)}",
+            f"groups.piece.volume.center=[0,0,{half + 1.05 * spacing}]"]
+
+
+def grown_by(options, size, spacing, rotation, more):
+    """Times which the piece and its spacing are as large, for its mass: a lattice has its own
+    number of sites in an ellipsoid."""
+    wide = max(size)
     told = spall("check", HERE / "wall.toml", program=options.program, changes=[
-        f"groups.piece.volume.diameter={piece}", f"groups.piece.packing.diameter={spacing}",
-        f"groups.piece.volume.center=[0,0,{piece}]",
+        *laid_piece(size, spacing, rotation), *(one for one in more if one.startswith("seed")),
         # As fine a wall, and a small one: through a coarse one bodies of the piece would slip.
-        f"groups.wall.packing.diameter={spacing}", f"groups.wall.volume.diameter={3 * piece}",
-        f"groups.wall.volume.height={piece}", f"groups.wall.volume.center=[0,0,{-piece / 2}]"])
+        f"groups.wall.packing.diameter={spacing}", f"groups.wall.volume.diameter={3 * wide}",
+        f"groups.wall.volume.height={wide}", f"groups.wall.volume.center=[0,0,{-wide / 2}]"])
     filled = float(re.search(r"^  piece .* (\S+)$", told, re.M)[1])
-    grown = (np.pi / np.sqrt(18) / filled)**(1 / 3)  # spheres of fcc fill pi / sqrt(18)
-    return piece * grown, spacing * grown
+    return (np.pi / np.sqrt(18) / filled)**(1 / 3)  # spheres of fcc fill pi / sqrt(18)
+
+
+def shoot_form(options, name, size, velocity, thick, spacing, of_piece, rotation=(0, 0, 0),
+               more=()):
+    """A piece of this form, an ellipsoid that is turned, hits a wall. m, m/s, rad."""
+    grown = grown_by(options, size, of_piece, rotation, more)
+    size = [grown * one for one in size]
+    return run(options, "wall.toml", name, [
+        f"groups.wall.volume.height={thick}", f"groups.wall.volume.center=[0,0,{-thick / 2}]",
+        f"groups.wall.packing.diameter={spacing}",
+        *laid_piece(size, max(spacing, grown * of_piece), rotation),
+        f"groups.piece.packing.diameter={grown * of_piece}",
+        f"groups.piece.velocity={toml(velocity)}", *more])
 
 
 def shoot_piece(options, name, piece, speed, thick, spacing, of_piece, more=()):
     """A piece as heavy as a ball of `piece` hits a wall at `speed`. m, m/s."""
-    diameter, its_spacing = grown_piece(options, piece, of_piece)
-    return run(options, "wall.toml", name, [
-        f"groups.wall.volume.height={thick}", f"groups.wall.volume.center=[0,0,{-thick / 2}]",
-        f"groups.wall.packing.diameter={spacing}", f"groups.piece.volume.diameter={diameter}",
-        f"groups.piece.packing.diameter={its_spacing}",
-        f"groups.piece.volume.center=[0,0,{diameter / 2 + 1.05 * spacing}]",
-        f"groups.piece.velocity=[0,0,{-speed}]", *more])
+    return shoot_form(options, name, [piece] * 3, [0, 0, -speed], thick, spacing, of_piece,
+                      more=more)
 
 
 def for_a_time(lasts, frames):
@@ -294,6 +330,21 @@ def wall(options):
     return text, folders
 
 
+def forms(options):
+    text = ["| form, mm | lies | verdict | margin | hole, mm |", "|---|---|---|--:|--:|"]
+    folders = []
+    for name, size in FORMS:
+        size = np.array(size) * 1e-3
+        size *= PIECE / size.prod()**(1 / 3)
+        told = " by ".join(f"{1e3 * one:.2f}" for one in size)
+        folder = shoot_form(options, f"form-{name.replace(' ', '-')}-{told[:4]}", size,
+                            [0, 0, -1e3 * PIECE_SPEED], FORMS_WALL, FORMS_BODIES, FORMS_BODIES,
+                            more=narrow(PIECE, 1e3 * PIECE_SPEED))
+        text.append(f"| {told} | {name} | {told_of_wall(folder)} |")
+        folders.append(folder)
+    return text, folders
+
+
 def shields(options):
     text = ["| ball, km/s | piece, mm | its km/s | wall, mm | perforated up to, mm "
             "| spall up to, mm | bodies, mm | verdict | margin | hole, mm |",
@@ -312,7 +363,7 @@ def shields(options):
 
 
 TABLES = {"onset": onset, "pieces": finer, "constants": constants, "landing": landing,
-          "shock": shock, "wall": wall, "shields": shields}
+          "shock": shock, "wall": wall, "forms": forms, "shields": shields}
 
 
 def main():

@@ -195,7 +195,8 @@ def case_of(shot, setting, options, grown=1, draw=0):
 
 COLUMNS = ["row", "shot", *vars(RULE), "verdict", "margin", "margin_before",
            "still_coming", "opening_at_edge", "hole_mm", "spall_mg", "ball_mg",
-           "largest_met_j", "largest_passed_j", "energy_unexplained", "bodies", "seconds", "commit"]
+           "largest_met_j", "met_size_mm", "met_rotation", "met_velocity_m_s", "largest_passed_j",
+           "energy_unexplained", "bodies", "seconds", "commit"]
 
 
 def ball_of(shot):
@@ -216,6 +217,10 @@ def is_of(line, options):
 def ended_early(line):
     """Whether too much had not met the wall, of a run that tells a verdict. What failed has."""
     return line["verdict"] == "held" and float(line["still_coming"]) > MOST_COMING
+
+
+def in_a_cell(numbers):
+    return " ".join(f"{x:.4g}" for x in numbers)
 
 
 def run(options, shot):
@@ -270,6 +275,9 @@ def run_for_its_time(options, shot, setting):
         "hole_mm": f"{1e3 * wall['hole']:.4g}", "spall_mg": f"{1e6 * wall['spall_mass']:.4g}",
         "ball_mg": f"{1e6 * mass_of_ball(told):.4g}",
         "largest_met_j": f"{wall['largest_met']:.3g}",
+        "met_size_mm": in_a_cell(1e3 * x for x in wall["largest_met_size"]),
+        "met_rotation": in_a_cell(wall["largest_met_rotation"]),
+        "met_velocity_m_s": in_a_cell(wall["largest_met_velocity"]),
         "largest_passed_j": f"{wall['largest_passed']:.3g}",
         "energy_unexplained": f"{unexplained / struck:.2e}",
         "bodies": re.search(r"(\d+) bodies, ", told)[1],

@@ -1,5 +1,6 @@
-"""Shoots the largest piece that met a wall, where that held, at the same wall again, alone and with
-bodies that are small beside it. README.md tells why.
+"""Shoots the largest piece that met a wall, where that held, at the same wall again: alone, in the
+form and the direction in which it flew, and with bodies that are small beside it. README.md tells
+why.
 
     /usr/bin/python3 cases/shields/second_look.py [--until 16:45] [--jobs 2] [--rows 343 590]
 
@@ -14,14 +15,14 @@ import time
 from pathlib import Path
 
 from equations import read_shots
-from largest_piece import largest_piece
+from largest_piece import form_of, largest_piece
 from run import (BALLS, PLATES, RESULTS, ROOT, RULE, SECOND, SOUND, ask_for_runs, ask_for_setting,
-                 chosen, end_of, is_of, keep, known)
+                 end_of, is_of, keep, known)
 from score import has_verdict
 
 HERE = Path(__file__).parent
 sys.path.append(str(HERE.parent / "breakup"))
-from measure import FINE_ACROSS, narrow, results, shoot_piece  # noqa: E402
+from measure import FINE_ACROSS, narrow, results, shoot_form  # noqa: E402
 
 # Times what the formula asks for: thicker walls are not shot at again, and hold. They would cost
 # the most and tell least.
@@ -37,21 +38,22 @@ COLUMNS = ["row", *vars(RULE), "piece_mm", "piece_km_s", "needs_mm", "verdict", 
 def look_again(options, shot, line):
     """A line of second_look.csv."""
     told = {key: line[key] for key in ("row", *vars(RULE))}
-    energy, wall = float(line["largest_met_j"]), 1e-2 * shot.wall
-    if not energy > 0:  # no piece was seen to fly at the wall alone
+    wall, form = 1e-2 * shot.wall, form_of(line)
+    if form is None:  # no piece was seen to fly at the wall alone
         return told | {"verdict": "held"}
-    piece = largest_piece(shot, energy)
-    told |= {"piece_mm": f"{piece.diameter:.4g}", "piece_km_s": f"{piece.speed:.4g}",
-             "needs_mm": f"{piece.needs:.4g}"}
-    if 1e3 * wall > THICK * piece.needs:
+    speed = -form.velocity[2]
+    told |= {"piece_mm": f"{form.diameter:.4g}", "piece_km_s": f"{speed:.4g}",
+             "needs_mm": f"{largest_piece(shot, float(line['largest_met_j'])).needs:.4g}"}
+    if 1e3 * wall > THICK * float(told["needs_mm"]):
         return told | {"verdict": "held"}
-    begin, diameter, speed = time.monotonic(), 1e-3 * piece.diameter, 1e3 * piece.speed
+    begin, diameter = time.monotonic(), 1e-3 * form.diameter
     spacing = diameter / FINE_ACROSS
     try:
-        folder = shoot_piece(
-            options, "-".join(line[key] for key in ("row", *vars(RULE))), diameter, speed, wall,
-            spacing, spacing,
-            [*narrow(diameter, speed, WIDE * wall, PASSAGES * wall / SOUND),
+        folder = shoot_form(
+            options, "-".join(line[key] for key in ("row", *vars(RULE))),
+            [1e-3 * one for one in form.size], [1e3 * one for one in form.velocity], wall,
+            spacing, spacing, form.rotation,
+            [*narrow(diameter, 1e3 * speed, WIDE * wall, PASSAGES * wall / SOUND),
              f"seed={1000 * int(line['seed']) + shot.row}",
              f"materials.piece.library={BALLS[shot.metals[0]]}",
              f"materials.wall.library={PLATES[shot.metals[2]]}"])
@@ -74,10 +76,8 @@ def main():
     options = parser.parse_args()
     end, shots = end_of(options.until), read_shots()
     done = {line["row"] for line in known(SECOND) if is_of(line, options)}
-    cheap = {shot.row for shot in chosen(shots)}
     left = [line for line in known(RESULTS) if is_of(line, options) and has_verdict(line)
-            and line["verdict"] == "held" and line["largest_met_j"] and line["row"] not in done
-            and int(line["row"]) in cheap]
+            and line["verdict"] == "held" and line["met_size_mm"] and line["row"] not in done]
     if options.rows:
         left = [line for line in left if int(line["row"]) in options.rows]
 

@@ -366,6 +366,41 @@ double where_clear(const Case& scene, const ShieldWall& wall, const Group& flyin
   return clear;
 }
 
+/// The form and the motion of one of the pieces `name`, against the wall. Collective.
+Coming describe_piece(const Comm& comm, const Bodies& bodies, const std::vector<BodyId>& name,
+                      BodyId piece, double density, const Clump& wall) {
+  std::array<double, 17> sums{};  // count; of mass: all, x, v, x x^T, x from the wall's middle
+  Eigen::Map<Vec3> moment(sums.data() + 2), momentum(sums.data() + 5);
+  Eigen::Map<Eigen::Matrix3d> spread(sums.data() + 8);
+  for (Index b = 0; b < bodies.owned; ++b) {
+    if (name[b] != piece) continue;
+    const Vec3 off = bodies.position[b] - wall.position;
+    const double m = bodies.mass[b];
+    sums[0] += 1;
+    sums[1] += m;
+    moment += m * off;
+    momentum += m * bodies.velocity[b];
+    spread += m * off * off.transpose();
+  }
+  comm.sum(sums);
+  const double count = sums[0], mass = sums[1], volume = mass / density;
+  const Vec3 middle = moment / mass;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread / mass -
+                                                            middle * middle.transpose());
+  // Of the same radius of gyration: a body is as wide as a cube of its volume.
+  const double own = std::pow(volume / count, 2. / 3) / 12;
+  const Vec3 radii = (axes.eigenvalues().reverse().array().max(0) + own).sqrt();
+  Eigen::Matrix3d turned = axes.eigenvectors().rowwise().reverse();
+  if (turned.determinant() < 0) turned.col(2) *= -1;
+  const Eigen::AngleAxisd turn(turned);
+  const double diameter = diameter_of_ball(volume);
+  return {.diameter = diameter,
+          .density = density,
+          .size = diameter / std::cbrt(radii.prod()) * radii,
+          .rotation = turn.angle() * turn.axis(),
+          .velocity = momentum / mass - wall.velocity};
+}
+
 /// The heaviest piece of the wall. `name`: its bodies' pieces.
 Clump main_piece(const Comm& comm, const Bodies& bodies, const std::vector<BodyId>& name,
                  const ShieldWall& wall) {
@@ -454,12 +489,9 @@ ShieldWall lay_wall(const Comm& comm, const Case& scene, const Shield& shield) {
 }
 
 void Coming::add(const Coming& other) {
-  if (other.meets > meets) {
-    diameter = other.diameter;
-    density = other.density;
-  }
-  meets = std::max(meets, other.meets);
-  passes = std::max(passes, other.passes);
+  const double past = std::max(passes, other.passes);
+  if (other.meets > meets) *this = other;
+  passes = past;
 }
 
 bool is_coarse(const ShieldWall& wall, const Coming& coming) {
@@ -480,26 +512,30 @@ Coming look_at_what_comes(const Comm& comm, const LinkedBodies& linked, const Sh
   Coming coming;
   for (const ShieldWall::Approach& approach : wall.approaches) {
     const std::vector<BodyId> name = pieces_of_group(comm, linked, approach.group);
+    std::array<double, 2> most{};  // J, of what meets and of what passes
+    BodyId largest = -1;
     for (const Clump& piece : share_of_clumps(comm, bodies, name)) {
       if (std::abs(see(frame, piece.position).depth) > approach.clear) continue;
       const auto arrival =
           arrival_of(frame, wall.thickness, piece.position, piece.velocity - main.velocity);
       if (!arrival) continue;
       const double energy = piece.mass / 2 * arrival->speed * arrival->speed;
-      if (window.contains(arrival->x, arrival->y))
-        coming.add({.meets = energy,
-                    .diameter = diameter_of_ball(piece.mass / approach.density),
-                    .density = approach.density});
-      else
-        coming.add({.passes = energy});
+      const bool meets = window.contains(arrival->x, arrival->y);
+      if (meets && energy > most[0]) largest = piece.name;
+      most[meets ? 0 : 1] = std::max(most[meets ? 0 : 1], energy);
     }
+    const double most_here = most[0];
+    comm.max(most);
+    if (most_here < most[0]) largest = -1;
+    largest = static_cast<BodyId>(comm.max(static_cast<double>(largest)));
+    Coming of_group;
+    if (largest >= 0)
+      of_group = describe_piece(comm, bodies, name, largest, approach.density, main);
+    of_group.meets = most[0];
+    of_group.passes = most[1];
+    coming.add(of_group);
   }
-  const double meets = comm.max(coming.meets);
-  const bool here = coming.meets == meets;
-  return {.meets = meets,
-          .passes = comm.max(coming.passes),
-          .diameter = comm.max(here ? coming.diameter : 0),
-          .density = comm.max(here ? coming.density : 0)};
+  return coming;
 }
 
 WallVerdict judge_wall(const Comm& comm, const LinkedBodies& linked, const ShieldWall& wall) {

@@ -81,6 +81,10 @@ WallVerdict judge_wall(const Comm& comm, const LinkedBodies& linked, const Shiel
 struct Coming {
   double meets = 0, passes = 0;
   double diameter = 0, density = 0;  ///< m, of a ball as heavy as that which meets it; kg/m^3
+  /// m, full widths of an ellipsoid as heavy, in proportion to its radii of gyration, the widest
+  /// first; rad, the rotation vector that turns it from the axes of coordinates.
+  Vec3 size = Vec3::Zero(), rotation = Vec3::Zero();
+  Vec3 velocity = Vec3::Zero();  ///< m/s, against the wall
 
   /// The more energetic of what two looks saw.
   void add(const Coming& other);

@@ -73,6 +73,15 @@ void add(const ShieldWall& wall, const WallVerdict& v, const Coming& largest, Re
             "along the normal, of the piece with most of those that flew at what is judged");
   table.add(section, "largest_met_diameter", largest.diameter > 0 ? largest.diameter : std::nan(""),
             "m", "of a ball as heavy as it");
+  const auto of_piece = [&](const Vec3& value) {
+    return largest.diameter > 0 ? std::vector<double>{value.x(), value.y(), value.z()}
+                                : std::vector<double>(3, std::nan(""));
+  };
+  table.add(section, "largest_met_size", of_piece(largest.size), "m",
+            "full widths of an ellipsoid as heavy as it and of its form");
+  table.add(section, "largest_met_rotation", of_piece(largest.rotation), "rad",
+            "rotation vector that turns it from the axes");
+  table.add(section, "largest_met_velocity", of_piece(largest.velocity), "m/s", "against the wall");
   table.add(section, "coarse", v.outcome == Outcome::held && is_coarse(wall, largest), "",
             "it held, and fewer than seven of its bodies lie across that: smaller ones may fail");
   table.add(section, "largest_passed", seen ? largest.passes : std::nan(""), "J",
@@ -178,6 +187,18 @@ std::string entry(const ShieldWall& wall, std::size_t row, const char* what) {
   return fmt::format("{}.{}.{}", wall.section, row, what);
 }
 
+/// Calls `f(key, value)` for what tells the form and the motion of the largest piece.
+template <class SomeComing, class F>
+void for_each_of_form(const ShieldWall& wall, SomeComing& largest, F&& f) {
+  const auto each = [&](const char* name, auto& vector) {
+    for (int k = 0; k < 3; ++k)
+      f(fmt::format("{}.largest_met_{}.{}", wall.section, name, k), vector[k]);
+  };
+  each("size", largest.size);
+  each("rotation", largest.rotation);
+  each("velocity", largest.velocity);
+}
+
 }  // namespace
 
 void Shields::save(Scalars& scalars) const {
@@ -186,6 +207,8 @@ void Shields::save(Scalars& scalars) const {
     scalars[judged.wall.section + ".largest_passed"] = judged.largest.passes;
     scalars[judged.wall.section + ".largest_met_diameter"] = judged.largest.diameter;
     scalars[judged.wall.section + ".largest_met_density"] = judged.largest.density;
+    for_each_of_form(judged.wall, judged.largest,
+                     [&](const std::string& key, double value) { scalars[key] = value; });
     for (std::size_t r = 0; r < judged.times.size(); ++r) {
       scalars[entry(judged.wall, r, "time")] = judged.times[r];
       scalars[entry(judged.wall, r, "margin")] = judged.margins[r];
@@ -205,6 +228,9 @@ void Shields::load(const Scalars& scalars) {
     if (scalars.contains(section + ".largest_met_diameter")) {
       judged.largest.diameter = find_scalar(scalars, section + ".largest_met_diameter");
       judged.largest.density = find_scalar(scalars, section + ".largest_met_density");
+      for_each_of_form(judged.wall, judged.largest, [&](const std::string& key, double& value) {
+        if (scalars.contains(key)) value = find_scalar(scalars, key);
+      });
     }
     for (std::size_t r = 0; scalars.contains(entry(judged.wall, r, "time")); ++r) {
       judged.times.push_back(find_scalar(scalars, entry(judged.wall, r, "time")));
