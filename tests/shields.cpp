@@ -475,6 +475,17 @@ TEST(Shields, the_form_and_the_motion_of_the_largest_piece_are_told) {
   EXPECT_NEAR(std::abs(found.col(0).dot(way.col(1))), 1, 1e-6);
   EXPECT_NEAR(std::abs(found.col(1).dot(way.col(2))), 1, 1e-6);
   EXPECT_NEAR(std::abs(found.col(2).dot(way.col(0))), 1, 1e-6);
+  // Bodies that part from it are pieces of their own, whichever rank weighs them.
+  BodyId last = 0;
+  for (Index b = 0; b < bodies.owned; ++b) last = std::max(last, bodies.id[b]);
+  last = static_cast<BodyId>(shot.world.comm.max(static_cast<double>(last)));
+  for (int parted = 0; parted < 4; ++parted)
+    for (Index b = 0; b < bodies.owned; ++b)
+      if (bodies.id[b] == last - parted)
+        bodies.position[b] += Vec3(4e-3 * (parted - 1.5), 0, -8e-3);
+  const double left = std::pow(shot.coming().diameter / ball.diameter, 3);
+  const double count = mass_of(shot, "ball") / bodies.mass[0];
+  EXPECT_NEAR(left, 1 - 4 / count, 1e-9);
 }
 
 TEST(Shields, what_is_not_far_behind_its_bumper_and_what_flies_at_another_wall_is_no_piece_yet) {
