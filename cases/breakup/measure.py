@@ -50,7 +50,7 @@ DIAMETER = 9.53e-3  # m
 SMALL = 3.18e-3  # m, of most balls of the shields
 SMALL_BUMPER, SMALL_SPEED = 0.25, 4.2  # of its diameter; km/s
 NO_STRAIN = [f"materials.ball.solid.johnson_cook_d{k}=0" for k in range(1, 6)]  # never fails by it
-CONSTANTS_SPEED = 5.5  # km/s, where pieces are lighter than walls ask for
+CONSTANTS_SPEED = 5.5  # km/s, where walls ask for balls heavier than the pieces
 MELTING = 775  # K, of 2024-T351
 # Of the largest pieces behind balls of these speeds (km/s): share of the ball, speed along the axis
 # (km/s), and a wall that such shots have (mm). From 6.4 km/s on by `landing`, below that of rows
@@ -220,12 +220,14 @@ def turned_by(vector):
     return np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross
 
 
-def laid_piece(size, spacing, rotation):
-    """A piece before a wall whose bodies are no larger; `size`: m, full widths of an ellipsoid."""
+def laid_piece(size, rotation, of_piece, spacing):
+    """A piece of bodies of one size before a wall of bodies of another. `size`: full widths of an
+    ellipsoid. m, rad."""
     half = np.linalg.norm(turned_by(rotation)[2] * size) / 2
-    return [f"groups.piece.volume.size={toml(size)}", f"groups.piece.packing.diameter={spacing}",
+    clear = half + 1.05 * max(of_piece, spacing)
+    return [f"groups.piece.volume.size={toml(size)}", f"groups.piece.packing.diameter={of_piece}",
             f"groups.piece.volume.rotation={toml(rotation)}",
-            f"groups.piece.volume.center=[0,0,{half + 1.05 * spacing}]"]
+            f"groups.piece.volume.center=[0,0,{clear}]"]
 
 
 def grown_by(options, size, spacing, rotation, more):
@@ -233,7 +235,8 @@ def grown_by(options, size, spacing, rotation, more):
     number of sites in an ellipsoid."""
     wide = max(size)
     told = spall("check", HERE / "wall.toml", program=options.program, changes=[
-        *laid_piece(size, spacing, rotation), *(one for one in more if one.startswith("seed")),
+        *laid_piece(size, rotation, spacing, spacing),
+        *(one for one in more if one.startswith("seed")),
         # As fine a wall, and a small one: through a coarse one bodies of the piece would slip.
         f"groups.wall.packing.diameter={spacing}", f"groups.wall.volume.diameter={3 * wide}",
         f"groups.wall.volume.height={wide}", f"groups.wall.volume.center=[0,0,{-wide / 2}]"])
@@ -245,12 +248,10 @@ def shoot_form(options, name, size, velocity, thick, spacing, of_piece, rotation
                more=()):
     """A piece of this form, an ellipsoid that is turned, hits a wall. m, m/s, rad."""
     grown = grown_by(options, size, of_piece, rotation, more)
-    size = [grown * one for one in size]
     return run(options, "wall.toml", name, [
         f"groups.wall.volume.height={thick}", f"groups.wall.volume.center=[0,0,{-thick / 2}]",
         f"groups.wall.packing.diameter={spacing}",
-        *laid_piece(size, max(spacing, grown * of_piece), rotation),
-        f"groups.piece.packing.diameter={grown * of_piece}",
+        *laid_piece([grown * one for one in size], rotation, grown * of_piece, spacing),
         f"groups.piece.velocity={toml(velocity)}", *more])
 
 

@@ -212,19 +212,25 @@ double diameter_of_ball(double volume) {
   return std::cbrt(6 * volume / pi);
 }
 
+/// kg m^2: the second moments of a piece's mass about its middle. Collective.
+Eigen::Matrix3d spread_of(const Comm& comm, const Bodies& bodies, const std::vector<BodyId>& name,
+                          const Clump& piece) {
+  std::array<double, 9> sums{};
+  Eigen::Map<Eigen::Matrix3d> spread(sums.data());
+  for (Index b = 0; b < bodies.owned; ++b) {
+    if (name[b] != piece.name) continue;
+    const Vec3 off = bodies.position[b] - piece.position;
+    spread += bodies.mass[b] * off * off.transpose();
+  }
+  comm.sum(sums);
+  return spread;
+}
+
 /// Of the main piece where it is now: its normal is the way in which it is thinnest. What is left
 /// of a wall may be no plate any more: then it is seen along the normal of the start. A wall that
 /// moves and turns by less than a pixel is seen in the same ones.
 WallFrame frame_of(const Comm& comm, const Bodies& bodies, const std::vector<BodyId>& name,
                    const Clump& main, const ShieldWall& wall) {
-  std::array<double, 9> sums{};
-  Eigen::Map<Eigen::Matrix3d> spread(sums.data());
-  for (Index b = 0; b < bodies.owned; ++b) {
-    if (name[b] != main.name) continue;
-    const Vec3 off = bodies.position[b] - main.position;
-    spread += bodies.mass[b] * off * off.transpose();
-  }
-  comm.sum(sums);
   const WallFrame& start = wall.start;
   const double pixel = wall.spacing / pixels_a_spacing;
   const Vec3 moved = main.position - start.center;
@@ -232,7 +238,7 @@ WallFrame frame_of(const Comm& comm, const Bodies& bodies, const std::vector<Bod
   frame.center += moved.dot(start.normal) * start.normal;
   for (const Vec3& across : start.across)
     frame.center += pixel * std::round(moved.dot(across) / pixel) * across;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread);
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread_of(comm, bodies, name, main));
   const Vec3& along = axes.eigenvalues();
   if (along[0] > plate_like * plate_like * along[1]) return frame;
   const Vec3 thin = axes.eigenvectors().col(0);
@@ -367,28 +373,16 @@ double where_clear(const Case& scene, const ShieldWall& wall, const Group& flyin
 }
 
 /// The form and the motion of one of the pieces `name`, against the wall. Collective.
-Coming describe_piece(const Comm& comm, const Bodies& bodies, const std::vector<BodyId>& name,
-                      BodyId piece, double density, const Clump& wall) {
-  std::array<double, 17> sums{};  // count; of mass: all, x, v, x x^T, x from the wall's middle
-  Eigen::Map<Vec3> moment(sums.data() + 2), momentum(sums.data() + 5);
-  Eigen::Map<Eigen::Matrix3d> spread(sums.data() + 8);
-  for (Index b = 0; b < bodies.owned; ++b) {
-    if (name[b] != piece) continue;
-    const Vec3 off = bodies.position[b] - wall.position;
-    const double m = bodies.mass[b];
-    sums[0] += 1;
-    sums[1] += m;
-    moment += m * off;
-    momentum += m * bodies.velocity[b];
-    spread += m * off * off.transpose();
-  }
-  comm.sum(sums);
-  const double count = sums[0], mass = sums[1], volume = mass / density;
-  const Vec3 middle = moment / mass;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread / mass -
-                                                            middle * middle.transpose());
+Coming describe_piece(const Comm& comm, const Bodies& bodies, std::vector<BodyId> name,
+                      BodyId largest, double density, const Clump& wall) {
+  for (BodyId& one : name)
+    if (one != largest) one = -1;
+  const Clump piece = heaviest_clumps(comm, bodies, name, 1).front();
+  const double volume = piece.mass / density;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread_of(comm, bodies, name, piece) /
+                                                            piece.mass);
   // Of the same radius of gyration: a body is as wide as a cube of its volume.
-  const double own = std::pow(volume / count, 2. / 3) / 12;
+  const double own = std::pow(volume / static_cast<double>(piece.count), 2. / 3) / 12;
   const Vec3 radii = (axes.eigenvalues().reverse().array().max(0) + own).sqrt();
   Eigen::Matrix3d turned = axes.eigenvectors().rowwise().reverse();
   if (turned.determinant() < 0) turned.col(2) *= -1;
@@ -398,7 +392,7 @@ Coming describe_piece(const Comm& comm, const Bodies& bodies, const std::vector<
           .density = density,
           .size = diameter / std::cbrt(radii.prod()) * radii,
           .rotation = turn.angle() * turn.axis(),
-          .velocity = momentum / mass - wall.velocity};
+          .velocity = piece.velocity - wall.velocity};
 }
 
 /// The heaviest piece of the wall. `name`: its bodies' pieces.
