@@ -46,6 +46,8 @@ RowBox kick_and_drift(World& world, Elastoplastic& engine, bool all, double h, d
   double taken = 0;
   // To be inlined: GCC drops calls that do nothing but ask.
   const auto ask = [&](Index b) __attribute__((always_inline)) {
+    __builtin_prefetch(&engine.rows[b]);  // that slow bodies only have where one is brisk
+    __builtin_prefetch(&engine.impulses[b]);
     if (waits && strides.is_slow[b]) return;
     for (const auto* numbers : {&bodies.mass, &bodies.compression, &bodies.damage, &bodies.pressure,
                                 &bodies.heat, &bodies.internal_energy, &engine.rest_volume})
