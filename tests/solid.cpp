@@ -142,6 +142,46 @@ TEST(SolidStep, momenta_and_energy_are_kept_where_pieces_meet_and_yield) {
   expect_kept(world, before, speed);
 }
 
+TEST(SolidStep, shapes_are_sums_over_the_neighbours_that_a_body_sees) {
+  Lab world = world_of_two(testing_world(), 1000, ductile);
+  for (Index b = 0; b < world.bodies.owned; ++b)
+    if (world.bodies.id[b] % 5 == 0) world.bodies.damage[b] = 1;
+  solid_steps(world, 0.1 * d / ductile.sound_speed(), 60);
+  double most = 0;
+  const Elastoplastic& engine = world.solid;
+  for (Index i = 0; i < world.bodies.owned; ++i) {
+    Mat3 K = Mat3::Zero(), M = Mat3::Zero();
+    double S = 0, sum_of_S = 0;
+    const MotionRow& at = engine.rows[i];
+    for (Index j = 0; j < world.bodies.size(); ++j) {
+      const MotionRow& its = engine.rows[j];
+      const Vec3 x = vector_of(its.place - at.place), v = vector_of(its.motion - at.motion);
+      const double share = x.norm() / engine.reach[i];
+      const bool failed = std::isinf(at.motion[3]), its_failed = std::isinf(its.motion[3]);
+      if (i == j || share >= 1 || world.bodies.group[i] != world.bodies.group[j]) continue;
+      if (its_failed && !failed) continue;
+      const double weight = neighbour_weight(share) * its.place[3];
+      K += weight * x * x.transpose();
+      M += weight * v * x.transpose();
+      if (failed || its_failed) continue;
+      S += weight * x.squaredNorm() * (its.motion[3] - at.motion[3]);
+      sum_of_S += weight * x.squaredNorm() * std::abs(its.motion[3] - at.motion[3]);
+    }
+    const auto& sums = engine.shapes[i].at;
+    const Mat3 found_K{{sums[0][0], sums[1][1], sums[1][0]},
+                       {sums[1][1], sums[0][1], sums[0][3]},
+                       {sums[1][0], sums[0][3], sums[0][2]}};
+    const Mat3 found_M{{sums[1][2], sums[1][3], sums[2][0]},
+                       {sums[2][1], sums[2][2], sums[2][3]},
+                       {sums[3][0], sums[3][1], sums[3][2]}};
+    EXPECT_LE((found_K - K).norm(), 1e-13 * K.norm());
+    EXPECT_LE((found_M - M).norm(), 1e-12 * M.norm());
+    EXPECT_NEAR(sums[3][3], S, 1e-12 * sum_of_S);
+    most = std::max(most, std::abs(S));
+  }
+  EXPECT_GT(world.comm.max(most), 0);  // they have met
+}
+
 TEST(SolidStep, viscosity_only_warms_whatever_velocities_and_gradients_are) {
   auto spheres = two_balls(1);
   for (Sphere& s : spheres) s.position.x() -= 0.7 * d * (s.velocity.x() < 0 ? 1 : -1);

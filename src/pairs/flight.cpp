@@ -97,7 +97,10 @@ double best_skin(const Comm& comm, const Bodies& bodies, const NearPairs& near, 
   const double motion = near.moved / (near.steps + 1);  // a step
   const double density = near.pairs / count / crowd.volume(gap + near.skin);
   const auto cost = [&](double skin) {
-    return density * crowd.volume(gap + skin) + range.search * motion / skin;
+    const double searches = motion / skin;  // a step
+    const double listed = density * crowd.volume(gap + skin);
+    return density * crowd.volume(gap + skin / range.lists) +
+           searches * (range.search + range.lists * range.list * listed);
   };
   double best = range.least * range.length;
   for (double skin = best; skin <= range.most * range.length; skin += range.step * range.length)

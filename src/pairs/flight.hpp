@@ -76,6 +76,9 @@ struct SkinRange {
   double length;  ///< m
   double first, least, step, most;
   double search;  ///< a search costs as much as a sweep over so many pairs a body
+  /// Inner lists that follow each other between two searches, and what one costs, of a sweep over
+  /// as many pairs as are listed. Sweeps go over those that are listed for their share of the skin.
+  double lists = 1, list = 0;
 };
 
 /// For bodies in a lattice of this spacing (m).

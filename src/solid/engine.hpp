@@ -19,6 +19,9 @@ struct SolidSettings {
   std::vector<SolidLaw> laws;  ///< by material, once derived; without density: it is no solid
 };
 
+/// So many inner lists of pairs follow each other until the skin of a search is used up.
+inline constexpr double inner_lists = 5;
+
 /// Which bodies act in each part of a step, and which once a stride of several parts. Owned bodies
 /// that do not rest; lists rise.
 struct Strides {

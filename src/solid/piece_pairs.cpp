@@ -240,7 +240,12 @@ double skin_of(const World& world, const NearPairs& near) {
   const double R = neighbour_reach;
   const Crowd crowd{R * sums[2] / sums[3], R * R * sums[1] / sums[3],
                     R * R * R * sums[0] / sums[3]};
-  return best_skin(world.comm, world.bodies, near, crowd, 0, skins_of_lattice(sums[0] / sums[1]));
+  // Two sweeps take longer than one, so a search counts for less than elsewhere.
+  SkinRange range = skins_of_lattice(sums[0] / sums[1]);
+  range.search = 90;
+  range.lists = inner_lists;
+  range.list = 0.25;
+  return best_skin(world.comm, world.bodies, near, crowd, 0, range);
 }
 
 /// What rests from now on. Within a stride nothing falls asleep, and what wakes is brisk.
@@ -301,6 +306,7 @@ void update_pairs(World& world, Elastoplastic& engine) {
   if (near.skin > 0 && near.moved > near.skin) {
     take_positions(world, engine);
     near.moved = approach_since_search(world, near);
+    engine.pairs.inner_at = engine.strides.brisk_pairs.inner_at = -infinity;
   }
   // Where the last search could not cut the domain, the next step's first one does.
   const bool cut_waits = engine.strides.cut_waits && engine.strides.lasts == 0;

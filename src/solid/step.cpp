@@ -26,8 +26,17 @@ double find_shapes(Elastoplastic& engine, std::span<const Index> which, const Pi
   for (const Index b : which) engine.shapes[b] = ShapeRow{};
   return sweep_shapes(pairs, engine.reach.data(), rows.data(), engine.shapes.data());
 }
-const PiecePairs& pairs_of_brisk(const Elastoplastic& engine) {
-  return engine.strides.lasts > 0 ? engine.strides.brisk_pairs : engine.pairs;
+/// Pairs whose inner list holds at the present places.
+const PiecePairs& current(const Elastoplastic& engine, PiecePairs& pairs) {
+  const NearPairs& near = engine.near;
+  if (near.moved - pairs.inner_at > near.skin / inner_lists) {
+    find_inner(pairs, engine.reach.data(), near.skin / inner_lists, engine.rows.data());
+    pairs.inner_at = near.moved;
+  }
+  return pairs;
+}
+const PiecePairs& pairs_of_brisk(Elastoplastic& engine) {
+  return current(engine, engine.strides.lasts > 0 ? engine.strides.brisk_pairs : engine.pairs);
 }
 
 /// Forces of brisk bodies, or of `all`, at the present places, the kick by them in a part of `h`,
@@ -99,8 +108,8 @@ RowBox kick_and_drift(World& world, Elastoplastic& engine, bool all, double h, d
   };
   push_by_contacts(world, engine.laws, engine.contacts, h, engine.rows.data(),
                    engine.responses.data(), engine.impulses.data());
-  sweep_forces(all ? engine.pairs : strides.brisk_pairs, engine.reach.data(), engine.rows.data(),
-               engine.responses.data(), engine.impulses.data(), ask, finish);
+  sweep_forces(current(engine, all ? engine.pairs : strides.brisk_pairs), engine.reach.data(),
+               engine.rows.data(), engine.responses.data(), engine.impulses.data(), ask, finish);
   world.ledger.dissipated += taken;
   if (all) strides.slow_box = {};
   strides.slow_box.add(slow_box);
@@ -173,7 +182,7 @@ class Motion {
     const Strides& strides = engine_.strides;
     all_act_ = strides.lasts == 0 || all || stride_ends();
     if (all_act_ && strides.lasts > 0) {
-      find_shapes(engine_, strides.slow, engine_.pairs, mean_motion());
+      find_shapes(engine_, strides.slow, current(engine_, engine_.pairs), mean_motion());
       update(strides.slow, slow_since_, slow_late_);
     }
     engine_.fastest_pair2 =
@@ -284,7 +293,8 @@ class Motion {
     std::vector<double> limit;
     if (next > 0 && left >= 2 * next) {
       std::vector<double> meeting2(world_.bodies.size());
-      sweep_meetings(engine_.pairs, engine_.reach.data(), engine_.rows.data(), meeting2.data());
+      sweep_meetings(current(engine_, engine_.pairs), engine_.reach.data(), engine_.rows.data(),
+                     meeting2.data());
       limit = longest_parts(world_, engine_, bounds_, meeting2);
       // Who is not seen to meet now does not touch before all act again.
       const double most = std::min({left, longest_stride_, bounds_.seen / spread()}) / next;

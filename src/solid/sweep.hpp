@@ -28,6 +28,10 @@ struct PiecePairs {
   std::vector<Index> rows;      ///< places, `pair_lanes` a group
   std::vector<Index> slots;     ///< of each group
   std::vector<Index> partners;  ///< places, `pair_lanes` a slot
+  /// The inner list: those slots that may act before bodies have come nearer by its own, smaller
+  /// skin (as Pall et al. prune theirs, J. Chem. Phys. 153 (2020) 134110). Sweeps go over these.
+  std::vector<Index> inner_slots, inner_partners;
+  double inner_at = -infinity;  ///< m, how much nearer bodies had come when it was made
 
   std::span<const Index> bodies_of(std::size_t window) const {
     const std::size_t from = window == 0 ? 0 : windows[window - 1].bodies;
@@ -36,6 +40,7 @@ struct PiecePairs {
   void clear() {
     windows.clear();
     for (auto* numbers : {&bodies, &rows, &slots, &partners}) numbers->clear();
+    inner_at = -infinity;
   }
 };
 
@@ -46,7 +51,7 @@ template <Index width>
                                              const double* rows) {
   constexpr std::ptrdiff_t slots = 4;
   const Index* const places = slot + slots * static_cast<std::ptrdiff_t>(pair_lanes);
-  if (places >= pairs.partners.data() + pairs.partners.size()) return;
+  if (places >= pairs.inner_partners.data() + pairs.inner_partners.size()) return;
   for (std::size_t l = 0; l < pair_lanes; ++l)
     for (Index k = 0; k < width; k += doubles_a_row)
       __builtin_prefetch(rows + row_at<width>(places[l]) + k);
@@ -74,6 +79,25 @@ struct GapLanes {
         share2(r2 * inverse2),
         acts((share2 < 1.0) & (share2 > 0.0)) {}
 };
+/// Makes the inner list, of slots with partners that are within reach, or nearer to it than `skin`
+/// (m).
+inline void find_inner(PiecePairs& pairs, const double* reach, double skin, const MotionRow* rows) {
+  pairs.inner_slots.clear();
+  pairs.inner_partners.clear();
+  const Index* partners = pairs.partners.data();
+  for (std::size_t g = 0; g < pairs.slots.size(); ++g) {
+    const Index* own = pairs.rows.data() + g * pair_lanes;
+    const PlaceLanes at(rows, own);
+    const PairLanes inverse = 1.0 / (gather_numbers(reach, own) + skin);
+    const std::size_t before = pairs.inner_partners.size();
+    for (Index s = 0; s < pairs.slots[g]; ++s, partners += pair_lanes)
+      if (any_lane(GapLanes(at, PlaceLanes(rows, partners), inverse * inverse).acts))
+        pairs.inner_partners.insert(pairs.inner_partners.end(), partners, partners + pair_lanes);
+    pairs.inner_slots.push_back(
+        static_cast<Index>((pairs.inner_partners.size() - before) / pair_lanes));
+  }
+}
+
 /// How they move.
 struct MotionLanes {
   PairLanes u, v, w, pressure;
@@ -94,15 +118,15 @@ inline double sweep_shapes(const PiecePairs& pairs, const double* reach, const M
   double* const sums = reinterpret_cast<double*>(shapes);
   const PairLanes zero{};
   PairLanes fastest{};
-  const Index* partners = pairs.partners.data();
-  for (std::size_t g = 0; g < pairs.slots.size(); ++g) {
+  const Index* partners = pairs.inner_partners.data();
+  for (std::size_t g = 0; g < pairs.inner_slots.size(); ++g) {
     const Index* own = pairs.rows.data() + g * pair_lanes;
     const PlaceLanes at(rows, own);
     const MotionLanes i(rows, own);
     const PairLanes inverse = 1.0 / gather_numbers(reach, own), inverse2 = inverse * inverse;
     const PairMask failed = i.failed();
     PairLanes sum[16] = {};
-    for (Index s = 0; s < pairs.slots[g]; ++s, partners += pair_lanes) {
+    for (Index s = 0; s < pairs.inner_slots[g]; ++s, partners += pair_lanes) {
       ask_ahead<doubles_a_row>(pairs, partners, of_rows);
       ask_ahead<shape_width>(pairs, partners, sums);
       const PlaceLanes beside(rows, partners);
@@ -141,14 +165,14 @@ inline double sweep_shapes(const PiecePairs& pairs, const double* reach, const M
 inline void sweep_meetings(const PiecePairs& pairs, const double* reach, const MotionRow* rows,
                            double* most) {
   const PairLanes zero{};
-  const Index* partners = pairs.partners.data();
-  for (std::size_t g = 0; g < pairs.slots.size(); ++g) {
+  const Index* partners = pairs.inner_partners.data();
+  for (std::size_t g = 0; g < pairs.inner_slots.size(); ++g) {
     const Index* own = pairs.rows.data() + g * pair_lanes;
     const PlaceLanes at(rows, own);
     const MotionLanes i(rows, own);
     const PairLanes inverse = 1.0 / gather_numbers(reach, own), inverse2 = inverse * inverse;
     PairLanes fastest{};
-    for (Index s = 0; s < pairs.slots[g]; ++s, partners += pair_lanes) {
+    for (Index s = 0; s < pairs.inner_slots[g]; ++s, partners += pair_lanes) {
       ask_ahead<doubles_a_row>(pairs, partners, reinterpret_cast<const double*>(rows));
       const PairMask near = GapLanes(at, PlaceLanes(rows, partners), inverse2).acts;
       if (!any_lane(near)) continue;
@@ -214,7 +238,7 @@ void sweep_forces(const PiecePairs& pairs, const double* reach, const MotionRow*
   const double* const of_responses = reinterpret_cast<const double*>(responses);
   double* const sums = reinterpret_cast<double*>(impulses);
   const PairLanes zero{};
-  const Index* partners = pairs.partners.data();
+  const Index* partners = pairs.inner_partners.data();
   for (std::size_t n = 0, g = 0; n < pairs.windows.size(); ++n) {
     for (; g < pairs.windows[n].groups; ++g) {
       const Index* own = pairs.rows.data() + g * pair_lanes;
@@ -225,7 +249,7 @@ void sweep_forces(const PiecePairs& pairs, const double* reach, const MotionRow*
       const PairLanes own_u = moves.u + a.u, own_v = moves.v + a.v, own_w = moves.w + a.w;
       const PairMask failed = moves.failed();
       PairLanes fx{}, fy{}, fz{}, heat{};
-      for (Index s = 0; s < pairs.slots[g]; ++s, partners += pair_lanes) {
+      for (Index s = 0; s < pairs.inner_slots[g]; ++s, partners += pair_lanes) {
         ask_ahead<doubles_a_row>(pairs, partners, of_rows);
         ask_ahead<response_width>(pairs, partners, of_responses);
         ask_ahead<push_width>(pairs, partners, sums);
