@@ -109,15 +109,39 @@ struct MotionLanes {
   PairMask failed() const { return pressure >= infinity; }
 };
 
+/// What a pair adds to two `ShapeRow`s but for the weights, from the difference of their rows.
+struct ShapeTerms {
+  Lanes first, second;
+
+  [[gnu::always_inline]] ShapeTerms(const Lanes& d, double r2p)
+      : first(shuffle<0, 1, 2, 1, 2, 0, 4, 4>(d, d) * shuffle<0, 1, 2, 2, 0, 1, 0, 1>(d, d)),
+        second(select(
+            last(), spread(r2p),
+            shuffle<4, 5, 5, 5, 6, 6, 6, 6>(d, d) * shuffle<2, 0, 1, 2, 0, 1, 2, 2>(d, d))) {}
+  /// S alone changes sign with the side that is asked.
+  [[gnu::always_inline]] Lanes second_of_partner() const { return select(last(), -second, second); }
+
+ private:
+  static LaneMask last() { return LaneMask{0, 0, 0, 0, 0, 0, 0, -1}; }
+};
+
 /// Adds to the sums of owned bodies; those of ghosts mean nothing. `reach` is R of each body (m). A
 /// neighbour counts by `neighbour_weight`. Returns the largest v^2/R^2 of neighbours, v their
 /// velocity against each other (1/s^2).
 inline double sweep_shapes(const PiecePairs& pairs, const double* reach, const MotionRow* rows,
                            ShapeRow* shapes) {
+  // Weights are found in lanes of pairs, then pairs are added one by one, all sums of one at once:
+  // to put sixteen sums from lanes into rows would take more shuffles.
+  constexpr std::size_t slots_at_once = 16;
   const double* const of_rows = reinterpret_cast<const double*>(rows);
   double* const sums = reinterpret_cast<double*>(shapes);
+  const auto row = [&](Index place) { return *reinterpret_cast<const Lanes*>(of_rows + place); };
+  const auto sum_row = [&](Index place) {
+    return reinterpret_cast<Lanes*>(sums + row_at<shape_width>(place));
+  };
   const PairLanes zero{};
-  PairLanes fastest{};
+  PairLanes fastest{}, of_own[slots_at_once], of_partner[slots_at_once], r2p[slots_at_once];
+  const Index* slot[slots_at_once];
   const Index* partners = pairs.inner_partners.data();
   for (std::size_t g = 0; g < pairs.inner_slots.size(); ++g) {
     const Index* own = pairs.rows.data() + g * pair_lanes;
@@ -125,35 +149,43 @@ inline double sweep_shapes(const PiecePairs& pairs, const double* reach, const M
     const MotionLanes i(rows, own);
     const PairLanes inverse = 1.0 / gather_numbers(reach, own), inverse2 = inverse * inverse;
     const PairMask failed = i.failed();
-    PairLanes sum[16] = {};
-    for (Index s = 0; s < pairs.inner_slots[g]; ++s, partners += pair_lanes) {
-      ask_ahead<doubles_a_row>(pairs, partners, of_rows);
-      ask_ahead<shape_width>(pairs, partners, sums);
-      const PlaceLanes beside(rows, partners);
-      const auto [x, y, z, r2, share2, acts] = GapLanes(at, beside, inverse2);
-      if (!any_lane(acts)) continue;
-      const MotionLanes j(rows, partners);
-      const PairLanes weight = select(acts, neighbour_weight(square_root(share2)), zero);
-      // Who has not failed does not see who has: nothing holds it there.
-      const PairMask partner_failed = j.failed();
-      const PairLanes of_own = select(partner_failed & ~failed, zero, weight * beside.volume);
-      const PairLanes of_partner = select(failed & ~partner_failed, zero, weight * at.volume);
-      const PairLanes p = select(failed | partner_failed, zero, j.pressure - i.pressure);
-      const PairLanes u = j.u - i.u, v = j.v - i.v, w = j.w - i.w;
-      fastest = larger(fastest, select(acts, (u * u + v * v + w * w) * inverse2, zero));
-      // S alone changes sign with the side that is asked.
-      const PairLanes term[16] = {x * x, y * y, z * z, y * z, z * x, x * y, u * x, u * y,
-                                  u * z, v * x, v * y, v * z, w * x, w * y, w * z, r2 * p};
-      for (int k = 0; k < 16; ++k) sum[k] += of_own * term[k];
-      const auto add = [&](int k) {
-        const PairLanes last = of_partner * term[k + 3];
-        add_half<shape_width>(of_partner * term[k], of_partner * term[k + 1],
-                              of_partner * term[k + 2], k < 12 ? last : -last, partners, sums + k);
-      };
-      add(0), add(4), add(8), add(12);
+    const Index* const end = partners + pairs.inner_slots[g] * static_cast<Index>(pair_lanes);
+    while (partners != end) {
+      std::size_t slots = 0;
+      for (; partners != end && slots < slots_at_once; partners += pair_lanes) {
+        ask_ahead<doubles_a_row>(pairs, partners, of_rows);
+        ask_ahead<shape_width>(pairs, partners, sums);
+        const PlaceLanes beside(rows, partners);
+        const auto [x, y, z, r2, share2, acts] = GapLanes(at, beside, inverse2);
+        if (!any_lane(acts)) continue;
+        const MotionLanes j(rows, partners);
+        const PairLanes weight = select(acts, neighbour_weight(square_root(share2)), zero);
+        // Who has not failed does not see who has: nothing holds it there.
+        const PairMask partner_failed = j.failed();
+        of_own[slots] = select(partner_failed & ~failed, zero, weight * beside.volume);
+        of_partner[slots] = select(failed & ~partner_failed, zero, weight * at.volume);
+        r2p[slots] = select(failed | partner_failed, zero, r2 * (j.pressure - i.pressure));
+        const PairLanes u = j.u - i.u, v = j.v - i.v, w = j.w - i.w;
+        fastest = larger(fastest, select(acts, (u * u + v * v + w * w) * inverse2, zero));
+        slot[slots++] = partners;
+      }
+      for (std::size_t l = 0; l < pair_lanes; ++l) {
+        const Lanes from = row(own[l]);
+        Lanes first{}, second{};
+        for (std::size_t s = 0; s < slots; ++s) {
+          const Index partner = slot[s][l];
+          const ShapeTerms terms(row(partner) - from, r2p[s][l]);
+          first += of_own[s][l] * terms.first;
+          second += of_own[s][l] * terms.second;
+          Lanes* const its = sum_row(partner);
+          its[0] += of_partner[s][l] * terms.first;
+          its[1] += of_partner[s][l] * terms.second_of_partner();
+        }
+        Lanes* const its = sum_row(own[l]);
+        its[0] += first;
+        its[1] += second;
+      }
     }
-    for (int k = 0; k < 16; k += 4)
-      add_half<shape_width>(sum[k], sum[k + 1], sum[k + 2], sum[k + 3], own, sums + k);
   }
   double most = 0;
   for (std::size_t l = 0; l < pair_lanes; ++l) most = std::max<double>(most, fastest[l]);
