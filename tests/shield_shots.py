@@ -280,14 +280,18 @@ def a_second_look_has_walls_fail_that_held_and_no_other():
         run.keep({"row": strong[0][1]["row"]}, ["row"], score.KNOWN_FROM)
         strong = [(shot, line | {"commit": "x"}) for shot, line in strong]
         told = score.afterwards(strong, options)
-        assert "\n2 of these shots" in told and "2 of their walls" in told
-        assert f"beside {score.SECOND_LOOK} |" in told
+        assert "\n2 of these shots were not known when runs" in told
+        assert "beside Spall |" in told and "when the second look" not in told
+        options.rules = score.BOTH
+        told = score.afterwards(strong, options)
+        assert "\n2 of these shots were not known when the second look" in told
+        assert "2 of their walls" in told and f"beside {score.SECOND_LOOK} |" in told
         score.SECOND.unlink()
         told = score.afterwards(strong, options)
-        assert "1 of their walls" in told and "beside Spall |" in told
+        assert "1 of their walls" in told and f"beside {score.SECOND_LOOK} |" not in told
         assert score.afterwards(strong[:1], options) == ""
         score.KNOWN_BY = {"x"}
-        assert score.afterwards(strong, options) == ""
+        assert "when the second look" not in score.afterwards(strong, options)
 
 
 for test in (the_shares_are_those_that_were_counted_before,

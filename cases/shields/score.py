@@ -308,24 +308,21 @@ def table(some, without, planned, options):
     return "\n".join(text).rstrip("\n")
 
 
-def afterwards(told, options):
-    """Table of the shots that were not known when the second look was chosen. `told`: with the
-    labels of the table."""
-    known_then = {line["row"] for line in known(KNOWN_FROM)}
-    unknown = [(shot, line) for shot, line in told
-               if line["row"] not in known_then and line["commit"] not in KNOWN_BY]
+def of_unknown(unknown, when, tested, options):
+    """Table of the shots that were not known `when`, beside `tested`. `unknown`: with the labels of
+    the table."""
     if not unknown:
         return ""
     some = with_mended(unknown)
     ours, others = calls_of(some, options)
     by_table = {name: calls for callers in calls_of(unknown, options)
                 for name, calls in callers.items()}
-    tested = SECOND_LOOK if SECOND_LOOK in ours else "Spall"
+    tested = tested if tested in ours else "Spall"
     tests = tests_of(some, ours[tested], others)
     adjusted = of_five_tests(tests)
-    text = ["", "", f"{len(some)} of these shots were not known when the second look was chosen. "
-            f"{len(at_second_look(some, options))} of their walls failed, or were looked at again.",
-            "",
+    looked = len(at_second_look(some, options))
+    text = ["", "", f"{len(some)} of these shots were not known {when}. {looked} of their walls "
+            "failed, or were looked at again.", "",
             f"| these {len(some)} | called right | McNemar beside {tested} | as the table has it |",
             "|---|--:|---|--:|"]
     for name, calls in (ours | others).items():
@@ -336,6 +333,20 @@ def afterwards(told, options):
             beside += f", of five tests {adjusted[name]:.2g}"
         text.append(f"| {name} | {sum(calls)}, {share(calls)} | {beside} | {sum(by_table[name])} |")
     return "\n".join(text)
+
+
+def afterwards(told, options):
+    """Tables of the shots that were not known when the runs of this law began, and when the second
+    look was chosen. `told`: with the labels of the table."""
+    known_then = {line["row"] for line in known(KNOWN_FROM)}
+    unknown = [(shot, line) for shot, line in told if line["row"] not in known_then]
+    text = ""
+    if len(unknown) < len(told):
+        text += of_unknown(unknown, "when runs by this law began", "Spall", options)
+    if options.rules == BOTH:
+        later = [(shot, line) for shot, line in unknown if line["commit"] not in KNOWN_BY]
+        text += of_unknown(later, "when the second look was chosen", SECOND_LOOK, options)
+    return text
 
 
 def draw(some, path):
@@ -386,7 +397,7 @@ def main():
             text = table(some, without, planned, options)
             if some:
                 text += "\n\n" + by_labels(told, options)
-        if today and options.rules == BOTH:
+        if today:
             text += afterwards(told, options)
         print(f"{section}\n{text}")
         replace_section(page, section, text)
