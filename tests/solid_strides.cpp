@@ -92,8 +92,10 @@ TEST(Strides, energy_error_is_of_second_order) {
 }
 
 /// Owned bodies' neighbours in their piece that the inner list lacks, and all of them.
-std::pair<int, int> lacking_neighbours(const Elastoplastic& engine, const Bodies& bodies) {
+std::pair<int, int> lacking_neighbours(const Lab& world) {
+  const Elastoplastic& engine = world.solid;
   const PiecePairs& pairs = engine.pairs;
+  const Bodies& bodies = world.bodies;
   if (pairs.slots.empty()) return {0, 0};
   const std::size_t lanes = pairs.rows.size() / pairs.slots.size();  // of the instructions in use
   std::set<std::pair<Index, Index>> listed;
@@ -106,9 +108,9 @@ std::pair<int, int> lacking_neighbours(const Elastoplastic& engine, const Bodies
   int lacking = 0, all = 0;
   for (Index i = 0; i < bodies.owned; ++i)
     for (Index j = i + 1; j < bodies.size(); ++j) {
-      const Vec3 x = vector_of(engine.rows[j].place - engine.rows[i].place);
       const auto group = static_cast<std::size_t>(bodies.group[i]);
       if (!engine.rests.empty() && engine.rests[group]) continue;
+      const Vec3 x = vector_of(engine.rows[j].place - engine.rows[i].place);
       if (bodies.group[i] != bodies.group[j] || x.norm() >= engine.reach[i]) continue;
       ++all;
       lacking += !listed.contains({i, j});
@@ -117,25 +119,26 @@ std::pair<int, int> lacking_neighbours(const Elastoplastic& engine, const Bodies
 }
 
 TEST(Strides, inner_lists_lack_no_neighbour) {
-  // What meets in the second scene is of one piece, so nothing warns of it but its pairs. It comes
-  // from beyond their reach, by the whole of the speed that lists reckon with; in the third one
-  // something else is faster, so that what has moved is looked at before the next search.
   Lab shot = world_of_shot(testing_world(), 4000, ductile);
+  // What meets in the second scene is of one piece, so nothing warns of it but its pairs. It comes
+  // from beyond their reach, by the whole of the speed that lists reckon with.
   auto halves = two_balls(2000);
   for (Sphere& s : halves) s.position.x() -= 0.6 * d * (s.velocity.x() > 0 ? 1 : -1);
   Lab one_piece = world_of(testing_world(), halves, ductile);
+  // In the third one something else is faster, so that what has moved is looked at before the next
+  // search.
   halves.push_back({.radius = d / 2,
                     .mass = halves[0].mass,
                     .position = 40 * d * Vec3::UnitY(),
                     .velocity = 16000 * Vec3::UnitY()});
   Lab with_another = world_of(testing_world(), halves, ductile);
-  one_piece.solid.courant = with_another.solid.courant = usual_courant;
   for (Lab* scene : {&shot, &one_piece, &with_another}) {
     Lab& world = *scene;
+    world.solid.courant = usual_courant;
     double kept = 0, listed = 0;
     for (int k = 0; k < 100; ++k) {
       solid_steps(world, 0.04 * crossing, 1);
-      const auto [lacking, all] = lacking_neighbours(world.solid, world.bodies);
+      const auto [lacking, all] = lacking_neighbours(world);
       EXPECT_EQ(lacking, 0) << k << ", of " << all;
       kept += static_cast<double>(world.solid.pairs.inner_partners.size());
       listed += static_cast<double>(world.solid.pairs.partners.size());

@@ -60,6 +60,8 @@ struct alignas(n * sizeof(T)) LaneArray {
   SPALL_OPERATOR(>, Mask, -)
   SPALL_OPERATOR(<=, Mask, -)
   SPALL_OPERATOR(>=, Mask, -)
+  SPALL_OPERATOR(==, Mask, -)
+  SPALL_OPERATOR(!=, Mask, -)
 #undef SPALL_ARITHMETIC
 #undef SPALL_OPERATOR
   friend LaneArray operator-(const LaneArray& a) {

@@ -87,7 +87,8 @@ constexpr SkinRange skins_of_lattice(double spacing) {
 }
 
 /// m: the skin for which a step costs least if the bodies move on as since the last search. A sweep
-/// costs as much as there are pairs, a search is shared by the steps until the skin is used up.
+/// costs as much as there are pairs in its list; a search, and inner lists where there are any, are
+/// shared by the steps until the skin is used up.
 /// Bodies act on each other up to `gap` (m) between the surfaces of the crowd. Counted, not timed,
 /// so that a run gives the same bits again. Collective.
 double best_skin(const Comm& comm, const Bodies& bodies, const NearPairs& near, const Crowd& crowd,

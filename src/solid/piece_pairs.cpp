@@ -305,8 +305,11 @@ void update_pairs(World& world, Elastoplastic& engine) {
   near.cut = world.cut;
   if (near.skin > 0 && near.moved > near.skin) {
     take_positions(world, engine);
+    const double booked = near.moved;
     near.moved = approach_since_search(world, near);
-    engine.pairs.inner_at = engine.strides.brisk_pairs.inner_at = -infinity;
+    // Inner lists hold for as long as before.
+    for (PiecePairs* pairs : {&engine.pairs, &engine.strides.brisk_pairs})
+      pairs->inner_at -= booked - near.moved;
   }
   // Where the last search could not cut the domain, the next step's first one does.
   const bool cut_waits = engine.strides.cut_waits && engine.strides.lasts == 0;

@@ -27,7 +27,7 @@ double find_shapes(Elastoplastic& engine, std::span<const Index> which, const Pi
   return sweep_shapes(pairs, engine.reach.data(), rows.data(), engine.shapes.data());
 }
 /// Pairs whose inner list holds at the present places.
-const PiecePairs& current(const Elastoplastic& engine, PiecePairs& pairs) {
+const PiecePairs& with_inner(const Elastoplastic& engine, PiecePairs& pairs) {
   const NearPairs& near = engine.near;
   if (near.moved - pairs.inner_at > near.skin / inner_lists) {
     find_inner(pairs, engine.reach.data(), near.skin / inner_lists, engine.rows.data());
@@ -36,7 +36,7 @@ const PiecePairs& current(const Elastoplastic& engine, PiecePairs& pairs) {
   return pairs;
 }
 const PiecePairs& pairs_of_brisk(Elastoplastic& engine) {
-  return current(engine, engine.strides.lasts > 0 ? engine.strides.brisk_pairs : engine.pairs);
+  return with_inner(engine, engine.strides.lasts > 0 ? engine.strides.brisk_pairs : engine.pairs);
 }
 
 /// Forces of brisk bodies, or of `all`, at the present places, the kick by them in a part of `h`,
@@ -108,7 +108,7 @@ RowBox kick_and_drift(World& world, Elastoplastic& engine, bool all, double h, d
   };
   push_by_contacts(world, engine.laws, engine.contacts, h, engine.rows.data(),
                    engine.responses.data(), engine.impulses.data());
-  sweep_forces(current(engine, all ? engine.pairs : strides.brisk_pairs), engine.reach.data(),
+  sweep_forces(with_inner(engine, all ? engine.pairs : strides.brisk_pairs), engine.reach.data(),
                engine.rows.data(), engine.responses.data(), engine.impulses.data(), ask, finish);
   world.ledger.dissipated += taken;
   if (all) strides.slow_box = {};
@@ -182,7 +182,7 @@ class Motion {
     const Strides& strides = engine_.strides;
     all_act_ = strides.lasts == 0 || all || stride_ends();
     if (all_act_ && strides.lasts > 0) {
-      find_shapes(engine_, strides.slow, current(engine_, engine_.pairs), mean_motion());
+      find_shapes(engine_, strides.slow, with_inner(engine_, engine_.pairs), mean_motion());
       update(strides.slow, slow_since_, slow_late_);
     }
     engine_.fastest_pair2 =
@@ -293,7 +293,7 @@ class Motion {
     std::vector<double> limit;
     if (next > 0 && left >= 2 * next) {
       std::vector<double> meeting2(world_.bodies.size());
-      sweep_meetings(current(engine_, engine_.pairs), engine_.reach.data(), engine_.rows.data(),
+      sweep_meetings(with_inner(engine_, engine_.pairs), engine_.reach.data(), engine_.rows.data(),
                      meeting2.data());
       limit = longest_parts(world_, engine_, bounds_, meeting2);
       // Who is not seen to meet now does not touch before all act again.

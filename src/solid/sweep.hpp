@@ -1,5 +1,5 @@
 // The sweeps of a step over the pairs of one piece: shapes and velocities; then forces; and who
-// meets whom how fast.
+// meets whom how fast. The inner list of pairs that they go over.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -79,6 +79,7 @@ struct GapLanes {
         share2(r2 * inverse2),
         acts((share2 < 1.0) & (share2 > 0.0)) {}
 };
+
 /// Makes the inner list, of slots with partners that are within reach, or nearer to it than `skin`
 /// (m).
 inline void find_inner(PiecePairs& pairs, const double* reach, double skin, const MotionRow* rows) {
