@@ -267,6 +267,10 @@ def a_second_look_has_walls_fail_that_held_and_no_other():
         look(weak, unexplained_of_dissipated="0.02")
         look(strong)  # of another run of these shots
         assert score.SECOND_LOOK not in score.second_calls(weak, options)
+        score.KNOWN_FROM, options.rules = Path(folder) / "none.csv", score.BOTH
+        told = score.afterwards([(shot, line | {"commit": "x"}) for shot, line in weak], options)
+        assert told.endswith(f"left out: row {weak[0][1]['row']}, {weak[1][1]['row']}."), told
+        options.rules = score.CHEAP
         assert score.second_calls(strong, options) == {
             score.SECOND_LOOK: [True, False, True], score.BY_FORMULA: [True, True, True]}
         look(none, verdict="held", needs_mm="", unexplained_of_dissipated="")

@@ -345,7 +345,13 @@ def afterwards(told, options):
         text += of_unknown(unknown, "when runs by this law began", "Spall", options)
     if options.rules == BOTH:
         later = [(shot, line) for shot, line in unknown if line["commit"] not in KNOWN_BY]
-        text += of_unknown(later, "when the second look was chosen", SECOND_LOOK, options)
+        judged = at_second_look(later, options)
+        without = {line["row"] for line in known(SECOND) if is_of(line, options)} - set(judged)
+        good = [(shot, line) for shot, line in later if line["row"] not in without]
+        text += of_unknown(good, "when the second look was chosen", SECOND_LOOK, options)
+        if len(good) < len(later):
+            rows = ", ".join(line["row"] for _, line in later if line["row"] in without)
+            text += f"\n\nWithout a verdict at second look, and left out: row {rows}."
     return text
 
 
