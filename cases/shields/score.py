@@ -347,11 +347,11 @@ def afterwards(told, options):
         later = [(shot, line) for shot, line in unknown if line["commit"] not in KNOWN_BY]
         judged = at_second_look(later, options)
         without = {line["row"] for line in known(SECOND) if is_of(line, options)} - set(judged)
+        out = [line["row"] for _, line in later if line["row"] in without]
         good = [(shot, line) for shot, line in later if line["row"] not in without]
         text += of_unknown(good, "when the second look was chosen", SECOND_LOOK, options)
-        if len(good) < len(later):
-            rows = ", ".join(line["row"] for _, line in later if line["row"] in without)
-            text += f"\n\nWithout a verdict at second look, and left out: row {rows}."
+        if out:
+            text += f"\n\nWithout a verdict at second look, and left out: row {', '.join(out)}."
     return text
 
 

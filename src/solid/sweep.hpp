@@ -109,6 +109,12 @@ struct MotionLanes {
   }
   PairMask failed() const { return pressure >= infinity; }
 };
+/// v^2/R^2 (1/s^2) of those that act, v their velocity against each other; 0 of others.
+[[gnu::always_inline]] inline PairLanes meeting2(const MotionLanes& i, const MotionLanes& j,
+                                                 const PairMask& acts, const PairLanes& inverse2) {
+  const PairLanes u = j.u - i.u, v = j.v - i.v, w = j.w - i.w;
+  return select(acts, (u * u + v * v + w * w) * inverse2, PairLanes{});
+}
 
 /// What a pair adds to two `ShapeRow`s but for the weights, from the difference of their rows.
 struct ShapeTerms {
@@ -166,8 +172,7 @@ inline double sweep_shapes(const PiecePairs& pairs, const double* reach, const M
         of_own[slots] = select(partner_failed & ~failed, zero, weight * beside.volume);
         of_partner[slots] = select(failed & ~partner_failed, zero, weight * at.volume);
         r2p[slots] = select(failed | partner_failed, zero, r2 * (j.pressure - i.pressure));
-        const PairLanes u = j.u - i.u, v = j.v - i.v, w = j.w - i.w;
-        fastest = larger(fastest, select(acts, (u * u + v * v + w * w) * inverse2, zero));
+        fastest = larger(fastest, meeting2(i, j, acts, inverse2));
         slot[slots++] = partners;
       }
       for (std::size_t l = 0; l < pair_lanes; ++l) {
@@ -197,7 +202,6 @@ inline double sweep_shapes(const PiecePairs& pairs, const double* reach, const M
 /// against its own.
 inline void sweep_meetings(const PiecePairs& pairs, const double* reach, const MotionRow* rows,
                            double* most) {
-  const PairLanes zero{};
   const Index* partners = pairs.inner_partners.data();
   for (std::size_t g = 0; g < pairs.inner_slots.size(); ++g) {
     const Index* own = pairs.rows.data() + g * pair_lanes;
@@ -210,8 +214,7 @@ inline void sweep_meetings(const PiecePairs& pairs, const double* reach, const M
       const PairMask near = GapLanes(at, PlaceLanes(rows, partners), inverse2).acts;
       if (!any_lane(near)) continue;
       const MotionLanes j(rows, partners);
-      const PairLanes u = j.u - i.u, v = j.v - i.v, w = j.w - i.w;
-      const PairLanes meets = select(near, (u * u + v * v + w * w) * inverse2, zero);
+      const PairLanes meets = meeting2(i, j, near, inverse2);
       fastest = larger(fastest, meets);
       for (std::size_t l = 0; l < pair_lanes; ++l) {
         double& its = most[partners[l] / doubles_a_row];
