@@ -296,9 +296,10 @@ duration = 2
 const std::string materials_of_triple = "[materials.rock]\ndensity = 1000\n";
 
 /// A restart file with a body at rest, one that flies and spins, and one that is fixed.
-std::string stored_triple() {
+std::string stored_triple(const Vec3& period = Vec3::Zero()) {
   const Comm self(MPI_COMM_SELF);
   RestartState state;
+  state.period = period;
   Bodies& bodies = state.bodies;
   bodies.owned = 3;
   resize(bodies, 3);
@@ -354,6 +355,50 @@ TEST(StoredPile, keeps_velocities_spins_and_what_is_fixed) {
                 "' has fixed bodies: they would stay where they are while x.toml:8:1: "
                 "phases.x.remove_drift moves all others");
   std::filesystem::remove(file);
+}
+
+TEST(StoredPile, keeps_clear_of_its_own_images_unless_it_lay_so_before) {
+  const auto made = [&](const Vec3& stored_period, const std::string& size,
+                        const std::string& packing = "") {
+    const std::string file = stored_triple(stored_period);
+    const std::string text = fmt::format(R"(
+[periodic]
+low = [-20, -20, -20]
+size = {}
+[penalty]
+model = "hooke"
+stiffness = 1e6
+[contact]
+restitution = 0.5
+[[groups]]
+name = "a"
+material = "rock"
+volume = {{radius = 100}}
+packing = {{kind = "file", file = "{}"{}}}
+[[phases]]
+name = "x"
+method = "penalty"
+step = 1e-3
+duration = 1
+)",
+                                         size, file, packing);
+    return complaint_of([&] {
+      make_bodies(with_stored_bodies(parse_case(materials_of_triple + text, "x.toml")),
+                  Comm(MPI_COMM_SELF));
+    });
+  };
+  // Two diameters of 2 m lie between the three: at 0, 4 and 8 m along x.
+  const std::string overlaps = "body 2 at (5, 0, 0) m overlaps an image of body 0 of groups.a";
+  EXPECT_EQ(made(Vec3::Zero(), "[10.1, 0, 0]"), "");
+  EXPECT_NE(made(Vec3::Zero(), "[9.5, 0, 0]").find(overlaps), std::string::npos);
+  EXPECT_NE(made(Vec3(9.6, 9.5, 0), "[9.5, 0, 0]").find(overlaps), std::string::npos);
+  EXPECT_EQ(made(Vec3(9.5, 0, 0), "[9.5, 0, 0]"), "");
+  EXPECT_EQ(made(Vec3(9.5, 0, 0), "[0, 9.5, 0]"), "");
+  // Turned, it lies along y and has other images.
+  const std::string turn = ", rotation = [0, 0, 1.5707963267948966]";
+  EXPECT_EQ(made(Vec3(9.5, 0, 0), "[9.5, 0, 0]", turn), "");
+  EXPECT_NE(made(Vec3(9.5, 9.5, 0), "[0, 9.5, 0]", turn).find("an image of body"),
+            std::string::npos);
 }
 
 TEST(StoredPile, that_is_not_there_or_none_is_told_with_its_group) {

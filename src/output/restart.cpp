@@ -172,6 +172,7 @@ void write_restart(const Comm& comm, const std::string& path, const RestartState
   });
   file.write<std::int64_t>("/clock/counts", counts(state.clock));
   file.write<double>("/clock/times", times(state.clock));
+  file.write<Vec3>("/periodic/size", std::array{state.period});
   std::vector<std::string> names;
   std::vector<double> values;
   for (const auto& [name, value] : state.scalars) {

@@ -56,6 +56,7 @@ struct RestartState {
   std::vector<std::string> constants;  ///< of materials, as `Case::constants`
   Clock clock;
   Scalars scalars;
+  Vec3 period = Vec3::Zero();  ///< m, `Period::size`: for packings of bodies that overlap round it
   Bodies bodies;               ///< owned rows only
   SharedContacts contacts;     ///< at least once on some rank
   std::optional<Bonds> bonds;  ///< of the bodies, where bonds break and have been made

@@ -36,7 +36,12 @@ void check_bodies(std::vector<BodyId> id, const std::vector<Vec3>& position,
   require(twice == id.end(), "two bodies have the id {}", twice == id.end() ? 0 : *twice);
 }
 
-std::vector<StoredBody> read_bodies(const std::string& path) {
+struct StoredRun {
+  Vec3 period;  ///< m
+  std::vector<StoredBody> bodies;
+};
+
+StoredRun read_bodies(const std::string& path) {
   if (!begins_as_hdf5(path)) check_seal(Comm(MPI_COMM_SELF), path);
   const auto file = h5::File::open(path);
   const auto id = file.read<BodyId>("/bodies/id");
@@ -54,6 +59,9 @@ std::vector<StoredBody> read_bodies(const std::string& path) {
   if (file.exists("/bodies/damage")) damage = file.read<double>("/bodies/damage");
   std::vector<std::int32_t> material(id.size(), 0);
   if (file.exists("/bodies/material")) material = file.read<std::int32_t>("/bodies/material");
+  // Files before 2026-12-01 do not tell it.
+  const Vec3 period =
+      file.exists("/periodic/size") ? file.read<Vec3>("/periodic/size").at(0) : Vec3(Vec3::Zero());
   check_bodies(id, position, velocity, spin, radius, mass);
   // Rows lie as they were distributed over ranks; ids are the same for any number of them.
   std::vector<std::size_t> order(id.size());
@@ -81,12 +89,12 @@ std::vector<StoredBody> read_bodies(const std::string& path) {
                       .fixed = is_fixed(row),
                       .damage = damage[row],
                       .material = material[row]});
-  return bodies;
+  return {period, bodies};
 }
 
-std::vector<double> rows_of(const std::vector<StoredBody>& bodies) {
-  std::vector<double> rows;
-  for (const StoredBody& body : bodies) {
+std::vector<double> rows_of(const StoredRun& run) {
+  std::vector<double> rows(run.period.data(), run.period.data() + 3);
+  for (const StoredBody& body : run.bodies) {
     for (const Vec3* vector : {&body.position, &body.velocity, &body.spin})
       rows.insert(rows.end(), vector->data(), vector->data() + 3);
     rows.insert(rows.end(), {body.radius, body.mass, body.fixed ? 1.0 : 0.0, body.damage,
@@ -95,10 +103,10 @@ std::vector<double> rows_of(const std::vector<StoredBody>& bodies) {
   return rows;
 }
 
-std::vector<StoredBody> bodies_of(const std::vector<double>& rows) {
+StoredRun run_of(const std::vector<double>& rows) {
   constexpr std::size_t width = 14;
   std::vector<StoredBody> bodies;
-  for (std::size_t at = 0; at < rows.size(); at += width) {
+  for (std::size_t at = 3; at < rows.size(); at += width) {
     const double* row = &rows[at];
     bodies.push_back({.position = Vec3(row[0], row[1], row[2]),
                       .radius = row[9],
@@ -109,7 +117,7 @@ std::vector<StoredBody> bodies_of(const std::vector<double>& rows) {
                       .damage = row[12],
                       .material = static_cast<int>(row[13])});
   }
-  return bodies;
+  return {Vec3(rows[0], rows[1], rows[2]), bodies};
 }
 
 }  // namespace
@@ -120,7 +128,9 @@ Case with_stored_bodies(Case scene, const InputFiles& files) {
     if (packing.file.empty() || !packing.stored.empty()) continue;
     require(files.exists(packing.file), "{}: there is no file '{}'", group.place, packing.file);
     try {
-      packing.stored = bodies_of(files.numbers([&] { return rows_of(read_bodies(packing.file)); }));
+      StoredRun run = run_of(files.numbers([&] { return rows_of(read_bodies(packing.file)); }));
+      packing.stored = std::move(run.bodies);
+      packing.stored_period = run.period;
     } catch (const std::exception& error) {
       throw Error(fmt::format(
           "{}: '{}' is not a restart file, such as after_<phase>.h5 of an earlier run: {}",

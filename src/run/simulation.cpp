@@ -479,6 +479,7 @@ RestartState Simulation::save() {
                      .constants = scene().constants,
                      .clock = clock(),
                      .scalars = {},
+                     .period = world.period.size,
                      .bodies = world.bodies,
                      .contacts = std::move(memory.contacts),
                      .bonds = std::move(memory.bonds)};

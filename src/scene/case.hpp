@@ -65,6 +65,7 @@ struct Packing {
   std::optional<double> grain = std::nullopt;        ///< m, of a lattice of many grains: mean size
   std::string file = {};                             ///< of file: a restart file of an earlier run
   std::vector<StoredBody> stored = {};               ///< of file: with_stored_bodies puts them here
+  Vec3 stored_period = Vec3::Zero();                 ///< of file: m, `Period::size` of their run
   StoredMotion stored_motion = StoredMotion::kept;   ///< of file: none: bodies are at rest
   std::vector<std::string> shape_names = {};         ///< that bodies draw from; empty: spheres
   std::vector<std::int32_t> shapes = {};             ///< places of these in the case's shapes

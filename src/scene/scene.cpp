@@ -79,28 +79,38 @@ bool may_touch(const Group& a, const Group& b) {
   return (apart.array() <= (reach(a) + reach(b)).array()).all();
 }
 
+/// Whether bodies of an earlier run have the same images here as there.
+bool repeats_as_stored(const Group& group, const Period& period) {
+  if (group.packing.stored.empty()) return false;
+  const Mat3 turn = group.volume.axes * turn_by(group.packing.rotation);
+  const auto as_there = [&](int k) {
+    return period.size[k] == 0 || period.size[k] == group.packing.stored_period[k];
+  };
+  return turn == Mat3::Identity() && as_there(0) && as_there(1) && as_there(2);
+}
+
 /// The bodies of a group that others must keep clear of; so must its own of their images.
 struct Placed {
   std::size_t group;
   BodyId first;
-  bool stored;
+  bool as_there;            ///< its own may overlap as they did in the run that they are of
   Eigen::AlignedBox3d box;  ///< m, that holds all of its spheres; far less than some volumes
   SphereSet spheres;        ///< around the bodies
   // Where bodies have shapes: the spheres that they are made of, and whose each is.
   SphereSet parts;
   std::vector<std::int64_t> body_of_part;
 
-  Placed(const Group& of, std::size_t g, BodyId id, std::int64_t count)
+  Placed(const Group& of, const Period& period, std::size_t g, BodyId id, std::int64_t count)
       : group(g),
         first(id),
-        stored(!of.packing.stored.empty()),
+        as_there(repeats_as_stored(of, period)),
         spheres(of.volume.center, reach(of), count),
         parts(spheres) {}
   /// Of the spheres that a program adds, in `box`.
   Placed(const Eigen::AlignedBox3d& within, std::size_t g, BodyId id, std::int64_t count)
       : group(g),
         first(id),
-        stored(false),
+        as_there(false),
         spheres(within.center(), within.sizes() / 2, count),
         parts(spheres) {}
 
@@ -127,9 +137,8 @@ std::optional<Overlap> find_overlap(const Period& period, const Placed& earlier,
                                     const SphereSet& others, std::size_t g, const Vec3& center,
                                     double radius, double allowed) {
   std::optional<Overlap> found;
-  // Groups keep clear of themselves; those of an earlier run overlap as they did there.
-  const bool own = earlier.group == g;
-  if (earlier.box.isEmpty() || (own && earlier.stored)) return found;
+  const bool own = earlier.group == g;  // groups keep clear of themselves, but for their images
+  if (earlier.box.isEmpty() || (own && earlier.as_there)) return found;
   const Vec3 half = earlier.box.sizes() / 2 + Vec3::Constant(radius);
   for_each_image(period, center, earlier.box.center(), half, [&](const Vec3& image, bool itself) {
     if (found || (own && itself)) return;
@@ -364,7 +373,7 @@ Bodies make_bodies(const Case& scene, const Comm& comm) {
         others_repeat || !scene.spheres.empty() ||
         std::any_of(scene.groups.begin() + g + 1, scene.groups.end(),
                     [&](const Group& later) { return may_touch(group, later); });
-    if (keeps_spheres) placed.emplace_back(group, g, first, contents[g].count);
+    if (keeps_spheres) placed.emplace_back(group, scene.period, g, first, contents[g].count);
 
     const auto is_free = [&](const Vec3& center, double radius) {
       for (std::size_t w = 0; w < walls.size(); ++w)
