@@ -158,6 +158,12 @@ if ! grep -q __asan_init "$spall"; then  # it takes its own way
   done
 fi
 
+# How a metal fails in bodies of this size: by hand 2 G_c / (Y V^(1/3)), and the same of the tension.
+on_ranks 1 check "$cases/plate_solid/case.toml" || fail "check of a solid: $(cat stderr)"
+for told in "tension of 1.2e+09 Pa and fails where they are 0.0171 of" "parts over 0.0634 of plastic strain at 3.24e+08 Pa"; do
+  grep -q "$told" stdout || fail "check of a solid does not tell \"$told\""
+done
+
 # The largest rank takes what was foretold, within a third.
 foretells_memory() {  # case
   local told peak

@@ -3,6 +3,7 @@
 #include "pairs/near_pairs.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <numeric>
 
 #include "spall/error.hpp"
@@ -112,6 +113,9 @@ class WindowMaker {
 
 void find_near_pairs(const Bodies& bodies, const Reach& reach, Grouping grouping,
                      std::vector<NearWindow>& windows, BodyId members) {
+  constexpr Index most = std::numeric_limits<Index>::max() / doubles_a_row;  // windows name places
+  require(bodies.size() <= most,
+          "{} bodies and ghosts lie on a rank, and at most {} can: take more", bodies.size(), most);
   WindowMaker maker(grouping, windows);
   find_partners(bodies, reach, ListedWith::first_cell, maker.partners(),
                 [&](Index row, Index near) {

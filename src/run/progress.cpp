@@ -85,8 +85,7 @@ void Progress::show(const Clock& clock, const State& state) {
   const double steps_left = (phase.duration - clock.time_in_phase) / phase.step;
   const std::string line = fmt::format(
       "{:<16} step {:>7}  t {:<12} {:>7.1f} steps/s  left {}{:<12} contacts {:<7} E {:.1e}  rms "
-      "speed "
-      "{:.2e} m/s",
+      "speed {:.2e} m/s",
       phase.name, clock.step_in_phase, readable_time(clock.time), rate,
       phase.until == PhaseEnd::settled ? "<" : "",
       readable_time(rate > 0 ? steps_left / rate : infinity), state.contacts, state.residual,

@@ -26,8 +26,7 @@ std::string Shields::describe() const {
     const ShieldWall& wall = judged.wall;
     text += fmt::format(
         "\n  judged in the end: {}, {:.3g} spacings thick, its rear towards {}; openings "
-        "narrower "
-        "than {:.3g} m are not seen\n",
+        "narrower than {:.3g} m are not seen\n",
         wall.name, wall.thickness / wall.spacing, words_of_direction(wall.start.normal),
         wall.spacing);
   }
@@ -121,8 +120,7 @@ std::string sentence_of(const ShieldWall& wall, const WallVerdict& v, const Comi
   if (largest.meets > 0 && largest.passes > largest.meets && v.outcome == Outcome::held)
     text += fmt::format(
         "; too narrow: a piece of {:.3g} J flew past what is judged, at which no piece of more "
-        "than "
-        "{:.3g} J flew",
+        "than {:.3g} J flew",
         largest.passes, largest.meets);
   if (is_coarse(wall, largest) && v.outcome == Outcome::held)
     text += fmt::format(

@@ -52,8 +52,7 @@ void check(const Surroundings& around, std::span<const MaterialUse> uses,
     const std::string place = fmt::format("{}.material = \"{}\"", use.place, material.name);
     require(material.solid.has_value(),
             "{}: {}.method = \"solid\" needs a solid of [materials]: one with a library, a file or "
-            "a table "
-            "[materials.{}.solid]",
+            "a table [materials.{}.solid]",
             place, phase.place, material.name);
     solid_law(*material.solid, !solid.elastic, place);
     require(
@@ -103,8 +102,7 @@ std::string flow_of(const SolidLaw& law) {
   if (law.steinberg.known())
     return fmt::format(
         "    flows at {:.4g} Pa (1 + {:g} eps)^{:g}, at most {:.4g} Pa, times what its shear "
-        "modulus "
-        "grows by: {:.4g}/GPa less {:.4g}/K\n",
+        "modulus grows by: {:.4g}/GPa less {:.4g}/K\n",
         law.steinberg.y0, law.steinberg.beta, law.steinberg.n, law.steinberg.ymax,
         1e9 * law.steinberg.a, law.steinberg.b);
   if (!law.rock.known())
