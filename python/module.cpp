@@ -191,9 +191,9 @@ PYBIND11_MODULE(_spall, module) {
                         overwrite ? Former::overwrite : Former::refuse);
       });
   module.def("resume", [](const std::string& file, const std::string& folder, bool overwrite,
-                          const std::vector<std::string>& overrides) {
-    return resume_case(world(), file,
-                       {folder, overwrite ? Former::overwrite : Former::refuse, overrides, false});
+                          const std::vector<std::string>& overrides, bool stored_case) {
+    const Former former = overwrite ? Former::overwrite : Former::refuse;
+    return resume_case(world(), file, {folder, former, overrides, stored_case});
   });
 
   py::class_<Fields>(module, "Fields")

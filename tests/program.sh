@@ -268,11 +268,11 @@ uniform = [0, 0, -128]
 name = "held"
 material = "rock"
 fixed = true
-volume = {shape = "sphere", radius = 0.01}
+volume = {shape = "sphere", radius = 0.03}
 [[groups]]
 name = "falling"
 material = "rock"
-volume = {shape = "sphere", radius = 0.01, center = [0, 1e-45, 87.9638671875]}
+volume = {shape = "sphere", radius = 0.03, center = [0, 1e-45, 87.9638671875]}
 [[phases]]
 name = "fall"
 method = "potential"

@@ -6,6 +6,7 @@ usage: python_module.py CASES, in a folder to write in; under mpirun, with the m
 import gc
 import math
 import os
+import pathlib
 import sys
 import tomllib
 import types
@@ -296,6 +297,29 @@ class Module(unittest.TestCase):
         comm.barrier()
         self.assertGreater(run["conservation"]["kinetic"], 0)
         self.assertEqual(resumed["conservation"], run["conservation"])
+
+    def test_a_case_that_has_changed_goes_on_as_it_was_where_asked(self):
+        out = f"python_changed_{comm.size}"
+        case = f"{out}.toml"
+
+        def write(duration):
+            if comm.rank == 0:
+                pathlib.Path(case).write_text(
+                    '[materials.rock]\ndensity = 2000\n[contact]\n' + "".join(
+                        f'[[groups]]\nname = "{name}"\nmaterial = "rock"\nvolume = {{radius = 1, '
+                        f'center = [{4 * k}, 0, 0]}}\n' for k, name in enumerate("abcd")) +
+                    f'[[phases]]\nname = "one"\nstep = 1\nduration = 2\n'
+                    f'[[phases]]\nname = "two"\nstep = 1\nduration = {duration}\n')
+            comm.barrier()
+        write(3)
+        spall.run(case, out, overwrite=True)
+        write(4)
+        restart = f"{out}/after_one.h5"
+        with self.assertRaisesRegex(spall.Error, "has changed since"):
+            spall.resume(restart, f"{out}_resumed", overwrite=True)
+        comm.barrier()
+        run = spall.resume(restart, f"{out}_resumed", overwrite=True, stored_case=True)
+        self.assertAlmostEqual(list(run.frames())[-1][0], 5)
 
 
 class OthersScenes(unittest.TestCase):

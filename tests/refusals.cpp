@@ -303,7 +303,8 @@ const std::vector<Refused> table = {
          "step = 10\nduration = 100\n" + by_law,
      "x.toml:16:1: phases.only: step = 10 s is too long for the pair potential"},
     {bodies + law + "cutoff = 3\n" + phase +
-         "[[phases]]\nname = \"later\"\nstep = 10\nduration = 20\n" + by_law + impactor,
+         "[[phases]]\nname = \"later\"\nstep = 10\nduration = 20\n" + by_law +
+         "impactor = {mass = 1, radius = 1, speed = \"1 km/s\", distance = 1}\n",
      "x.toml:20:1: phases.later: step = 10 s is too long for the pair potential"},
     // Of groups that are slow at the start, or move in a later phase alone.
     {bodies + shaken + springs + "stiffness = 1e6\n" + phase + by_springs,
@@ -453,6 +454,38 @@ TEST(Refusals, are_of_walls_that_a_run_which_goes_on_would_move_into_bodies) {
     EXPECT_TRUE(told(others).starts_with("x.toml: --set adds or takes away walls")) << others;
   comm.any(false);
   if (comm.rank == 0) std::filesystem::remove_all(folder);
+}
+
+TEST(Refusals, are_of_another_cohesion_by_a_materials_constants) {
+  RestartState state;
+  state.case_file = "x.toml";
+  state.case_text = R"([materials.rock.solid]
+density = 2000
+sound_speed = 3000
+hugoniot_slope = 1.5
+gruneisen = 1
+youngs_modulus = 1e10
+poisson_ratio = 0.25
+yield_strength = 10
+tensile_strength = 10
+[contact]
+material = "rock"
+cohesion_range = 0.1
+[[groups]]
+name = "a"
+material = "rock"
+volume = {shape = "box", size = [4, 2, 2]}
+packing = {kind = "fcc", radius = 1}
+)" + phase;
+  state.clock = {.step = 1, .phase = 0, .step_in_phase = 1, .time = 1, .time_in_phase = 1};
+  const auto told = [&](const std::string& change) {
+    return complaint_of([&] { case_to_go_on(testing_world(), state, {change}, {}); });
+  };
+  EXPECT_TRUE(told("materials.rock.solid.tensile_strength=1e4")
+                  .starts_with("x.toml: --set changes the cohesion that follows from "
+                               "materials.rock, "))
+      << told("materials.rock.solid.tensile_strength=1e4");
+  EXPECT_EQ(told("materials.rock.solid.specific_heat=900"), "");
 }
 
 TEST(Refusals, are_not_of_what_is_modelled) {

@@ -101,7 +101,7 @@ TEST(Scene, bodies_have_the_fields_that_the_case_s_methods_need) {
         "x.toml"));
   };
   const std::string bonds =
-      "[pair_potential]\nlaw = \"lennard_jones\"\ndepth = 1\ndistance = 1\nbreaking_strain = 0.1\n";
+      "[pair_potential]\nlaw = \"lennard_jones\"\ndepth = 1\ndistance = 2\nbreaking_strain = 0.1\n";
   const std::string springs =
       "[contact]\nrestitution = 0.5\n[penalty]\nmodel = \"hooke\"\nstiffness = 1e8\n";
   const std::string field = "[gravity]\nuniform = [0, 0, -1]\n";

@@ -237,6 +237,47 @@ duration = 1
   EXPECT_LT((comm.sum(sum) - wanted).norm(), 1e-12 * wanted.norm());
 }
 
+TEST(Mesh, that_flies_at_a_wall_is_as_wide_as_its_file_says) {
+  const std::string folder = folder_of("mesh");
+  const Comm comm = testing_world();
+  const std::string obj =
+      "v 0 0 0\nv 9 0 0\nv 0 9 0\nv 0 0 9\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+  on_first_rank(comm, [&] {
+    std::filesystem::create_directories(folder);
+    write_whole(folder + "/tetrahedron.obj", obj);
+  });
+  const auto told = [&](const std::string& unit, const std::string& asked) {
+    const std::string text = R"([materials.al]
+library = "aluminium_6061_t6"
+[solid]
+courant = 0.2
+[[groups]]
+name = "wall"
+material = "al"
+volume = {shape = "box", size = ["14 mm", "14 mm", "3 mm"]}
+packing = {kind = "fcc", diameter = "1 mm", orientation = "random"}
+[[groups]]
+name = "ball"
+material = "al"
+volume = {shape = "mesh", file = "tetrahedron.obj", center = [0, 0, "20 mm"], unit = ")" +
+                             unit + R"("}
+packing = {kind = "fcc", diameter = "0.5 mm"}
+velocity = [0, 0, "-3 km/s"]
+[[phases]]
+name = "impact"
+method = "solid"
+step = "0.1 us"
+duration = "10 us"
+)" + asked;
+    on_first_rank(comm, [&] { write_whole(folder + "/case.toml", text); });
+    return complaint_of([&] { read_case(folder + "/case.toml", {}, InputFiles(comm)); });
+  };
+  EXPECT_EQ(told("0.5 mm", "[[shields]]\nwall = \"wall\"\n"), "");
+  EXPECT_NE(told("3 mm", "[[shields]]\nwall = \"wall\"\n").find("flies at its rim, or past it"),
+            std::string::npos);
+  EXPECT_EQ(told("0.5 mm", "[debris]\nprojectile = \"ball\"\nplate = \"wall\"\n"), "");
+}
+
 TEST(Restart, goes_on_without_the_files_of_its_bodies) {
   const std::string folder = folder_of("left"), pile = settled_pile();
   const Comm comm = testing_world();

@@ -116,6 +116,43 @@ impactor = {mass = 1000, radius = 0.5, speed = 20, distance = 0.1}
             "WARNING: the target is shattered: its largest clump has 0.33 of its ma");
 }
 
+TEST(Told, that_a_phase_pushes_apart_what_a_solid_bore_overlapping) {
+  said("pushed", R"([materials.al]
+library = "aluminium_6061_t6"
+[solid]
+courant = 0.2
+[contact]
+restitution = 0.5
+[penalty]
+model = "hertz"
+[[groups]]
+name = "plate"
+material = "al"
+volume = {shape = "box", size = ["4 mm", "4 mm", "1 mm"]}
+packing = {kind = "fcc", diameter = "0.5 mm"}
+[[groups]]
+name = "ball"
+material = "al"
+volume = {shape = "sphere", diameter = "2 mm", center = [0, 0, "1.6 mm"]}
+packing = {kind = "fcc", diameter = "0.5 mm"}
+velocity = [0, 0, "-300 m/s"]
+[[phases]]
+name = "hit"
+method = "solid"
+step = "0.1 us"
+duration = "3 us"
+[[phases]]
+name = "fly"
+method = "penalty"
+step = "2 ns"
+duration = "20 ns"
+)");
+  const auto told = results_in(folder_of("pushed"))["overlap"]["warning"].value_or(std::string());
+  EXPECT_EQ(
+      told.substr(0, 86),
+      "phase fly pushes apart bodies that overlap as the method before it bore them: its pair");
+}
+
 TEST(Told, margins_of_a_wall_though_no_snapshot_falls_into_the_phase) {
   said("margins", R"([output]
 snapshot_every = "1 ms"

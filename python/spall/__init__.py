@@ -300,11 +300,13 @@ def run(case, out, set=None, overwrite=False):
     return Scene(case, set).run(out, overwrite)
 
 
-def resume(restart, out="", set=None, overwrite=False):
-    """Goes on from a restart file, as `spall resume` does, and returns the Run."""
+def resume(restart, out="", set=None, overwrite=False, stored_case=False):
+    """Goes on from a restart file, as `spall resume` does, and returns the Run. `stored_case`: with
+    the case as it was, whatever its file says by now."""
     from pathlib import Path
     out = out or Path(restart).parent
-    return _run_of(_spall.resume(str(restart), str(out), overwrite, overrides_of(set)), out)
+    return _run_of(
+        _spall.resume(str(restart), str(out), overwrite, overrides_of(set), stored_case), out)
 
 
 def draw(bodies, file=None, along="y", colour=None, size=6):

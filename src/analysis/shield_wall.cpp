@@ -532,6 +532,18 @@ Coming look_at_what_comes(const Comm& comm, const LinkedBodies& linked, const Sh
   return coming;
 }
 
+void keep_spall(WallVerdict& most, WallVerdict& verdict) {
+  if (verdict.outcome == Outcome::detached_spall && verdict.spall_mass > most.spall_mass)
+    most = verdict;
+  if (verdict.outcome != Outcome::held || most.outcome != Outcome::detached_spall) return;
+  verdict.outcome = Outcome::detached_spall;
+  verdict.margin = most.margin;
+  verdict.spall_pieces = most.spall_pieces;
+  verdict.spall_mass = most.spall_mass;
+  verdict.spall_largest = most.spall_largest;
+  verdict.spall_speed = most.spall_speed;
+}
+
 WallVerdict judge_wall(const Comm& comm, const LinkedBodies& linked, const ShieldWall& wall) {
   const Bodies& bodies = linked.bodies;
   std::vector<BodyId> name = pieces_of_group(comm, linked, wall.group);

@@ -72,6 +72,10 @@ struct WallVerdict {
   double spall_speed = 0;                    ///< m/s, against the main piece, mean by mass
   double still_coming = 0;  ///< share of the energy that flew at it of what is yet to meet it
 };
+/// What has left a wall that holds has left it, whatever stopped it behind: `most` is the verdict
+/// of the look that saw most spall leave until now.
+void keep_spall(WallVerdict& most, WallVerdict& verdict);
+
 /// Velocities and positions must belong to the same instant. Collective.
 WallVerdict judge_wall(const Comm& comm, const LinkedBodies& linked, const ShieldWall& wall);
 

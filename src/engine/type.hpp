@@ -20,7 +20,8 @@ struct MaterialUse {
   std::string group;     ///< its name
   int material = 0;      ///< index into the materials
   Lattice lattice = {};  ///< no neighbours: none
-  double diameter = 0;   ///< m, of the lattice's spheres
+  double diameter = 0;   ///< m, of its spheres, the largest of unequal ones; 0: not known yet
+  bool lone = false;     ///< it is one body
   bool scaled = false;   ///< total_mass changes the density of its bodies
   double mass = 0;       ///< kg, of its lightest body; 0: not known yet
   bool fixed = false;    ///< or moves as prescribed: infinite mass

@@ -262,6 +262,21 @@ void check(const Surroundings& around, std::span<const MaterialUse> uses,
           "{}.method = \"potential\": the impactor has no law, since it is of none of {}; make it "
           "a group, or give the law by hand",
           phase.place, potential->derived ? potential->derived->place : "");
+  // Bodies are as large as their laws say, whatever they are drawn as.
+  constexpr double far_off = 1.5;
+  for (const MaterialUse& one : uses)
+    for (const MaterialUse& other : uses.first(&one - uses.data() + 1)) {
+      const PairPotential law = potential->law(one.material, other.material);
+      if ((&one == &other && one.lone) || !law.given()) continue;
+      const double touch = (one.diameter + other.diameter) / 2;
+      require(
+          one.diameter == 0 || other.diameter == 0 ||
+              (touch < far_off * law.distance && law.distance < far_off * touch),
+          "{}: {}.method = \"potential\" knows no radii: its bodies and those of {} touch {:g} m "
+          "apart, and rest {:.4g} m apart by their law; make a large body of many small ones, or "
+          "give it a material and a law of its own",
+          one.place, phase.place, other.group, touch, law.distance);
+    }
   for_each_pair_in_use(uses, [&](int a, int b, const MaterialUse& use) {
     require(potential->law(a, b).given(),
             "{}.material = \"{}\": {}.method = \"potential\" has no law between bodies of {}; "

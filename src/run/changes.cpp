@@ -143,6 +143,15 @@ void follow_materials(const Case& before, const Case& after, Bodies& bodies) {
   }
 }
 
+void check_cohesion_ahead(const Case& before, const Case& after) {
+  const double was = before.contact.common().cohesion, would = after.contact.common().cohesion;
+  require(was == would,
+          "{}: --set changes the cohesion that follows from materials.{}, {:.4g} N to {:.4g} N, "
+          "which is that of the phases so far; phases.NAME.cohesion of one that has not begun "
+          "changes it",
+          after.file, after.contact_of, was, would);
+}
+
 void check_read_outs_ahead(const RestartState& state, const Case& before, const Case& after) {
   const Clock& clock = state.clock;
   if (clock.since_impact < 0) return;

@@ -13,6 +13,9 @@ namespace spall {
 /// would stand in the results and change nothing. `before` is the case without it.
 void check_change(const RestartState& state, const Case& before, const std::string& change);
 
+/// The same of the cohesion that follows from a material's constants: a state keeps its own.
+void check_cohesion_ahead(const Case& before, const Case& after);
+
 /// The same of read-outs, in `after`, the case with all changes.
 void check_read_outs_ahead(const RestartState& state, const Case& before, const Case& after);
 

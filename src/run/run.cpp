@@ -164,6 +164,11 @@ class Run {
           "WARNING: what contacts do at the end of the phase before was found to a residual of "
           "{:.2g} only",
           events.closing.residual));
+    constexpr double little = 0.01;
+    if (events.pushed_share > little) {
+      pushed_[static_cast<std::size_t>(clock().phase)] = events.pushed;
+      progress_.say("WARNING: " + words_of_pushed(phase(), events.pushed));
+    }
     if (!events.aim) return;
     const Bodies& bodies = world().bodies;
     const auto struck = std::ranges::find(bodies.id, events.aim->struck);
@@ -343,20 +348,29 @@ class Run {
   }
 
   /// Of a phase that was to settle and has not.
-  std::string words_of_unsettled(const Phase& one, double rms_speed) const {
+  static std::string words_of_unsettled(const Phase& one, double rms_speed) {
     return fmt::format(
         "phase {} has not settled: its rms speed was {:.3g} m/s, and below {:.3g} m/s was asked "
         "for; a longer duration may settle it, unless whole groups move or spin, which counts",
         one.name, rms_speed, one.settled_speed);
   }
+  /// Of a phase whose bodies overlap as the method before it bore them.
+  static std::string words_of_pushed(const Phase& one, double energy) {
+    return fmt::format(
+        "phase {} pushes apart bodies that overlap as the method before it bore them: its pairs "
+        "hold {:.3g} J more than pairs held before, out of nothing",
+        one.name, energy);
+  }
   /// Of all phases until now, one after another; empty where there are none.
-  std::string all_unsettled() const {
+  template <class Words>
+  std::string all_of(const std::map<std::size_t, double>& of_phases, Words&& words) const {
     std::string text;
-    for (std::size_t k = 0; k < scene_.phases.size(); ++k)
-      if (const auto found = unsettled_.find(k); found != unsettled_.end())
-        text += (text.empty() ? "" : "; ") + words_of_unsettled(scene_.phases[k], found->second);
+    for (const auto& [k, value] : of_phases)
+      text += (text.empty() ? "" : "; ") + words(scene_.phases[k], value);
     return text;
   }
+  std::string all_unsettled() const { return all_of(unsettled_, words_of_unsettled); }
+  std::string all_pushed() const { return all_of(pushed_, words_of_pushed); }
 
   void say_if_unsettled(double rms_speed) {
     if (rms_speed < phase().settled_speed) return;
@@ -403,10 +417,14 @@ class Run {
     shields_.save(kept_.scalars);
     reactions_.save(kept_.scalars);
     for (const auto& [k, rms_speed] : unsettled_) kept_.scalars[name_of_unsettled(k)] = rms_speed;
+    for (const auto& [k, energy] : pushed_) kept_.scalars[name_of_pushed(k)] = energy;
     simulation_->go_on(kept_);
   }
   static std::string name_of_unsettled(std::size_t phase) {
     return fmt::format("run.unsettled.{}", phase);
+  }
+  static std::string name_of_pushed(std::size_t phase) {
+    return fmt::format("run.pushed.{}", phase);
   }
 
   void write(const std::string& file) {
@@ -429,9 +447,11 @@ class Run {
     debris_.load(scalars);
     shields_.load(scalars);
     reactions_.load(scalars);
-    for (std::size_t k = 0; k < scene_.phases.size(); ++k)
+    for (std::size_t k = 0; k < scene_.phases.size(); ++k) {
       if (scalars.contains(name_of_unsettled(k)))
         unsettled_[k] = find_scalar(scalars, name_of_unsettled(k));
+      if (scalars.contains(name_of_pushed(k))) pushed_[k] = find_scalar(scalars, name_of_pushed(k));
+    }
   }
 
   void finish() {
@@ -444,6 +464,7 @@ class Run {
     add_case(table);
     if (const std::string told = all_unsettled(); !told.empty())
       table.add("settling", "warning", told);
+    if (const std::string told = all_pushed(); !told.empty()) table.add("overlap", "warning", told);
     if (!unfilled_.empty()) table.add("lattices", "warning", unfilled_);
     verdict_.add_to(table, scene_.binary);
     const std::vector<std::string> doubts = debris_.conclude(
@@ -467,7 +488,8 @@ class Run {
     add_communication(world(), ghosts_, clock().step - std::max<std::int64_t>(resumes_at_, 0),
                       table);
     progress_.say("\n" + table.text());
-    if (const std::string told = all_unsettled(); !told.empty()) progress_.say("WARNING: " + told);
+    for (const std::string& told : {all_unsettled(), all_pushed()})
+      if (!told.empty()) progress_.say("WARNING: " + told);
     if (const std::string warning = verdict_.warning(); !warning.empty()) progress_.say(warning);
     if (const std::string open = simulation_->account().warning(sums); !open.empty())
       progress_.say("WARNING: " + open);
@@ -538,6 +560,7 @@ class Run {
   bool row_ = false;                         // whether the series has one of this instant
   std::string unfilled_;                     // which lattices lack mass, or have too much
   std::map<std::size_t, double> unsettled_;  // phase -> m/s, rms, of those that were to settle
+  std::map<std::size_t, double> pushed_;     // phase -> J, of those whose bodies overlapped
   double seconds_before_ = 0, seconds_at_start_, last_restart_;
 };
 
@@ -603,6 +626,7 @@ Case case_to_go_on(const Comm& comm, RestartState& state, const std::vector<std:
   std::vector<std::string> all = state.overrides;
   all.insert(all.end(), overrides.begin(), overrides.end());
   Case after = stored_case(state, all, files);
+  check_cohesion_ahead(before, after);
   check_read_outs_ahead(state, before, after);
   check_walls_ahead(comm, state, before, after);
   follow_materials(before, after, state.bodies);

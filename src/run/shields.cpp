@@ -15,6 +15,7 @@ Shields::Shields(const Comm& comm, const Case& scene) {
   for (const Shield& shield : scene.shields)
     walls_.push_back({.wall = lay_wall(comm, scene, shield),
                       .last = {},
+                      .most_spall = {},
                       .largest = {},
                       .times = {},
                       .margins = {}});
@@ -59,7 +60,8 @@ void add(const ShieldWall& wall, const WallVerdict& v, const Coming& largest, Re
   table.add(section, "hole", v.hole, "m", "diameter of a circle as large as the largest opening");
   table.add(section, "openings", v.openings);
   table.add(section, "opening_at_edge", v.opening_at_edge, "", "the wall may be too small");
-  table.add(section, "spall_mass", v.spall_mass, "kg", "behind its rear, moving away");
+  table.add(section, "spall_mass", v.spall_mass, "kg",
+            "behind its rear, moving away; of what something has stopped there, the most that was");
   table.add(section, "spall_pieces", v.spall_pieces, "", "single bodies, too");
   table.add(section, "spall_largest", v.spall_largest, "kg");
   table.add(section, "rim_mass", v.rim_mass, "kg", "the same, from the rim, which is not judged");
@@ -98,8 +100,10 @@ bool is_still_failing(const WallVerdict& last, const std::vector<double>& margin
 }
 
 std::string sentence_of(const ShieldWall& wall, const WallVerdict& v, const Coming& largest) {
+  // A group that is called "wall", as most are, is not named twice.
+  const char* what = wall.name.find("wall") == std::string::npos ? "wall " : "";
   std::string text =
-      fmt::format("wall {}: {}, margin {:.3g}: ", wall.name, name_of(v.outcome), v.margin);
+      fmt::format("{}{}: {}, margin {:.3g}: ", what, wall.name, name_of(v.outcome), v.margin);
   switch (v.outcome) {
     case Outcome::held:
       text += fmt::format("{:.3g} m of its {:.3g} m are left where it is thinnest", v.thinnest,
@@ -147,6 +151,7 @@ std::vector<std::string> Shields::read_out(const World& world, const Engine& eng
   const LinkedBodies linked = engine.links(world);
   for (Judged& judged : walls_) {
     judged.last = judge_wall(world.comm, linked, judged.wall);
+    keep_spall(judged.most_spall, judged.last);
     judged.times.push_back(time);
     judged.margins.push_back(judged.last.margin);
     lines.push_back(sentence_of(judged.wall, judged.last, judged.largest));
@@ -185,6 +190,17 @@ std::string entry(const ShieldWall& wall, std::size_t row, const char* what) {
   return fmt::format("{}.{}.{}", wall.section, row, what);
 }
 
+/// Calls `f(key, value)` for what tells the most spall that was seen to leave it.
+template <class SomeVerdict, class F>
+void for_each_of_spall(const ShieldWall& wall, SomeVerdict& most, F&& f) {
+  const auto key = [&](const char* name) { return wall.section + ".most_spall." + name; };
+  f(key("margin"), most.margin);
+  f(key("pieces"), most.spall_pieces);
+  f(key("mass"), most.spall_mass);
+  f(key("largest"), most.spall_largest);
+  f(key("speed"), most.spall_speed);
+}
+
 /// Calls `f(key, value)` for what tells the form and the motion of the largest piece.
 template <class SomeComing, class F>
 void for_each_of_form(const ShieldWall& wall, SomeComing& largest, F&& f) {
@@ -207,6 +223,10 @@ void Shields::save(Scalars& scalars) const {
     scalars[judged.wall.section + ".largest_met_density"] = judged.largest.density;
     for_each_of_form(judged.wall, judged.largest,
                      [&](const std::string& key, double value) { scalars[key] = value; });
+    if (judged.most_spall.outcome == Outcome::detached_spall)
+      for_each_of_spall(judged.wall, judged.most_spall, [&](const std::string& key, auto value) {
+        scalars[key] = static_cast<double>(value);
+      });
     for (std::size_t r = 0; r < judged.times.size(); ++r) {
       scalars[entry(judged.wall, r, "time")] = judged.times[r];
       scalars[entry(judged.wall, r, "margin")] = judged.margins[r];
@@ -229,6 +249,13 @@ void Shields::load(const Scalars& scalars) {
       for_each_of_form(judged.wall, judged.largest, [&](const std::string& key, double& value) {
         if (scalars.contains(key)) value = find_scalar(scalars, key);
       });
+    }
+    if (scalars.contains(section + ".most_spall.mass")) {
+      judged.most_spall.outcome = Outcome::detached_spall;
+      for_each_of_spall(judged.wall, judged.most_spall,
+                        [&]<class T>(const std::string& key, T& value) {
+                          value = static_cast<T>(find_scalar(scalars, key));
+                        });
     }
     for (std::size_t r = 0; scalars.contains(entry(judged.wall, r, "time")); ++r) {
       judged.times.push_back(find_scalar(scalars, entry(judged.wall, r, "time")));

@@ -36,7 +36,7 @@ class Shields {
  private:
   struct Judged {
     ShieldWall wall;
-    WallVerdict last;
+    WallVerdict last, most_spall;        ///< of all looks, where spall left a wall without a hole
     Coming largest;                      ///< of all times that were looked at
     std::vector<double> times, margins;  ///< s; of the thickness
   };

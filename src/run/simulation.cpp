@@ -399,6 +399,7 @@ PhaseEvents Simulation::begin_phase(const std::function<void(const World&)>& bef
   if (clock().phase > 0 &&
       (phase().engine != state_->type || phase().remove_drift || phase().impactor))
     events.closing = engine->close_kick(world, scene().phases[clock().phase - 1].step);
+  const bool other_method = clock().phase > 0 && phase().engine != state_->type;
   const bool other_law = phase().engine != state_->type || phase().cohesion;
   // What pairs hold changes hands: from the former engine and cohesion to these.
   const double held = other_law ? engine->energy(world) : 0;
@@ -439,7 +440,15 @@ PhaseEvents Simulation::begin_phase(const std::function<void(const World&)>& bef
   set_prescribed_velocities(world, world.time, phase().step);
   state_->check_steps();
   check_later_steps(world, scene(), clock());
-  if (other_law) state_->account.book_energy(engine->energy(world) - held);
+  if (other_law) {
+    const double holds = engine->energy(world), had = std::max(held, 0.0);
+    state_->account.book_energy(holds - held);
+    if (other_method && holds > had) {
+      const Diagnostics sums = diagnose(world);
+      events.pushed = holds - had;
+      events.pushed_share = events.pushed / (events.pushed + sums.kinetic + sums.dissipated + had);
+    }
+  }
   return events;
 }
 

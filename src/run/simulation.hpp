@@ -21,6 +21,9 @@ struct PhaseEvents {
   std::optional<Aim> aim;                   ///< of the impactor, where one was added
   BeforeImpact before;                      ///< as it flies at the target
   std::optional<HandOver> flow;             ///< where its flow was handed to the bodies
+  /// J, that pairs hold by a new method beyond what they held by the former: bodies that overlap as
+  /// that one bears them are pushed apart. And over what moves, was held or dissipated.
+  double pushed = 0, pushed_share = 0;
 };
 
 }  // namespace spall

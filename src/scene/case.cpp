@@ -167,7 +167,8 @@ void read_case_keys(Section& in, Case& scene) {
     scene.reference = (std::filesystem::path(folder) / scene.reference).string();
     scene.reference_place = in.place("reference");
   }
-  in.take("seed", "of random packings and of flaws in brittle solids", seed, 0);
+  in.take("seed", "of random packings, of how crystals lie and of flaws in brittle solids", seed,
+          0);
   scene.seed = static_cast<std::uint64_t>(seed);
   in.take("allowed_overlap", "of two bodies at the start, in units of the smaller radius",
           scene.allowed_overlap, Quantity{number, 0, 1});
@@ -272,8 +273,11 @@ void check_whole(const Case& scene, Groups groups) {
   for (const Phase& phase : scene.phases) {
     if (const auto& impactor = phase.impactor) {
       struck = true;
-      uses.push_back(
-          {.place = impactor->place, .group = "impactor", .material = impactor->material});
+      uses.push_back({.place = impactor->place,
+                      .group = "impactor",
+                      .material = impactor->material,
+                      .diameter = 2 * impactor->radius,
+                      .lone = true});
     }
     phase.engine->check(
         scene, uses, phase.settings,
@@ -444,6 +448,8 @@ Case parse_case(const std::string& text, const std::string& file,
   scene.unused = unused_parts(root, scene);
   for (const EngineType* type : all_engines()) type->derive(scene, uses, scene.engines);
   for (Phase& phase : scene.phases) phase.engine->derive(scene, uses, phase.settings);
+  // These ask how wide groups are, also of a run that goes on, which else reads no meshes.
+  if (scene.debris || !scene.shields.empty()) load_meshes(scene, files);
   find_debris_groups(scene);
   gather_motions(scene);
   check_whole(scene, groups);

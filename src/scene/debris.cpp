@@ -64,6 +64,16 @@ void check_plate(const Case& scene, int group, const std::string& told) {
           flight, plate.name, lasts);
   require(miss_of_line(volume, ball.volume.center, ball.velocity) < 0,
           "{} flies past \"{}\": its line does not meet it", projectile, plate.name);
+  if (!scene.debris->wall) return;
+  const Vec3 behind = speed < 0 ? Vec3(-normal) : normal;
+  for (const Group& other : scene.groups) {
+    const double depth = behind.dot(other.volume.center - volume.center) +
+                         half_widths_in_world(other.volume).dot(normal.cwiseAbs());
+    require(&other == &plate || &other == &ball || depth <= half_widths(volume)[thin],
+            "{}.wall = {:g} m is what a wall would receive behind \"{}\", where debris fly freely, "
+            "and groups.{} may stop them",
+            scene.debris->place, *scene.debris->wall, plate.name, other.name);
+  }
 }
 
 }  // namespace

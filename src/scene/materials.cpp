@@ -4,7 +4,10 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
 #include <sstream>
+#include <string>
+#include <utility>
 
 #include "engine/between.hpp"
 #include "keys/toml_text.hpp"
@@ -253,14 +256,22 @@ std::vector<MaterialUse> material_uses(const Case& scene) {
                     .material = group.material,
                     .lattice = lattice_of(group.packing),
                     .diameter = 2 * group.packing.radius,
+                    .lone = group.packing.type == &single_packing,
                     .scaled = group.total_mass.has_value(),
                     .fixed = group.held()});
-  for (const SceneSphere& sphere : scene.spheres)
-    uses.push_back({.place = fmt::format("{}: sphere", scene.file),
-                    .group = "spheres",
-                    .material = find_material(scene.materials, sphere.material, scene.file),
-                    .mass = sphere.mass,
-                    .fixed = sphere.fixed});
+  // There may be many: one use a material, as of a group, and one of those that are fixed.
+  std::map<std::pair<std::string, bool>, std::size_t> of_spheres;
+  for (const SceneSphere& sphere : scene.spheres) {
+    const auto [at, is_new] = of_spheres.try_emplace({sphere.material, sphere.fixed}, uses.size());
+    if (is_new)
+      uses.push_back({.place = fmt::format("{}: sphere", scene.file),
+                      .group = "spheres",
+                      .material = find_material(scene.materials, sphere.material, scene.file),
+                      .mass = sphere.mass,
+                      .fixed = sphere.fixed});
+    MaterialUse& use = uses[at->second];
+    use.mass = std::min(use.mass, sphere.mass);
+  }
   return uses;
 }
 

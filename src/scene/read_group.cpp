@@ -130,7 +130,7 @@ void read_group(Section& in, Group& group, const std::vector<Material>& material
 void load_meshes(Case& scene, const InputFiles& files) {
   for (Group& group : scene.groups) {
     Volume& volume = group.volume;
-    if (volume.shape != Shape::mesh) continue;
+    if (volume.shape != Shape::mesh || volume.mesh) continue;
     try {
       volume.mesh = std::make_shared<const SurfaceMesh>(
           SurfaceMesh::from_obj(files.text(volume.file), volume.file, volume.unit));

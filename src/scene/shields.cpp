@@ -129,6 +129,10 @@ void find_wall(const Case& scene, Shield& shield) {
           wall.fixed ? "fixed" : "moved as prescribed");
   require(wall.spin.isZero(0), "{} spins: a wall is judged as it was laid, but for its way", told);
   require(!scene.period.any(), "{}: walls are not judged in a [periodic] box", told);
+  require(scene.walls().size() == 0,
+          "{}: [[planes]], [[boxes]] or [[cylinders]] may prop it up and stop what leaves it; make "
+          "them groups",
+          told);
   const Lattice lattice = lattice_of(wall.packing);
   require(wall.packing.type->lattice && lattice.neighbours > 0,
           "{}: its packing is no lattice, whose spacing tells how small a hole can be seen", told);
