@@ -98,8 +98,9 @@ def main():
     figure, axes = plt.subplots(figsize=(7, 4.2))
     fine = [options.speeds[0] + k / 20 * (options.speeds[-1] - options.speeds[0])
             for k in range(21)]
-    for name, equation in EQUATIONS.items():
-        axes.plot(fine, [10 * equation(shot_at(speed)) for speed in fine], lw=1, label=name)
+    for name, equation in EQUATIONS.items():  # some lie on the ones that they modify
+        axes.plot(fine, [10 * equation(shot_at(speed)) for speed in fine], lw=1.2, label=name,
+                  ls="--" if name.startswith("modified") else "-")
     middle = [(low + high) / 2 for low, high in brackets]
     axes.errorbar(options.speeds, middle, [(high - low) / 2 for low, high in brackets], fmt="o",
                   color="black", capsize=3, label="Spall: between held and failed")
