@@ -74,6 +74,18 @@ def rows_of(sweep):
             for row in json.load(open(f"out/{sweep}/table.json")) if row["groups.ball.volume.radius"] != "3m"]
 assert rows_of("array") == rows_of("fall-sweep"), rows_of("array")
 END
+# A job of one case names its folder as `spall run` does, and takes no other case's results for its own.
+commands=$PWD/slurm
+one_job() { # case [folder]
+  PATH=$commands:$PATH SPALL=$spall SLURM_JOB_ID=1 bash "$job" "$@" >job.txt 2>&1
+}
+mkdir tower
+cp fall.toml tower/case.toml
+one_job fall.toml && [ -f out/fall/results.toml ] || fail "a job of fall.toml: $(cat job.txt)"
+(cd tower && one_job case.toml && [ -f out/tower/results.toml ]) || fail "a job of a case.toml: $(cat tower/job.txt)"
+one_job fall.toml && grep -q "'out/fall' holds the results already" job.txt || fail "a job that is over: $(cat job.txt)"
+one_job tower/case.toml out/fall && fail "a job takes the results of another case"
+grep -q "'out/fall' holds the results of another case" job.txt || fail "another case's results: $(cat job.txt)"
 "$spall" sweep fall.toml --set seed=1..3 --out out/empty --table >out.txt
 [ $? = 3 ] && grep -q "3 of 3 are not done" out.txt || fail "a table of nothing: $(cat out.txt)"
 

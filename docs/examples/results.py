@@ -9,5 +9,6 @@ run = spall.run("cases/hello/case.toml", out="out/seed_2", set={"seed": 2})
 print(run["deflection"]["beta_along"])   # results.toml
 run.series.plot("time", "kinetic") # series.csv, a pandas frame
 for time, bodies in run.frames():  # trajectory.h5
-    print(time, bodies["position"].mean(axis=0))
+    cloud = bodies["group"] == 0   # the impactor's row is NaN before it is added
+    print(time, bodies["position"][cloud].mean(axis=0))
 run.report()                       # report.html

@@ -3,5 +3,5 @@
 spall check docs/examples/shield.toml
 mpirun -n 2 spall run docs/examples/shield.toml --out out/shield
 spall report out/shield
-grep -A 23 -e '^\[shield_' -e '^\[conservation' out/shield/results.toml
+sed -n '/^\[shield_/,/^$/p; /^\[conservation/,/^$/p' out/shield/results.toml
 spall check cases/whipple/case.toml

@@ -19,7 +19,7 @@ from PIL import Image
 PAGE = Path("docs/gallery.md")
 # As the page tells them.
 COMMAND = re.compile(r"^    spall (run .*?) --out out/gallery/(\w+)$", re.M)
-WIDEST, COLOURS = 900, 64
+WIDEST, COLOURS = 900, 160
 
 
 def first_picture(report):
