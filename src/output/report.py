@@ -82,7 +82,8 @@ def pictures_of(run):
     import report_interior
     pictures = Pictures(run.folder)
     pictures.add("bodies", figures.before_and_after(run),
-                 "The bodies, both from the same place and at the same scale.", "Pictures")
+                 "The bodies, both from the same place and at the same scale. Each group has a "
+                 "colour.", "Pictures")
     pictures.add("velocities", figures.velocities(run),
                  "Left: bodies behind the plane of the cut, coloured by speed; arrows: "
                  "velocity in the plane of the bodies next to it, length as the root of the "

@@ -23,12 +23,17 @@ plt.rcParams.update({
 })
 
 
-def rock(count):
-    """Grey-brown, a little different for each body, always the same for the same body."""
-    noise = np.random.default_rng(1).random((count, 2))
+# Of rock, and of the groups after the first: steel, copper, moss, brick, lilac, sea.
+TINTS = np.array([[0.98, 0.93, 0.86], [0.55, 0.72, 0.95], [0.98, 0.66, 0.38], [0.58, 0.83, 0.56],
+                  [0.93, 0.52, 0.48], [0.76, 0.65, 0.96], [0.45, 0.83, 0.82]])
+
+
+def rock(group):
+    """A tint a group, a little different for each body, always the same for the same body."""
+    noise = np.random.default_rng(1).random((len(group), 2))
     shade = 0.70 + 0.24 * noise[:, :1]
     warmth = (noise[:, 1:] - 0.5) * 0.06
-    return shade * np.array([0.98, 0.93, 0.86]) + warmth * np.array([1, 0, -1])
+    return shade * TINTS[group % len(TINTS)] + warmth * np.array([1, 0, -1])
 
 
 def nice_length(length):
@@ -53,25 +58,25 @@ def show(axes, camera, image):
     axes.axis("off")
 
 
-def pile_size(frame):
-    """Middle and a size (m) that holds nearly all bodies: those far away do not count."""
+def pile_size(frame, share=0.98):
+    """Middle and a size (m) that holds this share of the bodies: those far away do not count."""
     middle = np.median(frame.position, axis=0)
     distance = np.linalg.norm(frame.position - middle, axis=1) + frame.radius
-    return middle, 2 * np.quantile(distance, 0.98)
+    return middle, 2 * np.quantile(distance, share)
 
 
 def before_and_after(run):
     """The bodies before the impact and at the end, seen from where the impactor came."""
     _, size = pile_size(run.before)
-    # What spreads further would leave too little to see.
-    size = min(max(size, pile_size(run.after)[1]), 2 * size)
+    # A cloud of debris, and what spreads further, would leave too little to see of the rest.
+    size = min(max(size, pile_size(run.after, 0.9)[1]), 2 * size)
     side, up = run.side_view()
     toward = 0.85 * side - 0.62 * run.flight + 0.42 * up
     figure, axes = plt.subplots(1, 2, figsize=(12, 6.2), facecolor=tuple(SKY))
     for panel, frame in zip(axes, (run.before, run.after)):
         center = np.median(frame.position, axis=0)
         camera = Camera(toward, up, center, 1.42 * size, 1.42 * size, 760)
-        color = rock(len(frame.radius))
+        color = rock(frame.group)
         of, places, radii = frame.spheres
         show(panel, camera, render(camera, places, radii, color[of], SKY))
         scale_bar(panel, camera)

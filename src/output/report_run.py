@@ -49,9 +49,9 @@ def has_ended(process):
 class Frame:
     """The bodies that are there at one time."""
 
-    def __init__(self, time, position, velocity, radius, mass, spheres=None):
+    def __init__(self, time, position, velocity, radius, mass, group, spheres=None):
         self.time, self.position, self.velocity = time, position, velocity
-        self.radius, self.mass = radius, mass
+        self.radius, self.mass, self.group = radius, mass, group
         # Of each sphere that is drawn: its body, place and radius.
         self.spheres = spheres or (np.arange(len(radius)), position, radius)
 
@@ -61,7 +61,8 @@ class Frame:
         of, position, radius = self.spheres
         drawn = of != body
         return Frame(self.time, self.position[keep], self.velocity[keep], self.radius[keep],
-                     self.mass[keep], (number[of[drawn]], position[drawn], radius[drawn]))
+                     self.mass[keep], self.group[keep],
+                     (number[of[drawn]], position[drawn], radius[drawn]))
 
 
 class GravityMap:
@@ -225,7 +226,8 @@ class Run:
             orientation = all_bodies["orientation/value"][k][there]
             places = places + radius[of, None] * turned(orientation[of], centers)
         return Frame(time[k], position, all_bodies["velocity/value"][k][there], radius,
-                     all_bodies["mass"][:][there], (of, places, radius[of] * radii))
+                     all_bodies["mass"][:][there], all_bodies["group"][:][there],
+                     (of, places, radius[of] * radii))
 
     def read_results(self):
         """Values, and the unit and note that stand behind each of them as a comment."""

@@ -224,7 +224,7 @@ std::string describe_phases(const Case& scene, const std::vector<GroupContent>& 
       const double flight = phase.impactor->speed * phase.step;
       text += fmt::format(
           "\n  the impactor flies {:.3g} m a step, {:.3g} of its radius; steps of {:.3g} s are one "
-          "radius (thesis eq. 3.1)\n",
+          "radius\n",
           flight, flight / phase.impactor->radius, phase.impactor->radius / phase.impactor->speed);
     }
   for (const std::string& table : scene.unused) text += "\n  " + table + "\n";

@@ -51,8 +51,9 @@ void place(const PackingRequest& request) {
       radii.smallest() < radii.largest() ? fmt::format("{:.4g} to ", radii.smallest()) : "",
       radii.largest(), filled(radii.count));
   const std::string mend =
-      "enlarge the volume (random packings of equal spheres end near 0.38) or "
-      "take a lattice";
+      "enlarge the volume (random packings of equal spheres end near 0.38, and below that where "
+      "few "
+      "spheres lie side by side) or take a lattice";
   const double most = most_filled_at_random(request.volume, radii);
   require(filled(radii.count) <= most, "{}; at random at most {:.3f} can be: {}", wanted, most,
           mend);

@@ -182,7 +182,7 @@ std::string describe(const Surroundings& around, std::span<const MaterialUse> us
             1 - law.filled, law.pores.elastic, law.pores.compacted);
       text += flow_of(law);
       if (yields_in_contacts_alone(*around.materials[use.material].solid))
-        text += "    yield_strength is that of rigid spheres in [contact], not of this solid\n";
+        text += "    yield_strength is not used: its flow has constants of its own\n";
       text += failure_of(law, spacing);
     } else {
       text += "    elastic: nothing yields, melts or tears\n";
