@@ -22,6 +22,7 @@ struct MaterialUse {
   Lattice lattice = {};  ///< no neighbours: none
   double diameter = 0;   ///< m, of its spheres, the largest of unequal ones; 0: not known yet
   bool lone = false;     ///< it is one body
+  bool unequal = false;  ///< its bodies have different sizes
   bool scaled = false;   ///< total_mass changes the density of its bodies
   double mass = 0;       ///< kg, of its lightest body; 0: not known yet
   bool fixed = false;    ///< or moves as prescribed: infinite mass

@@ -263,6 +263,12 @@ void check(const Surroundings& around, std::span<const MaterialUse> uses,
           "a group, or give the law by hand",
           phase.place, potential->derived ? potential->derived->place : "");
   // Bodies are as large as their laws say, whatever they are drawn as.
+  for (const MaterialUse& use : uses)
+    require(
+        !use.unequal,
+        "{}: {}.method = \"potential\" knows no radii, and its bodies have different ones: they "
+        "would act as if all were alike",
+        use.place, phase.place);
   constexpr double far_off = 1.5;
   for (const MaterialUse& one : uses)
     for (const MaterialUse& other : uses.first(&one - uses.data() + 1)) {

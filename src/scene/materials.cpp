@@ -248,17 +248,30 @@ void derive_contact_law(Case& scene, std::span<const MaterialUse> uses) {
   });
 }
 
+namespace {
+
+bool has_unequal_bodies(const Group& group, std::uint64_t seed) {
+  const Packing& packing = group.packing;
+  if (!packing.type->radii) return packing.type == &graded_packing;
+  const Radii radii = packing.type->radii(packing, seed);
+  return radii.smallest() < radii.largest();
+}
+
+}  // namespace
+
 std::vector<MaterialUse> material_uses(const Case& scene) {
   std::vector<MaterialUse> uses;
   for (const Group& group : scene.groups)
-    uses.push_back({.place = group.place,
-                    .group = group.name,
-                    .material = group.material,
-                    .lattice = lattice_of(group.packing),
-                    .diameter = 2 * group.packing.radius,
-                    .lone = group.packing.type == &single_packing,
-                    .scaled = group.total_mass.has_value(),
-                    .fixed = group.held()});
+    uses.push_back(
+        {.place = group.place,
+         .group = group.name,
+         .material = group.material,
+         .lattice = lattice_of(group.packing),
+         .diameter = 2 * group.packing.radius,
+         .lone = group.packing.type == &single_packing,
+         .unequal = has_unequal_bodies(group, stream_of(scene, &group - scene.groups.data())),
+         .scaled = group.total_mass.has_value(),
+         .fixed = group.held()});
   // There may be many: one use a material, as of a group, and one of those that are fixed.
   std::map<std::pair<std::string, bool>, std::size_t> of_spheres;
   for (const SceneSphere& sphere : scene.spheres) {

@@ -67,6 +67,8 @@ struct PackingType {
   void (*place)(const PackingRequest& request);
 };
 
+extern const PackingType graded_packing;
+
 /// In the order in which their names are listed.
 std::span<const PackingType* const> all_packings();
 
