@@ -182,12 +182,14 @@ TEST(StoredPile, is_placed_spun_carved_and_weighed_as_asked) {
 }
 
 /// A copy of `pile`, pile.h5, and a surface, tetrahedron.obj.
+const std::string tetrahedron =
+    "v 0 0 0\nv 9 0 0\nv 0 9 0\nv 0 0 9\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+
 void write_files_of_bodies(const std::string& folder, const std::string& pile) {
   std::filesystem::create_directories(folder);
   std::filesystem::copy_file(pile, folder + "/pile.h5",
                              std::filesystem::copy_options::overwrite_existing);
-  write_whole(folder + "/tetrahedron.obj",
-              "v 0 0 0\nv 9 0 0\nv 0 9 0\nv 0 0 9\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+  write_whole(folder + "/tetrahedron.obj", tetrahedron);
 }
 
 TEST(InputFiles, are_those_of_rank_0_wherever_the_others_are) {
@@ -240,11 +242,9 @@ duration = 1
 TEST(Mesh, that_flies_at_a_wall_is_as_wide_as_its_file_says) {
   const std::string folder = folder_of("mesh");
   const Comm comm = testing_world();
-  const std::string obj =
-      "v 0 0 0\nv 9 0 0\nv 0 9 0\nv 0 0 9\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
   on_first_rank(comm, [&] {
     std::filesystem::create_directories(folder);
-    write_whole(folder + "/tetrahedron.obj", obj);
+    write_whole(folder + "/tetrahedron.obj", tetrahedron);
   });
   const auto told = [&](const std::string& unit, const std::string& asked) {
     const std::string text = R"([materials.al]

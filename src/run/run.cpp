@@ -401,6 +401,15 @@ class Run {
         phase().place, id, clock().step, phase().name, restart_file(), kept_.clock.step));
   }
 
+  /// What is warned of phases, by the names that restart files have for it.
+  template <class Self>
+  static auto warned_phases(Self& self) {
+    return std::array{std::pair{"unsettled", &self.unsettled_}, std::pair{"pushed", &self.pushed_}};
+  }
+  static std::string name_of(const char* what, std::size_t phase) {
+    return fmt::format("run.{}.{}", what, phase);
+  }
+
   void keep() {
     StageTimer timer(world().stages, "output");
     const double now = MPI_Wtime();
@@ -416,15 +425,9 @@ class Run {
     debris_.save(kept_.scalars);
     shields_.save(kept_.scalars);
     reactions_.save(kept_.scalars);
-    for (const auto& [k, rms_speed] : unsettled_) kept_.scalars[name_of_unsettled(k)] = rms_speed;
-    for (const auto& [k, energy] : pushed_) kept_.scalars[name_of_pushed(k)] = energy;
+    for (const auto& [what, of_phases] : warned_phases(*this))
+      for (const auto& [k, value] : *of_phases) kept_.scalars[name_of(what, k)] = value;
     simulation_->go_on(kept_);
-  }
-  static std::string name_of_unsettled(std::size_t phase) {
-    return fmt::format("run.unsettled.{}", phase);
-  }
-  static std::string name_of_pushed(std::size_t phase) {
-    return fmt::format("run.pushed.{}", phase);
   }
 
   void write(const std::string& file) {
@@ -447,11 +450,10 @@ class Run {
     debris_.load(scalars);
     shields_.load(scalars);
     reactions_.load(scalars);
-    for (std::size_t k = 0; k < scene_.phases.size(); ++k) {
-      if (scalars.contains(name_of_unsettled(k)))
-        unsettled_[k] = find_scalar(scalars, name_of_unsettled(k));
-      if (scalars.contains(name_of_pushed(k))) pushed_[k] = find_scalar(scalars, name_of_pushed(k));
-    }
+    for (const auto& [what, of_phases] : warned_phases(*this))
+      for (std::size_t k = 0; k < scene_.phases.size(); ++k)
+        if (const std::string name = name_of(what, k); scalars.contains(name))
+          (*of_phases)[k] = find_scalar(scalars, name);
   }
 
   void finish() {

@@ -67,7 +67,8 @@ void place(const PackingRequest& request) {
 }  // namespace
 
 extern const PackingType graded_packing;
-const PackingType graded_packing{.name = "graded", .read = read, .place = place};
+const PackingType graded_packing{
+    .name = "graded", .read = read, .unequal = [](const Packing&) { return true; }, .place = place};
 
 void place_graded(const Volume& volume, double largest, const Grading& grading, std::uint64_t seed,
                   std::string_view asked_at,

@@ -248,17 +248,6 @@ void derive_contact_law(Case& scene, std::span<const MaterialUse> uses) {
   });
 }
 
-namespace {
-
-bool has_unequal_bodies(const Group& group, std::uint64_t seed) {
-  const Packing& packing = group.packing;
-  if (!packing.type->radii) return packing.type == &graded_packing;
-  const Radii radii = packing.type->radii(packing, seed);
-  return radii.smallest() < radii.largest();
-}
-
-}  // namespace
-
 std::vector<MaterialUse> material_uses(const Case& scene) {
   std::vector<MaterialUse> uses;
   for (const Group& group : scene.groups)
@@ -269,7 +258,7 @@ std::vector<MaterialUse> material_uses(const Case& scene) {
          .lattice = lattice_of(group.packing),
          .diameter = 2 * group.packing.radius,
          .lone = group.packing.type == &single_packing,
-         .unequal = has_unequal_bodies(group, stream_of(scene, &group - scene.groups.data())),
+         .unequal = group.packing.type->unequal && group.packing.type->unequal(group.packing),
          .scaled = group.total_mass.has_value(),
          .fixed = group.held()});
   // There may be many: one use a material, as of a group, and one of those that are fixed.

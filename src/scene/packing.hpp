@@ -59,6 +59,8 @@ struct PackingType {
   bool keeps_clear = false;
   /// Reads its own keys; `radius` is read.
   void (*read)(Section& in, Packing& packing);
+  /// Whether its spheres may differ in size; null: they do not.
+  bool (*unequal)(const Packing& packing) = nullptr;
   /// Radii of its spheres, where they are known before they are placed; null: placing them tells.
   Radii (*radii)(const Packing& packing, std::uint64_t seed) = nullptr;
   /// The lattice of its spheres; null: none.
@@ -66,8 +68,6 @@ struct PackingType {
   /// Puts all bodies, in an order that does not depend on the rank.
   void (*place)(const PackingRequest& request);
 };
-
-extern const PackingType graded_packing;
 
 /// In the order in which their names are listed.
 std::span<const PackingType* const> all_packings();

@@ -7,6 +7,7 @@
 namespace spall {
 
 extern const PackingType random_packing, simple_cubic_packing, fcc_packing, hcp_packing;
+extern const PackingType graded_packing;
 extern const PackingType file_packing;
 
 std::span<const PackingType* const> all_packings() {

@@ -30,6 +30,11 @@ void read(Section& in, Packing& packing) {
   packing.own = sizes;
 }
 
+bool is_unequal(const Packing& packing) {
+  const auto* sizes = std::any_cast<Sizes>(&packing.own);
+  return sizes && sizes->smallest < sizes->largest && packing.count.value() > 1;
+}
+
 Radii radii_of(const Packing& packing, std::uint64_t seed) {
   const std::int64_t count = packing.count.value();
   const auto* sizes = std::any_cast<Sizes>(&packing.own);
@@ -52,8 +57,7 @@ void place(const PackingRequest& request) {
       radii.largest(), filled(radii.count));
   const std::string mend =
       "enlarge the volume (random packings of equal spheres end near 0.38, and below that where "
-      "few "
-      "spheres lie side by side) or take a lattice";
+      "few spheres lie side by side) or take a lattice";
   const double most = most_filled_at_random(request.volume, radii);
   require(filled(radii.count) <= most, "{}; at random at most {:.3f} can be: {}", wanted, most,
           mend);
@@ -268,8 +272,12 @@ class Addition {
 }  // namespace
 
 extern const PackingType random_packing;
-const PackingType random_packing{
-    .name = "random", .keeps_clear = true, .read = read, .radii = radii_of, .place = place};
+const PackingType random_packing{.name = "random",
+                                 .keeps_clear = true,
+                                 .read = read,
+                                 .unequal = is_unequal,
+                                 .radii = radii_of,
+                                 .place = place};
 
 double most_filled_at_random(const Volume& volume, const Radii& radii) {
   // Where random sequential addition of equal spheres ends (Zhang & Torquato 2013: 0.38413). For
